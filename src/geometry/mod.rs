@@ -1,0 +1,11 @@
+//! Triangle meshes and what can be said about them without knowing any material.
+
+mod mesh;
+mod normals;
+pub mod polygon;
+pub mod shapes;
+mod triangle;
+
+pub use mesh::TriangleMesh;
+pub use normals::{CornerNormals, corner_normals};
+pub use triangle::{RayKernel, Triangle, TriangleHit};

@@ -1,0 +1,1 @@
+//! Bytes to meshes, scene files and pictures, and back.

@@ -1,0 +1,17 @@
+//! Numbers every layer above agrees on: vectors, boxes, rays, frames, colour and robust small numerics.
+//!
+//! Lengths are in scene units, angles in radians unless a type says [`Degrees`]. Points and directions of the
+//! description are `f64` ([`DVec3`]); of the prepared scene `f32` ([`Vec3`]).
+
+mod angle;
+mod bounds;
+pub mod color;
+mod frame;
+mod ray;
+pub mod robust;
+
+pub use angle::Degrees;
+pub use bounds::{Bounds, DBounds};
+pub use frame::{SceneFrame, power_of_two};
+pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+pub use ray::Ray;

@@ -1,0 +1,58 @@
+use crate::math::{DVec3, Degrees};
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it stands.
+    pub eye: DVec3,
+    /// The point in the middle of the picture; not the eye.
+    pub target: DVec3,
+    /// Which way is up in the picture; not parallel to the view.
+    pub up: DVec3,
+    /// Angle over the full height of the picture, between 0° and 180°.
+    pub vertical_fov: Degrees,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            eye: DVec3::new(0.0, -6.0, 2.5),
+            target: DVec3::ZERO,
+            up: DVec3::Z,
+            vertical_fov: Degrees(40.0),
+        }
+    }
+}
+
+/// Smallest sine of the angle between view and up; below it, rounding alone would decide where right is.
+const SMALLEST_SINE: f64 = 1e-12;
+
+/// The three axes of a camera: unit vectors, right-handed (`right × up = −forward`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraAxes {
+    /// To the right in the picture.
+    pub right: DVec3,
+    /// Upwards in the picture.
+    pub up: DVec3,
+    /// Into the picture.
+    pub forward: DVec3,
+}
+
+impl Camera {
+    /// The camera's axes, or `None` where eye and target coincide or `up` is parallel to the view.
+    #[must_use]
+    pub fn axes(&self) -> Option<CameraAxes> {
+        let forward = (self.target - self.eye).try_normalize()?;
+        let up = self.up.try_normalize()?;
+        let right = forward.cross(up);
+        if right.length() < SMALLEST_SINE {
+            return None;
+        }
+        let right = right.normalize();
+        Some(CameraAxes {
+            right,
+            up: right.cross(forward),
+            forward,
+        })
+    }
+}

@@ -1,0 +1,41 @@
+use super::Choice;
+
+/// From linear radiance to what a screen shows. It changes no stored radiance.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Display {
+    /// In stops: radiance is multiplied by `2^exposure`.
+    pub exposure: f64,
+    /// How bright values are bent into the range a screen has.
+    pub tone_curve: ToneCurve,
+}
+
+/// How values above what a screen can show are treated, before the sRGB curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ToneCurve {
+    /// Clipped at 1.
+    #[default]
+    None,
+    /// Rolled off with the shape of the ACES reference rendering.
+    Aces,
+}
+
+impl Choice for ToneCurve {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::None, "none"), (Self::Aces, "aces")];
+}
+
+/// How pictures are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Output {
+    /// Bits per channel of PNG files.
+    pub png_bits: PngBits,
+}
+
+/// Bits per channel of a PNG file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PngBits {
+    /// 256 levels.
+    #[default]
+    Eight,
+    /// 65,536 levels.
+    Sixteen,
+}

@@ -1,0 +1,175 @@
+//! The description of a picture: plain data, in the units of the scene file, that files are read into, the window edits
+//! and undo copies. It knows neither files nor how it is rendered.
+//!
+//! Right-handed world with no fixed up axis; lengths in scene units, angles in degrees, colour linear RGB.
+
+mod background;
+mod camera;
+mod display;
+mod light;
+mod material;
+mod object;
+pub mod presets;
+mod settings;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::geometry::TriangleMesh;
+use crate::math::DBounds;
+
+pub use background::Background;
+pub use camera::{Camera, CameraAxes};
+pub use display::{Display, Output, PngBits, ToneCurve};
+pub use light::Light;
+pub use material::Material;
+pub use object::{Copies, Object, Placement};
+pub use settings::{AcceleratorChoice, Mode, PhongModel, RenderSettings, Shadows};
+
+/// Linear RGB: radiance, intensity or reflectance, as its field says.
+pub type Rgb = crate::math::DVec3;
+
+/// An enumeration whose values have names, in files and on screen.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// Every value with its name in files, in the order in which to offer them.
+    const ALL: &'static [(Self, &'static str)];
+
+    /// The name of this value in files.
+    ///
+    /// # Panics
+    /// When a value is missing in [`Choice::ALL`].
+    fn name(self) -> &'static str {
+        Self::ALL
+            .iter()
+            .find(|(value, _)| *value == self)
+            .expect("ALL lists every value")
+            .1
+    }
+}
+
+/// Everything a picture depends on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// What rays see that hit nothing.
+    pub background: Background,
+    /// Materials by name.
+    pub materials: BTreeMap<String, Material>,
+    /// Placed meshes, in drawing order.
+    pub objects: Vec<Object>,
+    /// Light sources, each summed.
+    pub lights: Vec<Light>,
+    /// What to compute.
+    pub render: RenderSettings,
+    /// From radiance to what a screen shows.
+    pub display: Display,
+    /// How pictures are stored.
+    pub output: Output,
+    /// The geometry behind every [`Object::mesh`], shared with copies of the scene.
+    pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
+}
+
+impl Scene {
+    /// The material of `object`; the default one where it names none.
+    ///
+    /// # Errors
+    /// The name that no material has.
+    pub fn material_of(&self, object: &Object) -> Result<Material, SceneError> {
+        match &object.material {
+            None => Ok(Material::default()),
+            Some(name) => {
+                self.materials
+                    .get(name)
+                    .cloned()
+                    .ok_or_else(|| SceneError::UnknownMaterial {
+                        object: object.name.clone(),
+                        material: name.clone(),
+                        known: self.materials.keys().cloned().collect(),
+                    })
+            }
+        }
+    }
+
+    /// The mesh of `object`.
+    ///
+    /// # Errors
+    /// When it was not loaded.
+    pub fn mesh_of(&self, object: &Object) -> Result<&Arc<TriangleMesh>, SceneError> {
+        self.meshes
+            .get(&object.mesh)
+            .ok_or_else(|| SceneError::MeshNotLoaded {
+                object: object.name.clone(),
+                mesh: object.mesh.clone(),
+            })
+    }
+
+    /// The world box of all objects with all their copies; lights do not count. Objects whose mesh is not loaded are
+    /// left out.
+    #[must_use]
+    pub fn bounds(&self) -> DBounds {
+        let object_bounds = |object: &Object| {
+            let mesh = self.meshes.get(&object.mesh)?;
+            Some(object.bounds_of(mesh))
+        };
+        self.objects
+            .iter()
+            .filter_map(object_bounds)
+            .fold(DBounds::EMPTY, DBounds::union)
+    }
+
+    /// Triangles of all objects with all their copies.
+    #[must_use]
+    pub fn triangle_count(&self) -> u64 {
+        let count = |object: &Object| {
+            let triangles = self
+                .meshes
+                .get(&object.mesh)
+                .map_or(0, |mesh| mesh.triangles.len() as u64);
+            triangles.saturating_mul(object.copies.total())
+        };
+        self.objects.iter().map(count).fold(0, u64::saturating_add)
+    }
+}
+
+/// Why a description cannot be rendered.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SceneError {
+    /// An object names a material that is not there.
+    #[error("object \"{object}\" uses material \"{material}\", which is not defined; defined: {}", list(.known))]
+    UnknownMaterial {
+        /// The object's name.
+        object: String,
+        /// The name it asks for.
+        material: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// An object's mesh has not been loaded.
+    #[error("the mesh \"{mesh}\" of object \"{object}\" is not loaded")]
+    MeshNotLoaded {
+        /// The object's name.
+        object: String,
+        /// The mesh it asks for.
+        mesh: String,
+    },
+    /// A number is outside what it means.
+    #[error("{key} is {value}; expected {expected}")]
+    BadValue {
+        /// The key as in the scene file.
+        key: String,
+        /// What it holds.
+        value: String,
+        /// What it may hold.
+        expected: String,
+    },
+}
+
+/// Names for a message: "a, b, c", or "none".
+fn list(names: &[String]) -> String {
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    }
+}
