@@ -1,11 +1,20 @@
 //! Finding what a ray hits among many triangles: the kd-tree, and brute force as its reference.
 //!
 //! Both answer with the same bits: which hit is nearest is decided by the shared kernel's `t`, then by the smaller
-//! triangle id, never by the structure.
+//! triangle id, never by the structure. Triangles and rays live in the prepared scene; ids are positions in the order
+//! the triangles were given in.
 
-use crate::control::CancelToken;
-use crate::geometry::Triangle;
-use crate::math::Ray;
+mod block;
+mod brute_force;
+mod kd;
+#[cfg(test)]
+mod tests;
+
+pub use brute_force::BruteForce;
+pub use kd::{KdParameters, KdStatistics, KdTree};
+
+use crate::geometry::{Triangle, TriangleHit};
+use crate::math::{Bounds, Ray};
 
 /// The nearest triangle along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,17 +27,95 @@ pub struct Hit {
     pub barycentrics: [f32; 3],
 }
 
+impl Hit {
+    /// The nearer of a hit so far and a new one; the smaller id among equals, so that no order of tests matters.
+    fn nearer(best: Option<Self>, id: u32, new: TriangleHit) -> Self {
+        match best {
+            Some(best) if best.t < new.t || (best.t <= new.t && best.triangle < id) => best,
+            _ => Self {
+                t: new.t,
+                triangle: id,
+                barycentrics: new.barycentrics,
+            },
+        }
+    }
+}
+
 /// A structure over triangles that answers ray queries.
-#[derive(Debug)]
-pub enum Accelerator {}
+#[derive(Clone, Debug)]
+pub enum Accelerator {
+    /// The surface area heuristic kd-tree.
+    KdTree(KdTree),
+    /// Every triangle, one after the other.
+    BruteForce(BruteForce),
+}
 
 impl Accelerator {
     /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
     #[must_use]
-    pub fn intersect(&self, _ray: &Ray, _t_max: f32) -> Option<Hit> {
-        match *self {}
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
+        match self {
+            Self::KdTree(tree) => tree.intersect(ray, t_max),
+            Self::BruteForce(all) => all.intersect(ray, t_max),
+        }
+    }
+
+    /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
+    #[must_use]
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
+        match self {
+            Self::KdTree(tree) => tree.occluded(ray, t_max),
+            Self::BruteForce(all) => all.occluded(ray, t_max),
+        }
+    }
+
+    /// The triangles in the order given.
+    #[must_use]
+    pub fn triangles(&self) -> &[Triangle] {
+        match self {
+            Self::KdTree(tree) => tree.triangles(),
+            Self::BruteForce(all) => all.triangles(),
+        }
+    }
+
+    /// The box around all triangles; empty when there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Self::KdTree(tree) => tree.bounds(),
+            Self::BruteForce(all) => all.bounds(),
+        }
+    }
+
+    /// The structure's name as people write it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::KdTree(_) => "kd-tree",
+            Self::BruteForce(_) => "brute-force",
+        }
+    }
+
+    /// Memory the structure takes, its copy of the triangles included.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::KdTree(tree) => tree.bytes(),
+            Self::BruteForce(all) => size_of_val(all.triangles()),
+        }
     }
 }
 
-#[expect(dead_code)]
-fn build(_triangles: Vec<Triangle>, _cancel: &CancelToken) {}
+/// Triangle ids are `u32`, and one value is kept for "none".
+///
+/// # Panics
+/// When there are more triangles than ids.
+fn assert_ids_suffice(triangles: &[Triangle]) {
+    assert!(
+        u32::try_from(triangles.len()).is_ok_and(|count| count < u32::MAX),
+        "{} triangles are more than 2^32 - 2",
+        triangles.len()
+    );
+}
