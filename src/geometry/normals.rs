@@ -73,7 +73,7 @@ fn absolute_cross(p: DVec3, q: DVec3) -> DVec3 {
 }
 
 /// A power of two that brings `magnitude` near 1; 1 for zero.
-fn scale_to_one(magnitude: f64) -> f64 {
+pub(super) fn scale_to_one(magnitude: f64) -> f64 {
     if magnitude > 0.0 {
         power_of_two(-libm::frexp(magnitude).1.clamp(-1022, 1022))
     } else {
