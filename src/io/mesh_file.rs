@@ -55,8 +55,6 @@ pub enum MeshError {
         name: String,
         /// A plain sentence.
         reason: String,
-        /// What the system said, where it was asked.
-        source: Option<io::Error>,
     },
     /// The bytes are of a format that has no reader.
     #[error("{name}: {what}; RayMini reads {READABLE_FORMATS}")]
@@ -128,7 +126,6 @@ fn read_mesh(
         return Err(MeshError::Unreadable {
             name: name.to_owned(),
             reason: "the file is empty".to_owned(),
-            source: None,
         });
     }
     match recognise(name, bytes) {
@@ -193,7 +190,7 @@ fn read_file(
     progress: &Progress,
 ) -> Result<Option<Vec<u8>>, MeshError> {
     const PIECE: u64 = 1 << 20;
-    let failed = |error| unreadable(name, error);
+    let failed = |error: io::Error| unreadable(name, &error);
     // Asked before opening: opening a pipe waits for a writer.
     let kind = std::fs::metadata(path).map_err(failed)?;
     if !kind.is_file() {
@@ -205,7 +202,6 @@ fn read_file(
         return Err(MeshError::Unreadable {
             name: name.to_owned(),
             reason: format!("this is {what}, a mesh file was expected"),
-            source: None,
         });
     }
     let mut file = File::open(path).map_err(failed)?;
@@ -220,7 +216,7 @@ fn read_file(
     Ok(None)
 }
 
-fn unreadable(name: &str, error: io::Error) -> MeshError {
+fn unreadable(name: &str, error: &io::Error) -> MeshError {
     let reason = match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "you are not allowed to read this file".to_owned(),
@@ -229,7 +225,6 @@ fn unreadable(name: &str, error: io::Error) -> MeshError {
     MeshError::Unreadable {
         name: name.to_owned(),
         reason,
-        source: Some(error),
     }
 }
 
