@@ -368,6 +368,24 @@ mod tests {
     }
 
     #[test]
+    fn progress_ends_at_its_total() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("a.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+            .expect("is written");
+        let twice = "[[objects]]\nmesh = \"a.off\"\n[[objects]]\nmesh = \"builtin:ground\"\n[[objects]]\nmesh = \"a.off\"\n";
+        std::fs::write(path("scene.toml"), twice).expect("is written");
+        for name in ["a.off", "scene.toml"] {
+            let progress = Progress::new();
+            load_scene(&path(name), &CancelToken::new(), &progress)
+                .expect("is right")
+                .expect("nobody cancels");
+            assert!(progress.total() > 0, "{name}");
+            assert_eq!(progress.done(), progress.total(), "{name}");
+        }
+    }
+
+    #[test]
     fn the_demo_scene_is_whole() {
         let scene = demo_scene();
         assert_eq!(scene.lights.len(), 4);
