@@ -1,7 +1,8 @@
 use std::f32::consts::PI;
 
-use crate::math::{Vec3, robust};
-use crate::scene::{Material, PhongModel};
+use super::fresnel::reflect;
+use crate::math::{DVec3, Vec3, robust};
+use crate::scene::PhongModel;
 
 /// The Phong reflection models at a surface point. Directions are unit vectors that point away from it.
 #[derive(Clone, Copy, Debug)]
@@ -14,18 +15,22 @@ pub struct Phong {
 }
 
 impl Phong {
-    pub fn new(material: &Material) -> Self {
-        match *material {
-            Material::Phong {
-                diffuse,
-                specular,
-                shininess,
-            } => Self {
-                diffuse: diffuse.as_vec3(),
-                specular: specular.as_vec3(),
-                #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-                exponent: shininess as f32,
-            },
+    /// Reflectances `0..=1` per channel, exponent 0 or more.
+    pub fn new(diffuse: DVec3, specular: DVec3, shininess: f64) -> Self {
+        Self {
+            diffuse: diffuse.as_vec3(),
+            specular: specular.as_vec3(),
+            #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+            exponent: shininess as f32,
+        }
+    }
+
+    /// What stands in for a material that is switched off.
+    pub fn grey() -> Self {
+        Self {
+            diffuse: Vec3::splat(0.5),
+            specular: Vec3::ZERO,
+            exponent: 1.0,
         }
     }
 
@@ -62,7 +67,7 @@ impl Phong {
         if self.specular == Vec3::ZERO {
             return 0.0;
         }
-        let mirror = 2.0 * normal.dot(wo) * normal - wo;
+        let mirror = reflect(wo, normal);
         robust::sharp_power((mirror - wi).length_squared() / 2.0, self.exponent)
     }
 }
@@ -70,14 +75,9 @@ impl Phong {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DVec3;
 
     fn phong(diffuse: f64, specular: f64, shininess: f64) -> Phong {
-        Phong::new(&Material::Phong {
-            diffuse: DVec3::splat(diffuse),
-            specular: DVec3::splat(specular),
-            shininess,
-        })
+        Phong::new(DVec3::splat(diffuse), DVec3::splat(specular), shininess)
     }
 
     /// References §1.10: unit sphere, orthographic view along −z, light at (3, 4, 5).

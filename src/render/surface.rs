@@ -9,6 +9,8 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Bound on the rounding error of each coordinate of `position`.
     error: Vec3,
+    /// From where the ray came, in prepared units.
+    pub distance: f32,
     /// Towards where the ray came from; unit.
     pub wo: Vec3,
     /// Of the triangle, on the side of `wo`; unit. It decides sides and offsets.
@@ -51,6 +53,7 @@ impl SurfacePoint {
         Self {
             position,
             error,
+            distance: hit.t * ray.direction.length(),
             wo,
             geometric_normal,
             shading_normal,
@@ -66,6 +69,18 @@ impl SurfacePoint {
         } else {
             0.0
         }
+    }
+
+    /// Whether `wi` leaves to the side of the surface that `wo` is on.
+    pub fn is_above(&self, wi: Vec3) -> bool {
+        self.geometric_normal.dot(wi) > 0.0
+    }
+
+    /// A ray along `direction` that cannot meet the surface it leaves.
+    pub fn ray_along(&self, direction: Vec3) -> Ray {
+        let origin =
+            robust::offset_origin(self.position, self.error, self.geometric_normal, direction);
+        Ray::new(origin, direction)
     }
 
     /// A ray that ends at `target` where its parameter is 1 and that cannot meet the surface it leaves.
