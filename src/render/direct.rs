@@ -27,7 +27,7 @@ pub fn radiance(
             Seen::Background => {
                 return throughput * scene.background().radiance(ray.direction.normalize());
             }
-            Seen::Disk(disk) => return throughput * disk.emitted(ray.direction),
+            Seen::Disk { disk, .. } => return throughput * disk.emitted(ray.direction),
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);
@@ -51,7 +51,7 @@ pub fn radiance(
             }
             PreparedMaterial::Mirror { reflectance } => {
                 throughput *= reflectance;
-                point.ray_along(reflect(point.wo, point.shading_normal))
+                point.ray_along(reflect(point.wo, point.specular_normal()))
             }
             PreparedMaterial::Glass { ior, attenuation } => {
                 if !point.front {
@@ -69,18 +69,14 @@ pub fn radiance(
 
 /// The direction in which light goes on from a boundary of glass: reflected with the probability that Fresnel's equations give,
 /// else refracted. `u`: uniform in `[0, 1)`. The throughput stays: the share chosen cancels its probability.
-fn through_boundary(point: &SurfacePoint, ior: f32, u: f32) -> Vec3 {
+pub fn through_boundary(point: &SurfacePoint, ior: f32, u: f32) -> Vec3 {
+    let normal = point.specular_normal();
     let eta = if point.front { ior } else { 1.0 / ior };
-    let boundary = fresnel(point.shading_normal.dot(point.wo), eta);
+    let boundary = fresnel(normal.dot(point.wo), eta);
     if u < boundary.reflectance {
-        reflect(point.wo, point.shading_normal)
+        reflect(point.wo, normal)
     } else {
-        refract(
-            point.wo,
-            point.shading_normal,
-            eta,
-            boundary.cos_transmitted,
-        )
+        refract(point.wo, normal, eta, boundary.cos_transmitted)
     }
 }
 
@@ -298,7 +294,7 @@ impl Shading<'_> {
 /// Weight of a sample taken with density `pdf` where another strategy would have taken it with density `other`.
 ///
 /// Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997: the power heuristic of exponent 2.
-fn power_heuristic(pdf: f32, other: f32) -> f32 {
+pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     // As a ratio, so that large densities do not overflow.
     let ratio = other / pdf;
     1.0 / (1.0 + ratio * ratio)

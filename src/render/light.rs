@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use crate::math::{Bounds, Ray, SceneFrame, Vec2, Vec3, warp};
+use crate::math::{Bounds, Ray, SceneFrame, Vec2, Vec3, color::luminance, warp};
 use crate::scene::Light;
 
 /// A light in the prepared scene.
@@ -60,6 +60,18 @@ impl PreparedLight {
                 radiance: radiance.as_vec3(),
                 visible,
             }),
+        }
+    }
+
+    /// What it emits in all, up to a factor common to all lights: W of the prepared scene.
+    pub fn power(&self) -> f64 {
+        use std::f64::consts::PI;
+        match self {
+            Self::Point { intensity, .. } => 4.0 * PI * f64::from(luminance(*intensity)),
+            Self::Disk(disk) => {
+                let area = PI * f64::from(disk.radius).powi(2);
+                PI * area * f64::from(luminance(disk.radiance))
+            }
         }
     }
 

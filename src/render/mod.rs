@@ -5,10 +5,12 @@
 //! which is read as an [`Image`] of linear radiance. Every random number depends on (seed, pixel, sample, dimension) and on
 //! nothing else, and sums are formed in a fixed order, so the picture is the same for any number of threads.
 
+mod alias;
 mod background;
 mod camera;
 mod direct;
 pub mod display;
+mod emitters;
 mod false_color;
 mod film;
 mod filter;
@@ -17,6 +19,7 @@ mod geometry;
 mod image;
 mod light;
 mod material;
+mod path;
 mod phong;
 mod prepare;
 mod run;

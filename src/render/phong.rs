@@ -1,7 +1,7 @@
 use std::f32::consts::PI;
 
 use super::fresnel::reflect;
-use crate::math::{DVec3, Vec3, robust};
+use crate::math::{DVec3, Vec2, Vec3, color::luminance, robust, warp};
 use crate::scene::PhongModel;
 
 /// The Phong reflection models at a surface point. Directions are unit vectors that point away from it.
@@ -51,14 +51,60 @@ impl Phong {
         cosine: f32,
     ) -> Vec3 {
         match model {
-            PhongModel::Modified => {
-                let lobe = self.lobe(normal, wo, wi);
-                let specular = self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe);
-                (self.diffuse / PI + specular) * cosine
-            }
+            PhongModel::Modified => self.brdf(normal, wo, wi) * cosine,
             PhongModel::Classic => {
                 self.diffuse * cosine + self.specular * self.lobe(normal, wo, wi)
             }
+        }
+    }
+
+    /// The modified model's BRDF, per steradian, without the cosine.
+    pub fn brdf(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+        let lobe = self.lobe(normal, wo, wi);
+        self.diffuse / PI + self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe)
+    }
+
+    /// A direction in which light may come from, about in proportion to what it adds; `None` where it would leave below
+    /// the surface. `choice`: uniform in `[0, 1)`; `u`: over the unit square.
+    pub fn sample(&self, normal: Vec3, wo: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
+        let wi = if choice < self.specular_share() {
+            warp::around(reflect(wo, normal), warp::power_cosine(u, self.exponent))
+        } else {
+            warp::around(normal, warp::cosine_hemisphere(u))
+        };
+        let wi = wi.normalize();
+        let cosine = normal.dot(wi);
+        if cosine <= 0.0 {
+            return None;
+        }
+        let pdf_solid_angle = self.pdf_solid_angle(normal, wo, wi);
+        let weight = self.brdf(normal, wo, wi) * (cosine / pdf_solid_angle);
+        (pdf_solid_angle > 0.0).then_some(Scattered {
+            wi,
+            weight,
+            pdf_solid_angle,
+        })
+    }
+
+    /// Density of [`Self::sample`] at `wi`, per steradian.
+    pub fn pdf_solid_angle(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+        let share = self.specular_share();
+        let diffuse = if share < 1.0 {
+            normal.dot(wi).max(0.0) / PI
+        } else {
+            0.0
+        };
+        let specular = warp::power_cosine_pdf(self.lobe(normal, wo, wi), self.exponent);
+        diffuse * (1.0 - share) + specular * share
+    }
+
+    /// How often the specular lobe is sampled; 0 and 1 where there is nothing to choose.
+    fn specular_share(&self) -> f32 {
+        let (diffuse, specular) = (luminance(self.diffuse), luminance(self.specular));
+        if specular > 0.0 {
+            specular / (diffuse + specular)
+        } else {
+            0.0
         }
     }
 
@@ -70,6 +116,17 @@ impl Phong {
         let mirror = reflect(wo, normal);
         robust::sharp_power((mirror - wi).length_squared() / 2.0, self.exponent)
     }
+}
+
+/// A sampled direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered {
+    /// Where light may come from; unit.
+    pub wi: Vec3,
+    /// BRDF times cosine over density.
+    pub weight: Vec3,
+    /// Density of the direction, per steradian.
+    pub pdf_solid_angle: f32,
 }
 
 #[cfg(test)]

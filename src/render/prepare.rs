@@ -1,13 +1,15 @@
 use std::sync::Arc;
 
 use super::background::PreparedBackground;
-use super::camera::{CameraRay, PreparedCamera};
+use super::camera::PreparedCamera;
 use super::direct;
+use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
 use super::filter;
 use super::geometry::PreparedGeometry;
 use super::light::{PreparedDisk, PreparedLight};
 use super::material::PreparedMaterial;
+use super::path;
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
@@ -25,6 +27,8 @@ pub struct PreparedScene {
     /// One per object.
     materials: Vec<PreparedMaterial>,
     lights: Vec<PreparedLight>,
+    /// What path tracing aims at.
+    emitters: Emitters,
     /// Whether any object is of glass, so that shadow rays must ask what they meet.
     has_glass: bool,
     /// In prepared units.
@@ -36,7 +40,13 @@ pub struct PreparedScene {
 pub(super) enum Seen<'a> {
     Surface(SurfacePoint),
     /// A visible disk light.
-    Disk(&'a PreparedDisk),
+    Disk {
+        disk: &'a PreparedDisk,
+        /// Number of the light.
+        index: usize,
+        /// Where on the ray.
+        t: f32,
+    },
     Background,
 }
 
@@ -103,6 +113,7 @@ impl PreparedScene {
                 .any(|material| matches!(material, PreparedMaterial::Glass { .. })),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
+            emitters: Emitters::new(&lights, &geometry, &materials),
             materials,
             lights,
             settings: scene.render.clone(),
@@ -159,13 +170,22 @@ impl PreparedScene {
         };
         let (eye, direction) = self.camera.through_lens(x, y, on_lens);
         rays.camera += 1;
-        match (self.camera.ray_from(eye, direction), self.false_color()) {
-            (Some(camera_ray), Some(which)) => {
-                false_color::color(self, which, &camera_ray, sampler, rays)
-            }
-            (None, Some(_)) => Vec3::ZERO,
-            (Some(CameraRay { ray, .. }), None) => direct::radiance(self, ray, sampler, rays),
-            (None, None) => self.background.radiance(direction.as_vec3()),
+        let Some(camera_ray) = self.camera.ray_from(eye, direction) else {
+            return match self.settings.mode {
+                Mode::Direct | Mode::Path => self.background.radiance(direction.as_vec3()),
+                _ => Vec3::ZERO,
+            };
+        };
+        let mut false_color = |which| false_color::color(self, which, &camera_ray, sampler, rays);
+        match self.settings.mode {
+            Mode::Ao => false_color(FalseColor::AmbientOcclusion),
+            Mode::Normals => false_color(FalseColor::Normals),
+            Mode::Depth => false_color(FalseColor::Depth),
+            Mode::Albedo => false_color(FalseColor::Albedo),
+            Mode::Facing => false_color(FalseColor::Facing),
+            Mode::Object => false_color(FalseColor::Object),
+            Mode::Direct => direct::radiance(self, camera_ray.ray, sampler, rays),
+            Mode::Path => path::radiance(self, camera_ray.ray, sampler, rays),
         }
     }
 
@@ -174,13 +194,20 @@ impl PreparedScene {
         let hit = self.accelerator().intersect(ray, f32::INFINITY);
         let mut nearest = hit.map_or(f32::INFINITY, |hit| hit.t);
         let mut disk_in_front = None;
-        for disk in self.lights.iter().filter_map(PreparedLight::visible_disk) {
+        for (index, light) in self.lights.iter().enumerate() {
+            let Some(disk) = light.visible_disk() else {
+                continue;
+            };
             if let Some(t) = disk.intersect(ray, nearest) {
-                (nearest, disk_in_front) = (t, Some(disk));
+                (nearest, disk_in_front) = (t, Some((disk, index)));
             }
         }
         match (disk_in_front, hit) {
-            (Some(disk), _) => Seen::Disk(disk),
+            (Some((disk, index)), _) => Seen::Disk {
+                disk,
+                index,
+                t: nearest,
+            },
             (None, Some(hit)) => Seen::Surface(SurfacePoint::new(&self.geometry, ray, &hit)),
             (None, None) => Seen::Background,
         }
@@ -207,18 +234,6 @@ impl PreparedScene {
         })
     }
 
-    fn false_color(&self) -> Option<FalseColor> {
-        match self.settings.mode {
-            Mode::Direct => None,
-            Mode::Ao => Some(FalseColor::AmbientOcclusion),
-            Mode::Normals => Some(FalseColor::Normals),
-            Mode::Depth => Some(FalseColor::Depth),
-            Mode::Albedo => Some(FalseColor::Albedo),
-            Mode::Facing => Some(FalseColor::Facing),
-            Mode::Object => Some(FalseColor::Object),
-        }
-    }
-
     pub(super) fn accelerator(&self) -> &Accelerator {
         self.geometry.accelerator()
     }
@@ -233,6 +248,10 @@ impl PreparedScene {
 
     pub(super) fn lights(&self) -> &[PreparedLight] {
         &self.lights
+    }
+
+    pub(super) fn emitters(&self) -> &Emitters {
+        &self.emitters
     }
 
     pub(super) fn has_glass(&self) -> bool {

@@ -15,6 +15,14 @@ pub enum Decision {
     AmbientOcclusion,
     /// Whether a boundary of glass reflects or refracts.
     Boundary,
+    /// Which light is aimed at.
+    LightChoice,
+    /// Which lobe of a material scatters.
+    Lobe,
+    /// Where it scatters to.
+    Direction,
+    /// Whether a path ends.
+    Roulette,
 }
 
 /// A pair of dimensions of its own for every decision at every bounce. Because dimensions are named and not counted, a

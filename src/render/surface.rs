@@ -1,3 +1,4 @@
+use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
 use crate::accel::Hit;
 use crate::math::{Ray, Vec3, robust};
@@ -25,18 +26,10 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
-        let [a, b, c] = geometry.triangles()[hit.triangle as usize].corners;
+        let triangle = &geometry.triangles()[hit.triangle as usize];
         let [u, v, w] = hit.barycentrics;
-        let position = a * u + b * v + c * w;
-        // Each coordinate is rounded four times: its weight, the product, two sums.
-        let error = ((a * u).abs() + (b * v).abs() + (c * w).abs()) * robust::gamma(4);
-
-        // In f64, so that slivers have a normal too. Edges of f32 corners are exact there but for a last digit.
-        let (origin, along_b, along_c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
-        let outward = (along_b - origin)
-            .cross(along_c - origin)
-            .normalize_or_zero()
-            .as_vec3();
+        let (position, error) = triangle.point(hit.barycentrics);
+        let outward = triangle.normal();
         let wo = -ray.direction.normalize();
         let front = outward.dot(wo) >= 0.0;
         let geometric_normal = if front { outward } else { -outward };
@@ -68,6 +61,22 @@ impl SurfacePoint {
             self.shading_normal.dot(wi).max(0.0)
         } else {
             0.0
+        }
+    }
+
+    /// Of the triangle, on the side of `wo`; unit.
+    pub fn geometric_normal(&self) -> Vec3 {
+        self.geometric_normal
+    }
+
+    /// The normal for mirrors and glass: the shading normal, but the geometric one where reflection about that would lead
+    /// into the surface.
+    pub fn specular_normal(&self) -> Vec3 {
+        let normal = self.shading_normal;
+        if normal.dot(self.wo) > 0.0 && self.is_above(reflect(self.wo, normal)) {
+            normal
+        } else {
+            self.geometric_normal
         }
     }
 

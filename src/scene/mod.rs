@@ -26,7 +26,8 @@ pub use light::{Facing, Light};
 pub use material::Material;
 pub use object::{Copies, Object, Placement};
 pub use settings::{
-    AcceleratorChoice, AmbientOcclusion, Filter, Mode, PhongModel, RenderSettings, Shadows,
+    AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel, RenderSettings,
+    Shadows,
 };
 
 /// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.

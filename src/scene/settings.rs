@@ -20,6 +20,10 @@ pub struct RenderSettings {
     /// Most scattering events of a path: 0 shows emission alone, 1 direct light, each mirror or boundary of glass takes one
     /// more.
     pub max_bounces: u32,
+    /// In mode `path`: whether paths that carry little may end early, at random, without bias.
+    pub roulette: bool,
+    /// In mode `path`: how light is found.
+    pub light_sampling: LightSampling,
     /// How samples spread over and around the pixel.
     pub filter: Filter,
     /// How lights cast shadows.
@@ -72,6 +76,8 @@ impl Default for RenderSettings {
             samples_per_pixel: 16,
             seed: 0,
             max_bounces: 8,
+            roulette: true,
+            light_sampling: LightSampling::Mis,
             filter: Filter::Box,
             shadows: Shadows::Soft,
             shadow_samples: 1,
@@ -107,6 +113,23 @@ impl Default for AmbientOcclusion {
     }
 }
 
+/// How path tracing finds light. All find the same light; they differ in noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum LightSampling {
+    /// Both ways, weighted by how likely each was to find it (multiple importance sampling).
+    #[default]
+    Mis,
+    /// By aiming at lights (next event estimation). What only mirrors or glass show is still met by chance.
+    Nee,
+    /// By scattering and meeting lights by chance; point lights are still aimed at.
+    Bsdf,
+}
+
+impl Choice for LightSampling {
+    const ALL: &'static [(Self, &'static str)] =
+        &[(Self::Mis, "mis"), (Self::Nee, "nee"), (Self::Bsdf, "bsdf")];
+}
+
 /// The weight with which a pixel sees what is around it. Samples are placed by the weight, so each counts the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Filter {
@@ -133,6 +156,8 @@ pub enum Mode {
     /// Direct light of every light with its shadows, and the background's light.
     #[default]
     Direct,
+    /// All light, up to [`RenderSettings::max_bounces`].
+    Path,
     /// Visible fraction of the hemisphere within the occlusion radius, weighted by the cosine: white is free.
     Ao,
     /// Shading normals: `(n + 1) / 2` of the unit normal that faces the camera's side; background black.
@@ -150,6 +175,7 @@ pub enum Mode {
 impl Choice for Mode {
     const ALL: &'static [(Self, &'static str)] = &[
         (Self::Direct, "direct"),
+        (Self::Path, "path"),
         (Self::Ao, "ao"),
         (Self::Normals, "normals"),
         (Self::Depth, "depth"),

@@ -2,7 +2,9 @@
 
 use std::fmt::Display;
 
-use super::{Camera, Facing, Light, Object, RenderSettings, Scene, SceneError};
+use super::{
+    Camera, Choice, Facing, Light, Mode, Object, PhongModel, RenderSettings, Scene, SceneError,
+};
 
 impl Scene {
     /// Checks what rendering relies on.
@@ -103,6 +105,10 @@ fn check_light(index: usize, light: &Light) -> Result<(), SceneError> {
 }
 
 fn check_settings(settings: &RenderSettings) -> Result<(), SceneError> {
+    let physical = settings.mode != Mode::Path || settings.phong == PhongModel::Modified;
+    let expected =
+        "modified in mode path: the classic formula makes energy from nothing when light bounces";
+    require(physical, "render.phong", &settings.phong.name(), expected)?;
     let RenderSettings {
         width,
         height,

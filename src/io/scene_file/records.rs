@@ -231,6 +231,8 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
         &mut render.max_bounces,
         0..=RenderSettings::MAX_BOUNCES,
     );
+    keys.flag("roulette", &mut render.roulette);
+    keys.choice("light_sampling", &mut render.light_sampling);
     keys.choice("filter", &mut render.filter);
     keys.choice("shadows", &mut render.shadows);
     keys.integer(
