@@ -1,1 +1,3 @@
 //! The window.
+pub mod orbit;
+pub mod preview;
