@@ -1,1 +1,52 @@
-fn main() {}
+//! The program: reads the command line and hands over to a command or to the window.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use raymini::cli::{Arguments, render_to_file};
+use raymini::control::{CancelToken, Progress};
+use raymini::io;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Some(command) => command.run(),
+        None => open_window(&arguments.files),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Opens the window on `files`; where there is no screen, renders them to a file instead and says so.
+fn open_window(files: &[PathBuf]) -> Result<()> {
+    #[cfg(feature = "gui")]
+    let reason = match raymini::gui::run(raymini::gui::OpenRequest {
+        paths: files.to_vec(),
+    }) {
+        Ok(()) => return Ok(()),
+        Err(error) => error.to_string(),
+    };
+    #[cfg(not(feature = "gui"))]
+    let reason = "this program was built without its window";
+
+    eprintln!("No window can be opened: {reason}");
+    let (scene, output) = if files.is_empty() {
+        (io::demo_scene(), PathBuf::from("raymini-demo.png"))
+    } else {
+        let loaded = io::load_scenes(files, &CancelToken::new(), &Progress::new())?;
+        let output = Path::new(files[0].file_stem().unwrap_or_default()).with_extension("png");
+        (loaded.context("loading was cancelled")?.scene, output)
+    };
+    eprintln!(
+        "Rendering to {} instead. `raymini render --help` says what else can be done.",
+        output.display()
+    );
+    render_to_file(&scene, &output)
+}

@@ -1,1 +1,48 @@
-//! The command line.
+//! The command line: what it takes, and one file per command.
+//!
+//! Errors carry exit code 1; wrong usage 2, by clap.
+
+mod info;
+mod render;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+pub use render::{RenderArguments, render_to_file};
+
+/// RayMini: an interactive ray tracer.
+#[derive(Debug, Parser)]
+#[command(version, about, args_conflicts_with_subcommands = true)]
+pub struct Arguments {
+    /// What to do instead of opening the window.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+
+    /// A scene file, or meshes to show together; the built-in demo when left out
+    #[arg(value_name = "SCENE or MESH")]
+    pub files: Vec<PathBuf>,
+}
+
+/// What the program does without a window.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene or mesh to a PNG or EXR file
+    Render(RenderArguments),
+    /// Say what a mesh, scene or rendered picture holds
+    Info(info::InfoArguments),
+}
+
+impl Command {
+    /// Carries the command out.
+    ///
+    /// # Errors
+    /// What kept it from being done, in words for the user.
+    pub fn run(self) -> Result<()> {
+        match self {
+            Self::Render(arguments) => render::run(&arguments),
+            Self::Info(arguments) => info::run(&arguments),
+        }
+    }
+}

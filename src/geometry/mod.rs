@@ -7,5 +7,5 @@ pub mod shapes;
 mod triangle;
 
 pub use mesh::TriangleMesh;
-pub use normals::{CornerNormals, corner_normals};
+pub use normals::{CornerNormals, corner_normals, face_normal};
 pub use triangle::{RayKernel, Triangle, TriangleHit};

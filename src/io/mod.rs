@@ -1,1 +1,19 @@
-//! Bytes to meshes, scene files and pictures, and back.
+//! Bytes to meshes, scene files and pictures, and back. Parsers take bytes or text; paths appear at the edge only.
+
+mod atomic;
+mod builtin;
+mod image_file;
+mod load;
+mod mesh_file;
+pub mod off;
+pub mod scene_file;
+
+pub use atomic::write_atomically;
+pub use image_file::{ImageFileError, PNG_HASH_KEYWORD, check_image_path, write_image};
+pub use load::{
+    LoadError, LoadedScene, SaveError, absolute_mesh, demo_scene, is_scene_file, load_scene,
+    load_scenes, mesh_warnings, override_scene, save_scene,
+};
+pub use mesh_file::{
+    Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS, load_mesh, parse_mesh,
+};

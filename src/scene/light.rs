@@ -12,3 +12,12 @@ pub enum Light {
         intensity: Rgb,
     },
 }
+
+impl Default for Light {
+    fn default() -> Self {
+        Self::Point {
+            position: DVec3::ZERO,
+            intensity: Rgb::ONE,
+        }
+    }
+}

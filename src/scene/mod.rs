@@ -118,6 +118,111 @@ impl Scene {
             .fold(DBounds::EMPTY, DBounds::union)
     }
 
+    /// Checks what rendering relies on and no single key can promise.
+    ///
+    /// # Errors
+    /// The first value that cannot be rendered, and what it may be.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        let require = |holds: bool, key: &str, value: &dyn std::fmt::Display, expected: &str| {
+            let error = || SceneError::BadValue {
+                key: key.to_owned(),
+                value: value.to_string(),
+                expected: expected.to_owned(),
+            };
+            if holds { Ok(()) } else { Err(error()) }
+        };
+        let camera = &self.camera;
+        let fov = camera.vertical_fov.0;
+        require(
+            camera.eye.is_finite(),
+            "camera.eye",
+            &camera.eye,
+            "finite numbers",
+        )?;
+        require(
+            camera.target.is_finite(),
+            "camera.target",
+            &camera.target,
+            "finite numbers",
+        )?;
+        require(
+            camera.target != camera.eye,
+            "camera.target",
+            &camera.target,
+            "a point other than the eye",
+        )?;
+        let up = "a direction that is not parallel to the view";
+        require(camera.axes().is_some(), "camera.up", &camera.up, up)?;
+        require(
+            fov > 0.0 && fov < 180.0,
+            "camera.vertical_fov",
+            &fov,
+            "more than 0 and less than 180 degrees",
+        )?;
+
+        let RenderSettings {
+            width,
+            height,
+            samples_per_pixel,
+            ..
+        } = self.render;
+        let side = format!("1 to {}", RenderSettings::MAX_SIDE);
+        let sides = 1..=RenderSettings::MAX_SIDE;
+        require(sides.contains(&width), "render.width", &width, &side)?;
+        require(sides.contains(&height), "render.height", &height, &side)?;
+        let pixels = format!("width × height of at most {}", RenderSettings::MAX_PIXELS);
+        require(
+            self.render.pixel_count() <= RenderSettings::MAX_PIXELS,
+            "render.width",
+            &width,
+            &pixels,
+        )?;
+        let samples = format!("1 to {}", RenderSettings::MAX_SAMPLES);
+        require(
+            (1..=RenderSettings::MAX_SAMPLES).contains(&samples_per_pixel),
+            "render.samples_per_pixel",
+            &samples_per_pixel,
+            &samples,
+        )?;
+
+        for (index, object) in self.objects.iter().enumerate() {
+            let key = |name: &str| format!("objects.{index}.{name}");
+            let nonzero = object.scale.is_finite() && object.scale != 0.0;
+            require(
+                nonzero,
+                &key("scale"),
+                &object.scale,
+                "a finite number other than 0",
+            )?;
+            require(
+                object.rotate.is_finite(),
+                &key("rotate"),
+                &object.rotate,
+                "finite numbers",
+            )?;
+            require(
+                object.translate.is_finite(),
+                &key("translate"),
+                &object.translate,
+                "finite numbers",
+            )?;
+            require(
+                object.copies.total() > 0,
+                &key("copies.count"),
+                &0,
+                "at least 1 along each axis",
+            )?;
+        }
+        let bounds = self.bounds();
+        let size = bounds.diagonal();
+        require(
+            bounds.is_empty() || size.is_finite(),
+            "objects",
+            &size,
+            "a scene whose diagonal is a finite number",
+        )
+    }
+
     /// Triangles of all objects with all their copies.
     #[must_use]
     pub fn triangle_count(&self) -> u64 {
@@ -153,6 +258,12 @@ pub enum SceneError {
         /// The mesh it asks for.
         mesh: String,
     },
+    /// More triangles than can be numbered.
+    #[error("the scene has {count} triangles with all copies; at most {} can be rendered", u32::MAX / 2)]
+    TooManyTriangles {
+        /// Triangles of all objects with all their copies.
+        count: u64,
+    },
     /// A number is outside what it means.
     #[error("{key} is {value}; expected {expected}")]
     BadValue {
@@ -163,6 +274,17 @@ pub enum SceneError {
         /// What it may hold.
         expected: String,
     },
+}
+
+impl SceneError {
+    /// The key of the scene file that is wrong, where it is one key.
+    #[must_use]
+    pub fn key(&self) -> Option<&str> {
+        match self {
+            Self::BadValue { key, .. } => Some(key),
+            _ => None,
+        }
+    }
 }
 
 /// Names for a message: "a, b, c", or "none".

@@ -1,1 +1,124 @@
-//! Ready-made scenes.
+//! What a bare mesh gets to become a picture: a camera that frames it, light, and a material.
+
+use super::{Background, Camera, Light, Material, Object, Rgb, Scene};
+use crate::math::{DBounds, DVec3, Degrees};
+
+/// Name of the material of bare meshes.
+const MATERIAL: &str = "clay";
+
+/// An object of the preset material with soft shading that keeps sharp edges.
+#[must_use]
+pub fn object() -> Object {
+    Object {
+        material: Some(MATERIAL.to_owned()),
+        smooth: true,
+        crease_angle: Degrees(60.0),
+        ..Object::default()
+    }
+}
+
+/// Gives a scene of objects a camera in front of them (towards +Y, Z up), a key, a fill and a rim light, and a faint sky.
+pub fn light_and_frame(scene: &mut Scene) {
+    let clay = Material::Phong {
+        diffuse: Rgb::new(0.8, 0.62, 0.47),
+        specular: Rgb::splat(0.06),
+        shininess: 40.0,
+    };
+    scene.materials.insert(MATERIAL.to_owned(), clay);
+    scene.background = Background::Gradient {
+        zenith: Rgb::new(0.17, 0.22, 0.3),
+        horizon: Rgb::new(0.34, 0.36, 0.38),
+        ground: Rgb::new(0.1, 0.09, 0.08),
+        up: DVec3::Z,
+    };
+    let bounds = scene.bounds();
+    let aspect = f64::from(scene.render.width) / f64::from(scene.render.height);
+    scene.camera = framing(
+        &bounds,
+        DVec3::new(-0.45, -1.0, 0.4),
+        DVec3::Z,
+        Degrees(35.0),
+        aspect,
+    );
+
+    let radius = radius(&bounds);
+    let light = |direction: DVec3, irradiance: Rgb| {
+        let distance = 3.0 * radius;
+        Light::Point {
+            position: center(&bounds) + direction.normalize() * distance,
+            // What arrives at the middle is then the same for any size of scene.
+            intensity: irradiance * (distance * distance),
+        }
+    };
+    scene.lights = vec![
+        light(DVec3::new(0.6, -0.8, 1.0), Rgb::new(2.0, 1.9, 1.75)),
+        light(DVec3::new(-1.0, -0.6, 0.3), Rgb::new(0.4, 0.47, 0.58)),
+        light(DVec3::new(-0.3, 1.0, 0.8), Rgb::splat(0.8)),
+    ];
+}
+
+/// The camera that looks along `−direction` (from the side `direction` points to) and just holds the ball around `bounds`
+/// in a picture of the given width to height.
+#[must_use]
+pub fn framing(
+    bounds: &DBounds,
+    direction: DVec3,
+    up: DVec3,
+    vertical_fov: Degrees,
+    aspect: f64,
+) -> Camera {
+    let half_height = libm::tan(vertical_fov.radians() / 2.0);
+    // The narrower of the two half angles decides.
+    let half_angle = libm::atan(half_height * aspect.min(1.0));
+    let target = center(bounds);
+    let eye = target + direction.normalize() * (radius(bounds) / libm::sin(half_angle));
+    Camera {
+        eye,
+        target,
+        up,
+        vertical_fov,
+    }
+}
+
+/// Middle of the bounds; the origin of an empty scene.
+fn center(bounds: &DBounds) -> DVec3 {
+    if bounds.is_empty() {
+        DVec3::ZERO
+    } else {
+        bounds.center()
+    }
+}
+
+/// Radius of the ball around the bounds; 1 where they have no extent.
+fn radius(bounds: &DBounds) -> f64 {
+    let radius = bounds.diagonal() / 2.0;
+    if radius > 0.0 { radius } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn framing_touches_the_ball_on_the_narrow_side() {
+        let bounds = DBounds {
+            min: DVec3::new(9.0, -1.0, -1.0),
+            max: DVec3::new(11.0, 1.0, 1.0),
+        };
+        for aspect in [0.5, 2.0] {
+            let camera = framing(&bounds, -DVec3::Y, DVec3::Z, Degrees(40.0), aspect);
+            let distance = (camera.eye - DVec3::X * 10.0).length();
+            let half_angle = (20_f64.to_radians().tan() * f64::min(aspect, 1.0)).atan();
+            assert!((distance * half_angle.sin() - 3_f64.sqrt()).abs() < 1e-12);
+            assert!(camera.axes().is_some());
+        }
+    }
+
+    #[test]
+    fn a_scene_without_extent_still_has_a_camera() {
+        let mut scene = Scene::default();
+        light_and_frame(&mut scene);
+        assert_eq!(scene.validate(), Ok(()));
+        assert_eq!(scene.lights.len(), 3);
+    }
+}

@@ -26,6 +26,10 @@ pub struct RenderSettings {
 impl RenderSettings {
     /// Largest width or height of a picture.
     pub const MAX_SIDE: u32 = 65_536;
+    /// Largest seed a scene file can hold.
+    pub const MAX_SEED: u64 = i64::MAX as u64;
+    /// Most pixels of a picture: 16,384².
+    pub const MAX_PIXELS: u64 = 1 << 28;
     /// Most samples a pixel can get.
     pub const MAX_SAMPLES: u32 = 1 << 24;
 

@@ -1,0 +1,322 @@
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow};
+use clap::Args;
+use serde::Serialize;
+
+use crate::control::{CancelToken, Progress};
+use crate::io::{self, MeshFile, PNG_HASH_KEYWORD};
+use crate::math::DBounds;
+use crate::render::Image;
+use crate::scene::{Choice, Scene};
+
+/// What `raymini info` takes.
+#[derive(Debug, Args)]
+pub struct InfoArguments {
+    /// A mesh, a scene file, or a picture (.png, .exr)
+    file: PathBuf,
+
+    /// Print the facts as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a file holds.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Facts {
+    Mesh(MeshFacts),
+    Scene(SceneFacts),
+    Picture(PictureFacts),
+}
+
+#[derive(Debug, Serialize)]
+struct MeshFacts {
+    format: &'static str,
+    vertices: usize,
+    faces: u64,
+    polygons: u64,
+    triangles: usize,
+    bounds: Option<Box3>,
+    dropped: DroppedFacts,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct DroppedFacts {
+    degenerate: u64,
+    too_few_corners: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct SceneFacts {
+    format: &'static str,
+    objects: Vec<ObjectFacts>,
+    materials: Vec<String>,
+    lights: usize,
+    triangles: u64,
+    bounds: Option<Box3>,
+    mode: &'static str,
+    width: u32,
+    height: u32,
+    samples_per_pixel: u32,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct ObjectFacts {
+    name: String,
+    mesh: String,
+    triangles: usize,
+    copies: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct PictureFacts {
+    format: &'static str,
+    width: usize,
+    height: usize,
+    /// Hash of the radiance the picture was made from, where it is known.
+    image_hash: Option<String>,
+}
+
+/// Corners of a box.
+#[derive(Debug, Serialize)]
+struct Box3 {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl Box3 {
+    fn of(bounds: &DBounds) -> Option<Self> {
+        (!bounds.is_empty()).then(|| Self {
+            min: bounds.min.to_array(),
+            max: bounds.max.to_array(),
+        })
+    }
+}
+
+pub(super) fn run(arguments: &InfoArguments) -> Result<()> {
+    let facts = facts(&arguments.file)?;
+    if arguments.json {
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&facts).context("the facts cannot be written as JSON")?
+        );
+    } else {
+        print!("{}", describe(&arguments.file, &facts));
+    }
+    Ok(())
+}
+
+fn facts(path: &Path) -> Result<Facts> {
+    let (cancel, progress) = (CancelToken::new(), Progress::new());
+    let cancelled = || anyhow!("loading was cancelled");
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("toml") => {
+            let loaded = io::load_scene(path, &cancel, &progress)?.ok_or_else(cancelled)?;
+            Ok(Facts::Scene(scene_facts(&loaded.scene, loaded.warnings)))
+        }
+        Some("png") => Ok(Facts::Picture(png_facts(path)?)),
+        Some("exr") => Ok(Facts::Picture(exr_facts(path)?)),
+        _ => {
+            let file = io::load_mesh(path, &cancel, &progress)?.ok_or_else(cancelled)?;
+            Ok(Facts::Mesh(mesh_facts(file)))
+        }
+    }
+}
+
+fn mesh_facts(file: MeshFile) -> MeshFacts {
+    MeshFacts {
+        format: file.format,
+        vertices: file.mesh.positions.len(),
+        faces: file.faces,
+        polygons: file.polygons,
+        triangles: file.mesh.triangles.len(),
+        bounds: Box3::of(&file.mesh.bounds()),
+        dropped: DroppedFacts {
+            degenerate: file.dropped.degenerate,
+            too_few_corners: file.dropped.too_few_corners,
+        },
+        warnings: file.warnings,
+    }
+}
+
+fn scene_facts(scene: &Scene, warnings: Vec<String>) -> SceneFacts {
+    let object = |object: &crate::scene::Object| ObjectFacts {
+        name: object.name.clone(),
+        mesh: object.mesh.clone(),
+        triangles: scene
+            .meshes
+            .get(&object.mesh)
+            .map_or(0, |mesh| mesh.triangles.len()),
+        copies: object.copies.total(),
+    };
+    SceneFacts {
+        format: "RayMini scene",
+        objects: scene.objects.iter().map(object).collect(),
+        materials: scene.materials.keys().cloned().collect(),
+        lights: scene.lights.len(),
+        triangles: scene.triangle_count(),
+        bounds: Box3::of(&scene.bounds()),
+        mode: scene.render.mode.name(),
+        width: scene.render.width,
+        height: scene.render.height,
+        samples_per_pixel: scene.render.samples_per_pixel,
+        warnings,
+    }
+}
+
+fn png_facts(path: &Path) -> Result<PictureFacts> {
+    let file = open(path)?;
+    let reader = png::Decoder::new(BufReader::new(file))
+        .read_info()
+        .with_context(|| format!("{}: expected a PNG picture", path.display()))?;
+    let info = reader.info();
+    let hash = info
+        .uncompressed_latin1_text
+        .iter()
+        .find(|chunk| chunk.keyword == PNG_HASH_KEYWORD);
+    Ok(PictureFacts {
+        format: "PNG",
+        width: info.width as usize,
+        height: info.height as usize,
+        image_hash: hash.map(|chunk| chunk.text.clone()),
+    })
+}
+
+fn exr_facts(path: &Path) -> Result<PictureFacts> {
+    open(path)?;
+    let picture = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), vec![[0.0; 3]; size.area()]),
+        |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[at.y() * *width + at.x()] = [r, g, b];
+        },
+    )
+    .with_context(|| {
+        format!(
+            "{}: expected an OpenEXR picture with red, green and blue",
+            path.display()
+        )
+    })?;
+    let (width, pixels) = picture.layer_data.channel_data.pixels;
+    let height = pixels.len() / width.max(1);
+    let side = |side: usize| u32::try_from(side).context("the picture is too large");
+    let image = Image {
+        width: side(width)?,
+        height: side(height)?,
+        pixels,
+    };
+    Ok(PictureFacts {
+        format: "OpenEXR",
+        width,
+        height,
+        image_hash: Some(image.hash()),
+    })
+}
+
+fn open(path: &Path) -> Result<File> {
+    File::open(path).with_context(|| format!("{}: cannot be read", path.display()))
+}
+
+/// The facts as lines for people: a name and a value each.
+fn describe(path: &Path, facts: &Facts) -> String {
+    let mut lines = vec![path.display().to_string()];
+    let mut line = |name: &str, value: String| lines.push(format!("  {name:<12}{value}"));
+    let warnings = match facts {
+        Facts::Mesh(mesh) => {
+            line("format", mesh.format.to_owned());
+            line("vertices", mesh.vertices.to_string());
+            line(
+                "faces",
+                format!(
+                    "{}, {} of them with more than three corners",
+                    mesh.faces, mesh.polygons
+                ),
+            );
+            line("triangles", mesh.triangles.to_string());
+            line("bounds", describe_box(mesh.bounds.as_ref()));
+            let DroppedFacts {
+                degenerate,
+                too_few_corners,
+            } = mesh.dropped;
+            line(
+                "left out",
+                format!(
+                    "{degenerate} faces without area, {too_few_corners} with fewer than three corners"
+                ),
+            );
+            &mesh.warnings
+        }
+        Facts::Scene(scene) => {
+            line("format", scene.format.to_owned());
+            line(
+                "picture",
+                format!(
+                    "{}, {}×{}, {} samples",
+                    scene.mode, scene.width, scene.height, scene.samples_per_pixel
+                ),
+            );
+            for object in &scene.objects {
+                let copies = if object.copies == 1 {
+                    String::new()
+                } else {
+                    format!(" × {}", object.copies)
+                };
+                line(
+                    "object",
+                    format!(
+                        "{}: {} triangles{copies}, {}",
+                        object.name, object.triangles, object.mesh
+                    ),
+                );
+            }
+            line(
+                "materials",
+                if scene.materials.is_empty() {
+                    "none".to_owned()
+                } else {
+                    scene.materials.join(", ")
+                },
+            );
+            line("lights", scene.lights.to_string());
+            line("triangles", scene.triangles.to_string());
+            line("bounds", describe_box(scene.bounds.as_ref()));
+            &scene.warnings
+        }
+        Facts::Picture(picture) => {
+            line("format", picture.format.to_owned());
+            line("size", format!("{}×{}", picture.width, picture.height));
+            line(
+                "hash",
+                picture
+                    .image_hash
+                    .clone()
+                    .unwrap_or_else(|| "unknown: not a picture by RayMini".to_owned()),
+            );
+            &Vec::new()
+        }
+    };
+    for warning in warnings {
+        line("warning", warning.clone());
+    }
+    lines.join("\n") + "\n"
+}
+
+fn describe_box(bounds: Option<&Box3>) -> String {
+    match bounds {
+        None => "empty".to_owned(),
+        Some(Box3 { min, max }) => {
+            format!(
+                "({}, {}, {}) to ({}, {}, {})",
+                min[0], min[1], min[2], max[0], max[1], max[2]
+            )
+        }
+    }
+}

@@ -1,0 +1,310 @@
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, anyhow, bail};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use crate::control::{CancelToken, Progress};
+use crate::io::{self, LoadedScene};
+use crate::render::{
+    PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RunConfig, render,
+};
+use crate::scene::{Choice, Mode, Scene};
+
+/// What `raymini render` takes.
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    /// A scene file (.toml) or a mesh; the built-in demo when left out
+    #[arg(value_name = "SCENE")]
+    scene: Option<PathBuf>,
+
+    /// Where to write the picture: .png, or .exr for the radiance itself
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+
+    /// What a pixel holds
+    #[arg(long, value_parser = Mode::ALL.iter().map(|(_, name)| *name).collect::<Vec<_>>())]
+    mode: Option<String>,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N")]
+    spp: Option<u32>,
+
+    /// Start of the random numbers
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Threads to use; one per core when left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Render and write this part of the picture only
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_region)]
+    region: Option<Region>,
+
+    /// Change any key of the scene, e.g. render.shadows=off; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    assignments: Vec<String>,
+
+    /// Write times, counts and the picture's hash to this file as JSON
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+}
+
+impl RenderArguments {
+    /// Every change to the scene's keys that the flags ask for.
+    fn assignments(&self) -> Vec<String> {
+        let mut assignments = self.assignments.clone();
+        if let Some((width, height)) = self.size {
+            assignments.push(format!("render.width={width}"));
+            assignments.push(format!("render.height={height}"));
+        }
+        assignments.extend(self.mode.iter().map(|mode| format!("render.mode={mode}")));
+        assignments.extend(
+            self.spp
+                .iter()
+                .map(|spp| format!("render.samples_per_pixel={spp}")),
+        );
+        assignments.extend(self.seed.iter().map(|seed| format!("render.seed={seed}")));
+        assignments
+    }
+}
+
+/// The stats file.
+#[derive(Debug, Serialize)]
+struct Stats {
+    load_seconds: f64,
+    build_seconds: f64,
+    render_seconds: f64,
+    first_tile_seconds: f64,
+    triangles: u64,
+    accelerator: &'static str,
+    accelerator_bytes: usize,
+    /// `None` where the system does not tell.
+    peak_memory_bytes: Option<u64>,
+    threads: usize,
+    samples_per_pixel: u32,
+    rays: RayCounts,
+    non_finite_samples: u64,
+    image_hash: String,
+}
+
+pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
+    // Before work is spent on a picture that could not be written.
+    io::check_image_path(&arguments.output)?;
+
+    let started = Instant::now();
+    let mut loaded = load(arguments.scene.as_deref())?;
+    io::override_scene(&mut loaded, &arguments.assignments(), &CancelToken::new())?;
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let load_seconds = started.elapsed().as_secs_f64();
+
+    let stats = render_scene(&loaded.scene, arguments, load_seconds)?;
+    if let Some(path) = &arguments.stats {
+        let json =
+            serde_json::to_string_pretty(&stats).context("the stats cannot be written as JSON")?;
+        io::write_atomically(path, |file| writeln!(file, "{json}"))
+            .with_context(|| format!("{}: cannot write the stats", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Renders `scene` as it is to `output`; what the window does where there is no screen.
+///
+/// # Errors
+/// What kept the picture from being rendered or written.
+pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
+    let arguments = RenderArguments {
+        scene: None,
+        output: output.to_owned(),
+        size: None,
+        mode: None,
+        spp: None,
+        seed: None,
+        threads: None,
+        region: None,
+        assignments: Vec::new(),
+        stats: None,
+    };
+    render_scene(scene, &arguments, 0.0).map(drop)
+}
+
+fn load(path: Option<&Path>) -> Result<LoadedScene> {
+    match path {
+        None => Ok(LoadedScene {
+            scene: io::demo_scene(),
+            warnings: Vec::new(),
+        }),
+        Some(path) => io::load_scene(path, &CancelToken::new(), &Progress::new())?
+            .ok_or_else(|| anyhow!("loading was cancelled")),
+    }
+}
+
+fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<Stats> {
+    let started = Instant::now();
+    let prepared = PreparedScene::prepare(scene, None, &CancelToken::new())?
+        .ok_or_else(|| anyhow!("preparing was cancelled"))?;
+    let build_seconds = started.elapsed().as_secs_f64();
+
+    let settings = prepared.settings();
+    if let Some(region) = arguments.region
+        && !region.fits(settings.width, settings.height)
+    {
+        bail!(
+            "--region {},{},{},{} does not lie in the {}×{} picture",
+            region.x,
+            region.y,
+            region.width,
+            region.height,
+            settings.width,
+            settings.height
+        );
+    }
+    let run = RunConfig {
+        threads: arguments.threads.map_or(0, usize::from),
+        cancel: CancelToken::new(),
+    };
+    let RenderOutcome { image, stats } =
+        with_progress_bar(|progress| render(&prepared, arguments.region, &run, progress, &|_| ()))
+            .ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    io::write_image(&image, &scene.display, &scene.output, &arguments.output)?;
+
+    let hash = image.hash();
+    let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
+    println!(
+        "{}: {}×{} pixels, {} samples, {:.2} s, {rate:.2} Mrays/s, hash {}",
+        arguments.output.display(),
+        image.width,
+        image.height,
+        settings.samples_per_pixel,
+        stats.render_seconds,
+        &hash[..16]
+    );
+    if stats.non_finite_samples > 0 {
+        eprintln!(
+            "warning: {} samples were infinite or not a number",
+            stats.non_finite_samples
+        );
+    }
+    let accelerator = prepared.geometry().accelerator();
+    Ok(Stats {
+        load_seconds,
+        build_seconds,
+        render_seconds: stats.render_seconds,
+        first_tile_seconds: stats.first_tile_seconds,
+        triangles: prepared.geometry().triangles().len() as u64,
+        accelerator: accelerator.name(),
+        accelerator_bytes: accelerator.bytes(),
+        peak_memory_bytes: peak_memory_bytes(),
+        threads: stats.threads,
+        samples_per_pixel: settings.samples_per_pixel,
+        rays: stats.rays,
+        non_finite_samples: stats.non_finite_samples,
+        image_hash: hash,
+    })
+}
+
+/// Runs `work` with its progress shown on a terminal, and nothing shown where there is none.
+fn with_progress_bar<T>(work: impl FnOnce(&RenderProgress) -> T) -> T {
+    let progress = RenderProgress::default();
+    if !std::io::stderr().is_terminal() {
+        return work(&progress);
+    }
+    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template(
+        "{percent:>3} % {wide_bar} {elapsed_precise} left {eta} {msg}",
+    );
+    bar.set_style(style.expect("the template is right"));
+    let finished = CancelToken::new();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let started = Instant::now();
+            while !finished.is_cancelled() {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a share of 1000"
+                )]
+                bar.set_position((progress.samples.fraction() * 1000.0) as u64);
+                let rate = progress.rays() as f64 / started.elapsed().as_secs_f64() / 1e6;
+                bar.set_message(format!("{rate:.1} Mrays/s"));
+                std::thread::sleep(Duration::from_millis(50));
+            }
+        });
+        let result = work(&progress);
+        finished.cancel();
+        bar.finish_and_clear();
+        result
+    })
+}
+
+/// The most memory this process has held, where the system tells (Linux).
+fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| {
+            let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side > 0);
+            Some((side(width)?, side(height)?))
+        });
+    sides.ok_or_else(|| "expected width and height, such as 640x480".to_owned())
+}
+
+fn parse_region(text: &str) -> Result<Region, String> {
+    let numbers: Option<Vec<u32>> = text
+        .split(',')
+        .map(|number| number.trim().parse().ok())
+        .collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region {
+            x,
+            y,
+            width,
+            height,
+        }),
+        _ => Err("expected left, top, width, height in pixels, such as 0,0,320,240".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_regions_are_understood_or_refused() {
+        assert_eq!(parse_size("640x480"), Ok((640, 480)));
+        assert_eq!(parse_size("1X2"), Ok((1, 2)));
+        for wrong in ["640", "0x3", "-1x3", "ax3", "3x", ""] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(
+            parse_region("1, 2,3,4"),
+            Ok(Region {
+                x: 1,
+                y: 2,
+                width: 3,
+                height: 4
+            })
+        );
+        for wrong in ["1,2,3", "1,2,0,4", "1,2,3,4,5", "a,2,3,4"] {
+            assert!(parse_region(wrong).is_err(), "{wrong}");
+        }
+    }
+}

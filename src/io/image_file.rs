@@ -1,0 +1,233 @@
+//! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
+
+use std::io::{self, Cursor, Write};
+use std::path::{Path, PathBuf};
+
+use super::atomic::write_atomically;
+use crate::render::Image;
+use crate::render::display::{encode_8, encode_16};
+use crate::scene::{Display, Output, PngBits};
+
+/// Keyword of the PNG text that holds [`Image::hash`] of the picture before it was quantised.
+pub const PNG_HASH_KEYWORD: &str = "raymini.image_hash";
+
+/// Why a picture could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageFileError {
+    /// The name's extension is that of no format that can be written.
+    #[error("{}: pictures are written as .png or .exr, by the name's extension", path.display())]
+    UnknownFormat {
+        /// The name asked for.
+        path: PathBuf,
+    },
+    /// The file could not be written; an old file of that name is as it was.
+    #[error("{}: cannot write the picture: {source}", path.display())]
+    Unwritable {
+        /// The name asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// A format of picture files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+/// Says whether `path` has the extension of a format that can be written, before work is spent on the picture.
+///
+/// # Errors
+/// [`ImageFileError::UnknownFormat`].
+pub fn check_image_path(path: &Path) -> Result<(), ImageFileError> {
+    format_of(path).map(drop)
+}
+
+/// Writes `image` to `path`, as PNG with `display` applied or as OpenEXR with the radiance, by the extension. The file
+/// appears whole or not at all.
+///
+/// # Errors
+/// An unknown extension, or what the system says.
+pub fn write_image(
+    image: &Image,
+    display: &Display,
+    output: &Output,
+    path: &Path,
+) -> Result<(), ImageFileError> {
+    let bytes = match format_of(path)? {
+        Format::Png => png_bytes(image, display, *output),
+        Format::Exr => exr_bytes(image),
+    };
+    bytes
+        .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes)))
+        .map_err(|source| ImageFileError::Unwritable {
+            path: path.to_owned(),
+            source,
+        })
+}
+
+fn format_of(path: &Path) -> Result<Format, ImageFileError> {
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("png") => Ok(Format::Png),
+        Some("exr") => Ok(Format::Exr),
+        _ => Err(ImageFileError::UnknownFormat {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+fn png_bytes(image: &Image, display: &Display, output: Output) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, image.width, image.height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(match output.png_bits {
+        PngBits::Eight => png::BitDepth::Eight,
+        PngBits::Sixteen => png::BitDepth::Sixteen,
+    });
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.add_text_chunk(
+        "Software".to_owned(),
+        format!("RayMini {}", env!("CARGO_PKG_VERSION")),
+    )?;
+    encoder.add_text_chunk(PNG_HASH_KEYWORD.to_owned(), image.hash())?;
+    let mut writer = encoder.write_header()?;
+    let mut rows = writer.stream_writer()?;
+    for row in image.pixels.chunks_exact(image.width as usize) {
+        let encoded: Vec<u8> = match output.png_bits {
+            PngBits::Eight => row.iter().flat_map(|&rgb| encode_8(rgb, display)).collect(),
+            PngBits::Sixteen => row
+                .iter()
+                .flat_map(|&rgb| encode_16(rgb, display))
+                .flat_map(u16::to_be_bytes)
+                .collect(),
+        };
+        rows.write_all(&encoded)?;
+    }
+    rows.finish()?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+fn exr_bytes(image: &Image) -> io::Result<Vec<u8>> {
+    use exr::prelude::{Image as ExrImage, SpecificChannels, Vec2, WritableImage};
+
+    let size = (image.width as usize, image.height as usize);
+    let pixel = |Vec2(x, y): Vec2<usize>| {
+        let [red, green, blue] = image.pixels[y * size.0 + x];
+        (red, green, blue)
+    };
+    let mut file = Cursor::new(Vec::new());
+    ExrImage::from_channels(size, SpecificChannels::rgb(pixel))
+        .write()
+        .to_buffered(&mut file)
+        .map_err(|error| io::Error::other(error.to_string()))?;
+    Ok(file.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gradient() -> Image {
+        let pixels = (0..35)
+            .map(|i| [i as f32 / 34.0, 2.0 - i as f32 * 1e-3, 1e-20 * i as f32])
+            .collect();
+        Image {
+            width: 7,
+            height: 5,
+            pixels,
+        }
+    }
+
+    fn written(extension: &str, output: Output) -> tempfile::TempPath {
+        let path = tempfile::Builder::new()
+            .suffix(extension)
+            .tempfile()
+            .expect("a file")
+            .into_temp_path();
+        write_image(&gradient(), &Display::default(), &output, &path).expect("is written");
+        path
+    }
+
+    #[test]
+    fn png_holds_the_display_values_and_the_hash() {
+        for (png_bits, depth) in [
+            (PngBits::Eight, png::BitDepth::Eight),
+            (PngBits::Sixteen, png::BitDepth::Sixteen),
+        ] {
+            let path = written(".png", Output { png_bits });
+            let decoder = png::Decoder::new(io::BufReader::new(
+                std::fs::File::open(&path).expect("exists"),
+            ));
+            let mut reader = decoder.read_info().expect("is a PNG");
+            assert_eq!(
+                (
+                    reader.info().width,
+                    reader.info().height,
+                    reader.info().bit_depth
+                ),
+                (7, 5, depth)
+            );
+            let text = &reader.info().uncompressed_latin1_text;
+            assert!(
+                text.iter()
+                    .any(|chunk| chunk.keyword == PNG_HASH_KEYWORD
+                        && chunk.text == gradient().hash())
+            );
+            let mut pixels = vec![0; reader.output_buffer_size().expect("fits")];
+            reader.next_frame(&mut pixels).expect("has a frame");
+            let last = gradient().pixels[34];
+            match png_bits {
+                PngBits::Eight => assert_eq!(pixels[34 * 3..], encode_8(last, &Display::default())),
+                PngBits::Sixteen => {
+                    let expected: Vec<u8> = encode_16(last, &Display::default())
+                        .into_iter()
+                        .flat_map(u16::to_be_bytes)
+                        .collect();
+                    assert_eq!(pixels[34 * 6..], expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn exr_holds_the_radiance_bit_for_bit() {
+        let path = written(".exr", Output::default());
+        let image = exr::prelude::read_first_rgba_layer_from_file(
+            &path,
+            |size, _| Image {
+                width: size.0 as u32,
+                height: size.1 as u32,
+                pixels: vec![[0.0; 3]; size.area()],
+            },
+            |image, position, (r, g, b, _): (f32, f32, f32, f32)| {
+                let index = position.y() * image.width as usize + position.x();
+                image.pixels[index] = [r, g, b];
+            },
+        )
+        .expect("is an EXR");
+        assert_eq!(
+            image.layer_data.channel_data.pixels.hash(),
+            gradient().hash()
+        );
+    }
+
+    #[test]
+    fn an_unknown_extension_is_refused_by_name() {
+        let error = write_image(
+            &gradient(),
+            &Display::default(),
+            &Output::default(),
+            Path::new("out.jpg"),
+        );
+        assert_eq!(
+            error.expect_err("is refused").to_string(),
+            "out.jpg: pictures are written as .png or .exr, by the name's extension"
+        );
+    }
+}

@@ -1,0 +1,204 @@
+//! A place in the text, and the words and numbers found there.
+
+/// Walks over bytes word by word and line by line.
+///
+/// Words are separated by blanks. A line ends with LF, CR or CR LF; `#` hides the rest of its line. The text need not be
+/// UTF-8, as comments in old files often are not.
+#[derive(Clone, Debug)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u64,
+    last_line_with_words: u64,
+}
+
+impl<'a> Cursor<'a> {
+    /// The start of `bytes`, after the byte order mark if there is one.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        let at = if bytes.starts_with(b"\xEF\xBB\xBF") {
+            3
+        } else {
+            0
+        };
+        Self {
+            bytes,
+            at,
+            line: 1,
+            last_line_with_words: 1,
+        }
+    }
+
+    /// Bytes passed so far.
+    pub(super) fn position(&self) -> usize {
+        self.at
+    }
+
+    /// Bytes still ahead.
+    pub(super) fn remaining(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// The line of the next word, or at the end of the text the last line that held one.
+    pub(super) fn line(&self) -> u64 {
+        if self.remaining() == 0 {
+            self.last_line_with_words
+        } else {
+            self.line
+        }
+    }
+
+    /// The next word of this line; `None` where the line has no more.
+    pub(super) fn word(&mut self) -> Option<&'a [u8]> {
+        if !self.line_has_word() {
+            return None;
+        }
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&byte| ends_word(byte));
+        let word = &rest[..length.unwrap_or(rest.len())];
+        self.at += word.len();
+        Some(word)
+    }
+
+    /// Moves over blanks and says whether this line goes on with a word.
+    pub(super) fn line_has_word(&mut self) -> bool {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            if is_blank(byte) {
+                self.at += 1;
+            } else if ends_word(byte) {
+                return false;
+            } else {
+                self.last_line_with_words = self.line;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Moves to the next word, on this line or a later one, and says whether there is one.
+    pub(super) fn find_word(&mut self) -> bool {
+        loop {
+            if self.line_has_word() {
+                return true;
+            }
+            if !self.leave_line() {
+                return false;
+            }
+        }
+    }
+
+    /// The number of words left on this line. The cursor stays.
+    pub(super) fn words_on_line(&self) -> usize {
+        let mut ahead = self.clone();
+        let mut count = 0;
+        while ahead.word().is_some() {
+            count += 1;
+        }
+        count
+    }
+
+    /// Moves behind the end of this line; `false` when the text ends with it.
+    fn leave_line(&mut self) -> bool {
+        let rest = &self.bytes[self.at..];
+        let Some(length) = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r') else {
+            self.at = self.bytes.len();
+            return false;
+        };
+        let is_pair = rest[length..].starts_with(b"\r\n");
+        self.at += length + if is_pair { 2 } else { 1 };
+        self.line += 1;
+        true
+    }
+}
+
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | 0x0B | 0x0C)
+}
+
+fn ends_word(byte: u8) -> bool {
+    is_blank(byte) || matches!(byte, b'\n' | b'\r' | b'#')
+}
+
+/// The value of a decimal number; infinite where it is too large, NaN where it says so.
+pub(super) fn number(word: &[u8]) -> Option<f64> {
+    str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// The value of an unsigned decimal integer that fits.
+pub(super) fn whole(word: &[u8]) -> Option<u64> {
+    if word.is_empty() {
+        return None;
+    }
+    word.iter().try_fold(0_u64, |value, byte| {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value.checked_mul(10)?.checked_add(u64::from(digit))
+    })
+}
+
+/// A word for a message: in quotes, what cannot be shown escaped, a long one cut.
+pub(super) fn quoted(word: &[u8]) -> String {
+    const LONGEST: usize = 32;
+    let shown = &word[..word.len().min(LONGEST)];
+    let dots = if word.len() > LONGEST { "…" } else { "" };
+    let text = String::from_utf8_lossy(shown);
+    format!("\"{}{dots}\"", text.escape_debug())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<(u64, String)> {
+        let mut cursor = Cursor::new(text.as_bytes());
+        let mut found = Vec::new();
+        while cursor.find_word() {
+            let line = cursor.line();
+            let word = cursor.word().expect("a word was found");
+            found.push((line, String::from_utf8_lossy(word).into_owned()));
+        }
+        found
+    }
+
+    #[test]
+    fn every_kind_of_line_end_counts_once() {
+        let expected = [(1, "a"), (2, "b"), (4, "c"), (5, "d")].map(|(l, w)| (l, w.to_owned()));
+        assert_eq!(words("a\nb\n\nc\nd"), expected);
+        assert_eq!(words("a\r\nb\r\n\r\nc\r\nd\r\n"), expected);
+        assert_eq!(words("a\rb\r\rc\rd\r"), expected);
+    }
+
+    #[test]
+    fn comments_end_words_and_lines() {
+        assert_eq!(
+            words("a#b c\n # d\n\u{FEFF}"),
+            [(1, "a".to_owned()), (3, "\u{FEFF}".to_owned())]
+        );
+        assert_eq!(words("\u{FEFF}a"), [(1, "a".to_owned())]);
+    }
+
+    #[test]
+    fn whole_numbers_are_digits_that_fit() {
+        assert_eq!(whole(b"18446744073709551615"), Some(u64::MAX));
+        for word in [
+            "",
+            "18446744073709551616",
+            "-1",
+            "+1",
+            "1.0",
+            "1e3",
+            "0x1",
+            "１",
+        ] {
+            assert_eq!(whole(word.as_bytes()), None, "{word}");
+        }
+    }
+
+    #[test]
+    fn words_in_messages_are_short_and_printable() {
+        assert_eq!(quoted(b"9"), "\"9\"");
+        assert_eq!(quoted(b"\x00\xFF\""), "\"\\0\u{FFFD}\\\"\"");
+        assert!(quoted(&[b'x'; 1000]).len() < 50);
+    }
+}

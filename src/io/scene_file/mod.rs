@@ -1,0 +1,176 @@
+//! Scene files: TOML, strict. A key nobody knows, a value of the wrong kind or out of range, a material that is not defined: each
+//! is an error that names file, line, column, and what was expected.
+
+mod keys;
+mod records;
+mod tree;
+
+use std::fmt;
+
+use crate::scene::Scene;
+use keys::{Keys, nearest};
+use tree::{Node, Place};
+
+/// Something a scene file says that cannot be understood.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneFileError {
+    /// File, line and column, or the `--set` that said it.
+    pub at: String,
+    /// What is wrong and what was expected.
+    pub message: String,
+}
+
+impl SceneFileError {
+    fn at(name: &str, place: Place, message: String) -> Self {
+        Self {
+            at: format!("{name}:{}:{}", place.line, place.column),
+            message,
+        }
+    }
+}
+
+impl fmt::Display for SceneFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.at, self.message)
+    }
+}
+
+impl std::error::Error for SceneFileError {}
+
+/// A parsed scene file: the description, and where its values stand.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// What the file describes; its meshes are not loaded.
+    pub scene: Scene,
+    name: String,
+    tree: Node,
+}
+
+impl SceneFile {
+    /// Reads the scene in `text`; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first mistake in the order of the file.
+    pub fn parse(text: &str, name: &str) -> Result<Self, SceneFileError> {
+        let tree = Node::parse(text, name)?;
+        let scene = read(&tree, name)?;
+        Ok(Self {
+            scene,
+            name: name.to_owned(),
+            tree,
+        })
+    }
+
+    /// An error about the value of a dotted `key`, such as `objects.0.mesh`, at its place in the file.
+    #[must_use]
+    pub fn error_at(&self, key: &str, message: String) -> SceneFileError {
+        SceneFileError::at(&self.name, self.tree.place_of(key), message)
+    }
+}
+
+/// The description as the text of a scene file. Reading it gives the same description.
+#[must_use]
+pub fn write(scene: &Scene) -> String {
+    let mut text = String::new();
+    // Keys are visited by one function for reading and writing, which takes its scene mutably.
+    records::scene(&mut Keys::writing(&mut text), &mut scene.clone());
+    text.trim_start().to_owned()
+}
+
+/// Changes one value: `assignment` is `KEY=VALUE` with a dotted key, list items by number (`objects.0.scale=2`), and a TOML
+/// value; quotes around a single word may be left out. Meshes stay as they are.
+///
+/// # Errors
+/// What about the key or value cannot be understood.
+///
+/// # Panics
+/// When `scene` holds a value that no scene file can say, such as a number that is not finite.
+pub fn apply_override(scene: &Scene, assignment: &str) -> Result<Scene, SceneFileError> {
+    let at = format!("--set {assignment}");
+    let error = |message: String| SceneFileError {
+        at: at.clone(),
+        message,
+    };
+    let Some((key, value)) = assignment.split_once('=') else {
+        return Err(error(
+            "expected KEY=VALUE, such as render.width=800".to_owned(),
+        ));
+    };
+    let (key, value) = (key.trim(), value.trim());
+    let node = parse_value(value).ok_or_else(|| error(format!("{value} is not a TOML value")))?;
+    let mut tree = Node::parse(&write(scene), "scene").expect("a written scene can be read");
+    tree.set(key, node).map_err(error)?;
+    let mut changed = read(&tree, "scene").map_err(|problem| error(problem.message))?;
+    changed.meshes.clone_from(&scene.meshes);
+    Ok(changed)
+}
+
+/// A TOML value, or a bare word as a text.
+fn parse_value(text: &str) -> Option<Node> {
+    let parse = |value: &str| {
+        let tree = Node::parse(&format!("value = {value}"), "").ok()?;
+        Some(tree.get("value")?.node.clone())
+    };
+    let is_word = |c: char| c.is_ascii_alphanumeric() || "-_./:".contains(c);
+    parse(text).or_else(|| {
+        if text.chars().all(is_word) {
+            parse(&format!("\"{text}\""))
+        } else {
+            None
+        }
+    })
+}
+
+fn read(tree: &Node, name: &str) -> Result<Scene, SceneFileError> {
+    let mut scene = Scene::default();
+    let mut problems = Vec::new();
+    records::scene(&mut Keys::reading(tree, name, &mut problems), &mut scene);
+    if let Some(first) = problems.into_iter().next() {
+        return Err(first);
+    }
+    check_materials(tree, name, &scene)?;
+    scene.validate().map_err(|problem| {
+        let place = tree.place_of(problem.key().unwrap_or_default());
+        SceneFileError::at(name, place, problem.to_string())
+    })?;
+    name_objects(&mut scene);
+    Ok(scene)
+}
+
+/// Every material that an object names must be there.
+fn check_materials(tree: &Node, name: &str, scene: &Scene) -> Result<(), SceneFileError> {
+    for (index, object) in scene.objects.iter().enumerate() {
+        let Some(material) = &object.material else {
+            continue;
+        };
+        if !scene.materials.contains_key(material) {
+            let known = match nearest(material, scene.materials.keys().map(String::as_str)) {
+                Some(nearest) => format!("the nearest defined one is \"{nearest}\""),
+                None => "none is defined".to_owned(),
+            };
+            let place = tree.place_of(&format!("objects.{index}.material"));
+            let message = format!("material \"{material}\" is not defined; {known}");
+            return Err(SceneFileError::at(name, place, message));
+        }
+    }
+    Ok(())
+}
+
+/// Objects without a name get that of their mesh file.
+fn name_objects(scene: &mut Scene) {
+    for object in scene
+        .objects
+        .iter_mut()
+        .filter(|object| object.name.is_empty())
+    {
+        let file = object
+            .mesh
+            .rsplit(['/', '\\', ':'])
+            .next()
+            .unwrap_or(&object.mesh);
+        object.name = file.split('.').next().unwrap_or(file).to_owned();
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,171 @@
+//! The keys of every record of a scene, in the order in which they are written.
+
+use super::keys::{Allowed, Keys};
+use crate::math::DVec3;
+use crate::scene::{
+    Background, Camera, Choice, Copies, Display, Light, Material, Object, Output, PngBits,
+    RenderSettings, Rgb, Scene,
+};
+
+/// The whole file. `scene` holds the defaults when reading.
+pub fn scene(keys: &mut Keys<'_>, scene: &mut Scene) {
+    keys.record("camera", |keys| camera(keys, &mut scene.camera));
+    let up = scene.camera.up;
+    keys.record("background", |keys| {
+        background(keys, &mut scene.background, up)
+    });
+    keys.map("materials", &mut scene.materials, material);
+    keys.list("objects", &mut scene.objects, object);
+    keys.list("lights", &mut scene.lights, light);
+    keys.record("render", |keys| render(keys, &mut scene.render));
+    keys.record("display", |keys| display(keys, &mut scene.display));
+    keys.record("output", |keys| output(keys, &mut scene.output));
+    keys.finish();
+}
+
+fn camera(keys: &mut Keys<'_>, camera: &mut Camera) {
+    keys.vector("eye", &mut camera.eye);
+    keys.vector("target", &mut camera.target);
+    keys.vector("up", &mut camera.up);
+    keys.number(
+        "vertical_fov",
+        &mut camera.vertical_fov.0,
+        Allowed::Between(0.0, 180.0),
+    );
+}
+
+fn background(keys: &mut Keys<'_>, background: &mut Background, camera_up: DVec3) {
+    if ["zenith", "horizon", "ground", "up"]
+        .iter()
+        .any(|key| keys.has(key))
+    {
+        *background = Background::Gradient {
+            zenith: Rgb::ZERO,
+            horizon: Rgb::ZERO,
+            ground: Rgb::ZERO,
+            up: camera_up,
+        };
+        keys.refuse(
+            "radiance",
+            "is for a background that is the same everywhere; leave it out beside a gradient",
+        );
+    }
+    match background {
+        Background::Constant { radiance } => keys.color("radiance", radiance),
+        Background::Gradient {
+            zenith,
+            horizon,
+            ground,
+            up,
+        } => {
+            keys.color("zenith", zenith);
+            keys.color("horizon", horizon);
+            if keys.is_reading() {
+                *ground = *horizon;
+            }
+            keys.color("ground", ground);
+            keys.vector("up", up);
+        }
+    }
+    // Known here too, so that a misspelt gradient key finds its neighbour.
+    for key in ["zenith", "horizon", "ground", "up"] {
+        keys.know(key);
+    }
+}
+
+/// The values of `kind` in `[materials.NAME]`.
+#[derive(Clone, Copy, PartialEq)]
+enum MaterialKind {
+    Phong,
+}
+
+impl Choice for MaterialKind {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Phong, "phong")];
+}
+
+fn material(keys: &mut Keys<'_>, material: &mut Material) {
+    keys.choice("kind", &mut MaterialKind::Phong);
+    let Material::Phong {
+        diffuse,
+        specular,
+        shininess,
+    } = material;
+    keys.color("diffuse", diffuse);
+    keys.color("specular", specular);
+    keys.number("shininess", shininess, Allowed::NotNegative);
+}
+
+fn object(keys: &mut Keys<'_>, object: &mut Object) {
+    keys.text("name", &mut object.name);
+    keys.required_text("mesh", &mut object.mesh);
+    keys.optional_text("material", &mut object.material);
+    keys.flag("smooth", &mut object.smooth);
+    keys.number(
+        "crease_angle",
+        &mut object.crease_angle.0,
+        Allowed::Within(0.0, 180.0),
+    );
+    keys.number("scale", &mut object.scale, Allowed::NonZero);
+    keys.vector("rotate", &mut object.rotate);
+    keys.vector("translate", &mut object.translate);
+    if keys.is_reading() || object.copies != Copies::default() {
+        keys.record("copies", |keys| {
+            keys.counts("count", &mut object.copies.count);
+            keys.vector("step", &mut object.copies.step);
+        });
+    }
+}
+
+/// The values of `kind` in `[[lights]]`.
+#[derive(Clone, Copy, PartialEq)]
+enum LightKind {
+    Point,
+}
+
+impl Choice for LightKind {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Point, "point")];
+}
+
+fn light(keys: &mut Keys<'_>, light: &mut Light) {
+    keys.choice("kind", &mut LightKind::Point);
+    let Light::Point {
+        position,
+        intensity,
+    } = light;
+    keys.vector("position", position);
+    keys.color("intensity", intensity);
+}
+
+fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
+    keys.choice("mode", &mut render.mode);
+    keys.integer("width", &mut render.width, 1..=RenderSettings::MAX_SIDE);
+    keys.integer("height", &mut render.height, 1..=RenderSettings::MAX_SIDE);
+    keys.integer(
+        "samples_per_pixel",
+        &mut render.samples_per_pixel,
+        1..=RenderSettings::MAX_SAMPLES,
+    );
+    keys.integer("seed", &mut render.seed, 0..=RenderSettings::MAX_SEED);
+    keys.choice("shadows", &mut render.shadows);
+    keys.flag("antialiasing", &mut render.antialiasing);
+    keys.choice("phong", &mut render.phong);
+    keys.choice("accelerator", &mut render.accelerator);
+}
+
+fn display(keys: &mut Keys<'_>, display: &mut Display) {
+    // Beyond this many stops nothing of an f32 picture is left to see.
+    keys.number(
+        "exposure",
+        &mut display.exposure,
+        Allowed::Within(-150.0, 150.0),
+    );
+    keys.choice("tone_curve", &mut display.tone_curve);
+}
+
+fn output(keys: &mut Keys<'_>, output: &mut Output) {
+    keys.numbered_choice(
+        "png_bits",
+        &mut output.png_bits,
+        &[(PngBits::Eight, 8), (PngBits::Sixteen, 16)],
+    );
+}

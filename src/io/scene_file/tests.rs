@@ -1,0 +1,344 @@
+use super::*;
+use crate::math::{DVec3, Degrees};
+use crate::scene::{
+    Background, Copies, Display, Light, Material, Mode, Object, Output, PngBits, Shadows, ToneCurve,
+};
+
+fn parse(text: &str) -> Result<Scene, SceneFileError> {
+    SceneFile::parse(text, "test.toml").map(|file| file.scene)
+}
+
+fn message(text: &str) -> String {
+    parse(text).expect_err("the file is wrong").to_string()
+}
+
+#[test]
+fn an_empty_file_is_the_default_scene() {
+    assert_eq!(parse("").expect("is right"), Scene::default());
+}
+
+#[test]
+fn one_object_is_a_scene_and_takes_its_meshs_name() {
+    let scene = parse("[[objects]]\nmesh = \"shapes/ram.off\"").expect("is right");
+    assert_eq!(
+        scene.objects,
+        [Object {
+            name: "ram".into(),
+            mesh: "shapes/ram.off".into(),
+            ..Object::default()
+        }]
+    );
+}
+
+#[test]
+fn every_key_round_trips() {
+    let scene = Scene {
+        camera: crate::scene::Camera {
+            eye: DVec3::new(1.0, -1e-20, 1e20),
+            target: DVec3::new(0.1, 0.2, 0.3),
+            up: DVec3::Y,
+            vertical_fov: Degrees(0.001),
+        },
+        background: Background::Gradient {
+            zenith: DVec3::new(0.1, 0.2, 0.3),
+            horizon: DVec3::ONE,
+            ground: DVec3::ZERO,
+            up: DVec3::Z,
+        },
+        materials: [
+            (
+                "clay".into(),
+                Material::Phong {
+                    diffuse: DVec3::X,
+                    specular: DVec3::splat(0.1),
+                    shininess: 1e7,
+                },
+            ),
+            ("odd \"name\"".into(), Material::default()),
+        ]
+        .into(),
+        objects: vec![Object {
+            name: "a.b".into(),
+            mesh: "dir/ü \"x\".off".into(),
+            material: Some("odd \"name\"".into()),
+            smooth: true,
+            crease_angle: Degrees(30.0),
+            scale: -2.5,
+            rotate: DVec3::new(0.0, 90.0, -1.0 / 3.0),
+            translate: DVec3::new(1e7, 0.1 + 0.2, 0.0),
+            copies: Copies {
+                count: [3, 1, 2],
+                step: DVec3::X,
+            },
+        }],
+        lights: vec![Light::Point {
+            position: DVec3::ONE,
+            intensity: DVec3::new(20.0, 0.0, 1e30),
+        }],
+        render: crate::scene::RenderSettings {
+            mode: Mode::Normals,
+            width: 1,
+            height: 65_536,
+            samples_per_pixel: 7,
+            seed: i64::MAX as u64,
+            shadows: Shadows::Hard,
+            antialiasing: false,
+            phong: crate::scene::PhongModel::Classic,
+            accelerator: crate::scene::AcceleratorChoice::BruteForce,
+        },
+        display: Display {
+            exposure: -1.5,
+            tone_curve: ToneCurve::Aces,
+        },
+        output: Output {
+            png_bits: PngBits::Sixteen,
+        },
+        meshes: std::collections::BTreeMap::new(),
+    };
+    let text = write(&scene);
+    assert_eq!(
+        parse(&text).expect("what is written can be read"),
+        scene,
+        "{text}"
+    );
+    assert_eq!(write(&parse(&text).expect("is right")), text);
+    let plain = Scene::default();
+    assert_eq!(parse(&write(&plain)).expect("is right"), plain);
+}
+
+#[test]
+fn mistakes_name_place_and_expectation() {
+    let cases = [
+        (
+            "[camera]\neye = [0, 0]",
+            "test.toml:2:7: `camera.eye` is [0, 0]; expected [x, y, z]",
+        ),
+        (
+            "[camera]\nvertical_fov = 180",
+            "2:16: `camera.vertical_fov` is 180; expected a number above 0 and below 180",
+        ),
+        (
+            "[camera]\nvertical_fov = nan",
+            "2:16: `camera.vertical_fov` is NaN; expected a number above 0",
+        ),
+        (
+            "[camera]\nfov = 40",
+            "2:1: unknown key `fov`; the nearest known one is `eye`",
+        ),
+        (
+            "[camera]\nvertical_fow = 40",
+            "unknown key `vertical_fow`; the nearest known one is `vertical_fov`",
+        ),
+        (
+            "[camera]\nup = [0, -6, 2.5]",
+            "2:6: camera.up is [0, -6, 2.5]; expected a direction that is not parallel",
+        ),
+        (
+            "[camera]\ntarget = [0, -6, 2.5]",
+            "2:10: camera.target is [0, -6, 2.5]; expected a point other than the eye",
+        ),
+        ("camera = 3", "1:10: `camera` is 3; expected a table"),
+        (
+            "[materails.clay]\n",
+            "1:2: unknown key `materails`; the nearest known one is `materials`",
+        ),
+        (
+            "[materials.clay]\ndifuse = [1,1,1]",
+            "2:1: unknown key `difuse`; the nearest known one is `diffuse`",
+        ),
+        (
+            "[materials.clay]\ndiffuse = [1, -1, 1]",
+            "2:11: `materials.clay.diffuse` is [1, -1, 1]; expected [red, green, blue]",
+        ),
+        (
+            "[materials.clay]\nkind = \"phong \"",
+            "2:8: `materials.clay.kind` is \"phong \"; expected \"phong\"",
+        ),
+        (
+            "[[objects]]\nname = \"x\"",
+            "1:1: the key `mesh` is missing here",
+        ),
+        (
+            "[objects]\nmesh = \"x\"",
+            "1:1: `objects` is a table; expected a list: write [[objects]]",
+        ),
+        (
+            "[[objects]]\nmesh = \"x\"\nscale = 0",
+            "3:9: `objects.0.scale` is 0; expected a finite number other than 0",
+        ),
+        (
+            "[[objects]]\nmesh = \"x\"\nscale = \"2\"",
+            "`objects.0.scale` is \"2\"; expected",
+        ),
+        (
+            "[materials.clay]\n[[objects]]\nmesh = \"x\"\nmaterial = \"glay\"",
+            "4:12: material \"glay\" is not defined; the nearest defined one is \"clay\"",
+        ),
+        (
+            "[[objects]]\nmesh = \"x\"\ncopies = { count = [1, 0, 1] }",
+            "`objects.0.copies.count` is [1, 0, 1]; expected three",
+        ),
+        (
+            "[[lights]]\nkind = \"spot\"",
+            "2:8: `lights.0.kind` is \"spot\"; expected",
+        ),
+        (
+            "[[lights]]\nintensity = [1, 1, inf]",
+            "`lights.0.intensity` is [1, 1, inf]; expected [red, green, blue]",
+        ),
+        (
+            "[render]\nwidth = 0",
+            "2:9: `render.width` is 0; expected a whole number from 1 to 65536",
+        ),
+        (
+            "[render]\nwidth = 640.5",
+            "2:9: `render.width` is 640.5; expected a whole number",
+        ),
+        (
+            "[render]\nwidth = 65536\nheight = 65536",
+            "render.width is 65536; expected width × height of at most",
+        ),
+        (
+            "[render]\nmode = \"drect\"",
+            "2:8: `render.mode` is \"drect\"; expected one of \"direct\"",
+        ),
+        (
+            "[render]\nantialiasing = 1",
+            "`render.antialiasing` is 1; expected true or false",
+        ),
+        (
+            "[background]\nradiance = [1,1,1]\nzenith = [1,1,1]",
+            "2:1: `radiance` is for a background that is the same",
+        ),
+        (
+            "[background]\nzenit = [1,1,1]",
+            "2:1: unknown key `zenit`; the nearest known one is `zenith`",
+        ),
+        (
+            "[output]\npng_bits = 12",
+            "`output.png_bits` is 12; expected 8 or 16",
+        ),
+        (
+            "[render]\nseed = -1",
+            "`render.seed` is -1; expected a whole number from 0",
+        ),
+        ("[render\n", "test.toml:1:8: "),
+        ("x = 1979-05-27", "a date has no meaning in a scene"),
+        (
+            "[render]\nwidth = 99999999999999999999",
+            "does not fit a 64-bit integer",
+        ),
+    ];
+    for (text, expected) in cases {
+        let found = message(text);
+        assert!(
+            found.contains(expected),
+            "{text:?}\n  found:    {found}\n  expected: {expected}"
+        );
+    }
+}
+
+#[test]
+fn columns_count_characters_not_bytes() {
+    assert!(message("[materials.\"ä\"]\ndiffuse = { \"ö\" = 1 }").starts_with("test.toml:2:11:"));
+    assert!(message("# ü\nü = 1").starts_with("test.toml:2:1:"));
+}
+
+#[test]
+fn gradient_defaults_follow_the_horizon_and_the_camera() {
+    let scene = parse(
+        "[camera]\nup = [0, 3, 0]\n[background]\nzenith = [1, 1, 1]\nhorizon = [0.5, 0.5, 0.5]",
+    );
+    let expected = Background::Gradient {
+        zenith: DVec3::ONE,
+        horizon: DVec3::splat(0.5),
+        ground: DVec3::splat(0.5),
+        up: DVec3::new(0.0, 3.0, 0.0),
+    };
+    assert_eq!(scene.expect("is right").background, expected);
+}
+
+#[test]
+fn overrides_change_any_key() {
+    let scene = parse("[[objects]]\nmesh = \"x\"\n[[lights]]").expect("is right");
+    let set = |assignment: &str| apply_override(&scene, assignment);
+    assert_eq!(set("render.width=17").expect("is right").render.width, 17);
+    assert_eq!(
+        set("render.mode = normals").expect("is right").render.mode,
+        Mode::Normals
+    );
+    assert_eq!(
+        set("render.mode=\"depth\"").expect("is right").render.mode,
+        Mode::Depth
+    );
+    assert_eq!(
+        set("objects.0.scale=2").expect("is right").objects[0]
+            .scale
+            .to_bits(),
+        2.0_f64.to_bits()
+    );
+    let lit = set("lights.0.intensity=[1, 2, 3]").expect("is right");
+    assert_eq!(
+        lit.lights,
+        [Light::Point {
+            position: DVec3::ZERO,
+            intensity: DVec3::new(1.0, 2.0, 3.0)
+        }]
+    );
+    assert_eq!(
+        set("materials.red.diffuse=[1,0,0]")
+            .expect("is right")
+            .materials
+            .len(),
+        1
+    );
+
+    let cases = [
+        (
+            "render.wdith=3",
+            "--set render.wdith=3: unknown key `wdith`; the nearest known one is `width`",
+        ),
+        (
+            "render.width=x",
+            "`render.width` is \"x\"; expected a whole number",
+        ),
+        (
+            "objects.1.scale=2",
+            "\"1\" is not one of the 1 items, numbered from 0",
+        ),
+        (
+            "render.width.x=2",
+            "\"x\" asks for a part of 640, which has none",
+        ),
+        ("render.width", "expected KEY=VALUE"),
+        ("render.width=[", "[ is not a TOML value"),
+        ("=1", "unknown key ``"),
+    ];
+    for (assignment, expected) in cases {
+        let found = set(assignment).expect_err("is wrong").to_string();
+        assert!(found.contains(expected), "{assignment}: {found}");
+    }
+}
+
+#[test]
+fn random_edits_never_panic() {
+    let base =
+        write(&parse("[[objects]]\nmesh = \"x\"\n[[lights]]\n[materials.a]").expect("is right"));
+    let mut state = 1_u32;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as usize % below
+    };
+    for _ in 0..3000 {
+        let mut bytes = base.clone().into_bytes();
+        for _ in 0..=next(3) {
+            let at = next(bytes.len());
+            match next(3) {
+                0 => bytes[at] = b"[]{}=\".,#-0\n"[next(12)],
+                1 => drop(bytes.remove(at)),
+                _ => bytes.truncate(at + 1),
+            }
+        }
+        let _ = parse(&String::from_utf8_lossy(&bytes));
+    }
+}

@@ -1,0 +1,219 @@
+//! A parsed TOML document whose every key and value knows its line and column.
+
+use toml::de::{DeTable, DeValue};
+
+use super::SceneFileError;
+
+/// Where something stands in a text, both from 1; columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    pub line: usize,
+    pub column: usize,
+}
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub struct Node {
+    pub place: Place,
+    pub value: Value,
+}
+
+/// A TOML value without the kinds no scene key has.
+#[derive(Clone, Debug)]
+pub enum Value {
+    Table(Vec<Entry>),
+    Array(Vec<Node>),
+    Text(String),
+    Integer(i64),
+    Number(f64),
+    Flag(bool),
+}
+
+/// A key with its value.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub key: String,
+    pub place: Place,
+    pub node: Node,
+}
+
+impl Node {
+    /// The root table of `text`; `name` stands for the file in messages.
+    pub fn parse(text: &str, name: &str) -> Result<Self, SceneFileError> {
+        let lines = Lines::of(text);
+        let error = |place: Place, message: String| SceneFileError::at(name, place, message);
+        match DeTable::parse(text) {
+            Ok(table) => {
+                let (place, table) = (lines.place(table.span().start), table.into_inner());
+                let value = table_value(&table, &lines)
+                    .map_err(|(place, message)| error(place, message))?;
+                Ok(Self { place, value })
+            }
+            Err(problem) => {
+                let place = lines.place(problem.span().map_or(text.len(), |span| span.start));
+                Err(error(place, problem.message().to_owned()))
+            }
+        }
+    }
+
+    /// What a message calls this value.
+    pub fn describe(&self) -> String {
+        match &self.value {
+            Value::Table(_) => "a table".to_owned(),
+            Value::Array(items) => {
+                let items: Vec<_> = items.iter().map(Self::describe).collect();
+                format!("[{}]", items.join(", "))
+            }
+            Value::Text(text) => format!("{text:?}"),
+            Value::Integer(number) => number.to_string(),
+            Value::Number(number) => number.to_string(),
+            Value::Flag(flag) => flag.to_string(),
+        }
+    }
+
+    /// The entry of a table.
+    pub fn get(&self, key: &str) -> Option<&Entry> {
+        match &self.value {
+            Value::Table(entries) => entries.iter().find(|entry| entry.key == key),
+            _ => None,
+        }
+    }
+
+    /// Where the value of a dotted `path` stands (array items by number), or else its nearest existing ancestor.
+    pub fn place_of(&self, path: &str) -> Place {
+        let mut node = self;
+        for step in path.split('.') {
+            let next = match &node.value {
+                Value::Array(items) => step.parse().ok().and_then(|index: usize| items.get(index)),
+                _ => node.get(step).map(|entry| &entry.node),
+            };
+            match next {
+                Some(next) => node = next,
+                None => break,
+            }
+        }
+        node.place
+    }
+
+    /// Puts `node` at a dotted `path`, making tables on the way.
+    ///
+    /// # Errors
+    /// A sentence where the path goes through something that is neither table nor array, or past an array's end.
+    pub fn set(&mut self, path: &str, node: Self) -> Result<(), String> {
+        let (step, rest) = path
+            .split_once('.')
+            .map_or((path, None), |(step, rest)| (step, Some(rest)));
+        let place = node.place;
+        let child = match &mut self.value {
+            Value::Table(entries) => {
+                let index = entries
+                    .iter()
+                    .position(|entry| entry.key == step)
+                    .unwrap_or_else(|| {
+                        let empty = Self {
+                            place,
+                            value: Value::Table(Vec::new()),
+                        };
+                        entries.push(Entry {
+                            key: step.to_owned(),
+                            place,
+                            node: empty,
+                        });
+                        entries.len() - 1
+                    });
+                &mut entries[index].node
+            }
+            Value::Array(items) => {
+                let count = items.len();
+                let item = step
+                    .parse()
+                    .ok()
+                    .and_then(|index: usize| items.get_mut(index));
+                item.ok_or_else(|| {
+                    format!("\"{step}\" is not one of the {count} items, numbered from 0")
+                })?
+            }
+            _ => {
+                return Err(format!(
+                    "\"{step}\" asks for a part of {}, which has none",
+                    self.describe()
+                ));
+            }
+        };
+        if let Some(rest) = rest {
+            return child.set(rest, node);
+        }
+        *child = node;
+        Ok(())
+    }
+}
+
+/// A place and what is wrong there.
+type Problem = (Place, String);
+
+fn table_value(table: &DeTable<'_>, lines: &Lines<'_>) -> Result<Value, Problem> {
+    let mut entries = Vec::with_capacity(table.len());
+    for (key, value) in table {
+        let node = node(value.get_ref(), lines.place(value.span().start), lines)?;
+        entries.push(Entry {
+            key: key.get_ref().to_string(),
+            place: lines.place(key.span().start),
+            node,
+        });
+    }
+    // In the order of the file, so that the first mistake is reported first.
+    entries.sort_by_key(|entry| entry.place);
+    Ok(Value::Table(entries))
+}
+
+fn node(value: &DeValue<'_>, place: Place, lines: &Lines<'_>) -> Result<Node, Problem> {
+    let value = match value {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix())
+            .map(Value::Integer)
+            .map_err(|_| (place, format!("{number} does not fit a 64-bit integer")))?,
+        DeValue::Float(number) => number
+            .as_str()
+            .parse()
+            .map(Value::Number)
+            .map_err(|_| (place, format!("{number} is not a number")))?,
+        DeValue::Array(items) => {
+            let item_node = |item: &toml::Spanned<DeValue<'_>>| {
+                node(item.get_ref(), lines.place(item.span().start), lines)
+            };
+            Value::Array(items.iter().map(item_node).collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(table) => table_value(table, lines)?,
+        DeValue::Datetime(_) => return Err((place, "a date has no meaning in a scene".to_owned())),
+    };
+    Ok(Node { place, value })
+}
+
+/// Turns byte offsets into places.
+struct Lines<'a> {
+    text: &'a str,
+    starts: Vec<usize>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(text: &'a str) -> Self {
+        let after_newlines = text.match_indices('\n').map(|(at, _)| at + 1);
+        Self {
+            text,
+            starts: std::iter::once(0).chain(after_newlines).collect(),
+        }
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        let line = self.starts.partition_point(|&start| start <= offset).max(1);
+        let before = self
+            .text
+            .get(self.starts[line - 1]..offset)
+            .unwrap_or_default();
+        Place {
+            line,
+            column: before.chars().count() + 1,
+        }
+    }
+}

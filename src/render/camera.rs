@@ -1,0 +1,218 @@
+use crate::math::{Bounds, DVec3, Ray, SceneFrame};
+use crate::scene::{Camera, CameraAxes};
+
+/// A camera in the prepared scene. Rays are made in `f64`, so that a thousandth of a degree still has as many directions as
+/// pixels, and start near the scene, so that a distant eye costs no digits.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedCamera {
+    eye: DVec3,
+    axes: CameraAxes,
+    /// Half the picture's height and width at distance 1.
+    half_height: f64,
+    half_width: f64,
+    width: f64,
+    height: f64,
+    /// Corners of the scene's box, a little larger so that rounding loses no hit.
+    scene_min: DVec3,
+    scene_max: DVec3,
+}
+
+/// A camera ray that may meet the scene.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// In the prepared scene; unit direction.
+    pub ray: Ray,
+    /// Distance from the eye to the ray's origin, in prepared units.
+    pub start: f64,
+}
+
+impl PreparedCamera {
+    /// The camera for a `width` × `height` picture of a scene inside `bounds` (prepared units). `None` where the camera has
+    /// no direction, see [`Camera::axes`].
+    #[must_use]
+    pub fn new(
+        camera: &Camera,
+        frame: &SceneFrame,
+        bounds: &Bounds,
+        width: u32,
+        height: u32,
+    ) -> Option<Self> {
+        let (width, height) = (f64::from(width), f64::from(height));
+        let half_height = libm::tan(camera.vertical_fov.radians() / 2.0);
+        // Scene coordinates are at most 1: a few of their last digits.
+        let margin = DVec3::splat(f64::from(4.0 * f32::EPSILON));
+        Some(Self {
+            eye: frame.prepared_from_world(camera.eye),
+            axes: camera.axes()?,
+            half_height,
+            half_width: half_height * width / height,
+            width,
+            height,
+            scene_min: bounds.min.as_dvec3() - margin,
+            scene_max: bounds.max.as_dvec3() + margin,
+        })
+    }
+
+    /// Unit direction through the point `(x, y)` of the picture: pixels from its top left corner.
+    #[must_use]
+    pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+        let right = self.axes.right * ((x / self.width * 2.0 - 1.0) * self.half_width);
+        let up = self.axes.up * ((1.0 - y / self.height * 2.0) * self.half_height);
+        (self.axes.forward + right + up).normalize()
+    }
+
+    /// The ray through the point `(x, y)` of the picture, or `None` when it misses the scene's box.
+    #[must_use]
+    pub fn ray(&self, x: f64, y: f64) -> Option<CameraRay> {
+        let direction = self.direction(x, y);
+        let (enter, exit) = self.crossing(direction);
+        // Also false for NaN, which an empty box gives.
+        if !(enter <= exit && exit >= 0.0) {
+            return None;
+        }
+        // One diagonal before the box: near enough to keep the digits, and clear of everything in it.
+        let start = (enter - (self.scene_max - self.scene_min).length()).max(0.0);
+        let origin = (self.eye + direction * start).as_vec3();
+        Some(CameraRay {
+            ray: Ray::new(origin, direction.as_vec3()),
+            start,
+        })
+    }
+
+    /// The world's unit vectors to the right, up and into the picture.
+    #[must_use]
+    pub fn axes(&self) -> &CameraAxes {
+        &self.axes
+    }
+
+    /// Where the line from the eye along `direction` enters and leaves the scene's box.
+    fn crossing(&self, direction: DVec3) -> (f64, f64) {
+        let (mut enter, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let (low, high) = (
+                self.scene_min[axis] - self.eye[axis],
+                self.scene_max[axis] - self.eye[axis],
+            );
+            if direction[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return (f64::INFINITY, f64::NEG_INFINITY);
+                }
+            } else {
+                let (a, b) = (low / direction[axis], high / direction[axis]);
+                enter = enter.max(a.min(b));
+                exit = exit.min(a.max(b));
+            }
+        }
+        (enter, exit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DBounds, Degrees, Vec3};
+
+    fn camera(description: Camera, width: u32, height: u32) -> PreparedCamera {
+        let world = DBounds {
+            min: DVec3::splat(-1.0),
+            max: DVec3::splat(1.0),
+        };
+        let frame = SceneFrame::around(&world);
+        let bounds = Bounds {
+            min: frame.narrow(world.min),
+            max: frame.narrow(world.max),
+        };
+        PreparedCamera::new(&description, &frame, &bounds, width, height)
+            .expect("the camera has a direction")
+    }
+
+    #[test]
+    fn the_field_of_view_spans_the_full_height() {
+        let eye = DVec3::new(0.0, -4.0, 0.0);
+        let camera = camera(
+            Camera {
+                eye,
+                vertical_fov: Degrees(60.0),
+                ..Camera::default()
+            },
+            400,
+            100,
+        );
+        let top = camera.direction(200.0, 0.0);
+        assert!((top.angle_between(DVec3::Y) - 30_f64.to_radians()).abs() < 1e-12);
+        assert!(top.z > 0.0);
+        // Square pixels: four times as wide as high, to the right for larger x.
+        let right = camera.direction(400.0, 50.0);
+        assert!((right.x / right.y - 4.0 * 30_f64.to_radians().tan()).abs() < 1e-12);
+        assert!(camera.direction(200.0, 50.0).abs_diff_eq(DVec3::Y, 1e-15));
+    }
+
+    #[test]
+    fn rays_beside_the_scene_are_not_traced() {
+        let camera = camera(
+            Camera {
+                eye: DVec3::new(0.0, -4.0, 0.0),
+                ..Camera::default()
+            },
+            100,
+            100,
+        );
+        assert!(camera.ray(50.0, 50.0).is_some());
+        assert!(camera.ray(0.0, 0.0).is_none());
+    }
+
+    /// References §2.0: 1,024 pixels across a thousandth of a degree are 1,024 different rays.
+    #[test]
+    fn a_tiny_field_of_view_has_a_ray_for_every_pixel() {
+        // From 10⁵ away, the field of view frames the scene.
+        let eye = DVec3::new(3.0, -5.0, 2.0).normalize() * 1e5;
+        let camera = camera(
+            Camera {
+                eye,
+                vertical_fov: Degrees(0.001),
+                ..Camera::default()
+            },
+            1024,
+            1024,
+        );
+        let rays: Vec<Ray> = (0..1024)
+            .map(|x| camera.ray(f64::from(x) + 0.5, 512.0).expect("hits").ray)
+            .collect();
+        // Where the ray passes the middle of the scene, all places differ.
+        let depth = rays[0].origin.length();
+        let places: std::collections::BTreeSet<_> = rays
+            .iter()
+            .map(|ray| ray.at(depth).to_array().map(f32::to_bits))
+            .collect();
+        assert_eq!(places.len(), 1024);
+    }
+
+    #[test]
+    fn an_empty_scene_is_never_met() {
+        let frame = SceneFrame::around(&DBounds::EMPTY);
+        let camera = PreparedCamera::new(&Camera::default(), &frame, &Bounds::EMPTY, 10, 10)
+            .expect("has a direction");
+        assert!(camera.ray(5.0, 5.0).is_none());
+    }
+
+    #[test]
+    fn origins_stay_before_the_scene() {
+        let camera = camera(
+            Camera {
+                eye: DVec3::new(0.0, -1e6, 0.0),
+                vertical_fov: Degrees(1e-4),
+                ..Camera::default()
+            },
+            8,
+            8,
+        );
+        let CameraRay { ray, start } = camera.ray(4.0, 4.0).expect("hits");
+        assert!(
+            ray.origin.y < -1.0 && ray.origin.y > -10.0,
+            "{}",
+            ray.origin
+        );
+        assert!(start > 1e5);
+        assert_eq!(ray.direction, Vec3::Y);
+    }
+}

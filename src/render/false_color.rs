@@ -1,0 +1,73 @@
+//! Pictures of what the renderer sees instead of light: the first tool when a picture looks wrong.
+
+use super::camera::CameraRay;
+use super::prepare::PreparedScene;
+use super::surface::SurfacePoint;
+use crate::math::Vec3;
+
+/// Which property of the surface a pixel shows.
+#[derive(Clone, Copy, Debug)]
+pub enum FalseColor {
+    Normals,
+    Depth,
+    Albedo,
+    Facing,
+    Object,
+}
+
+/// The property of the first surface along `camera_ray`; black where there is none.
+pub fn color(scene: &PreparedScene, which: FalseColor, camera_ray: &CameraRay) -> Vec3 {
+    let ray = &camera_ray.ray;
+    let Some(hit) = scene.accelerator().intersect(ray, f32::INFINITY) else {
+        return Vec3::ZERO;
+    };
+    let point = SurfacePoint::new(scene.geometry(), ray, &hit);
+    match which {
+        FalseColor::Normals => (point.shading_normal + 1.0) / 2.0,
+        #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]
+        FalseColor::Depth => {
+            let distance = (camera_ray.start + f64::from(hit.t)) / scene.geometry().frame().scale();
+            Vec3::splat(distance as f32)
+        }
+        FalseColor::Albedo => {
+            let material = scene.material(point.object);
+            material.diffuse + material.specular
+        }
+        FalseColor::Facing => {
+            let cosine = point.shading_normal.dot(point.wo).abs();
+            if point.front {
+                Vec3::new(0.0, cosine, 0.0)
+            } else {
+                Vec3::new(cosine, 0.0, 0.0)
+            }
+        }
+        FalseColor::Object => object_color(point.object),
+    }
+}
+
+/// A colour of its own for every object: hues a golden section apart are far from their neighbours.
+fn object_color(object: usize) -> Vec3 {
+    const GOLDEN_SECTION: f32 = 0.618_034;
+    let hue = (object as f32 * GOLDEN_SECTION).fract() * 6.0;
+    // Full saturation, as in the HSV hexcone (Smith 1978), lifted from black.
+    let channel = |shift: f32| {
+        let distance = ((hue + shift) % 6.0 - 3.0).abs() - 1.0;
+        0.2 + 0.7 * distance.clamp(0.0, 1.0)
+    };
+    Vec3::new(channel(0.0), channel(4.0), channel(2.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbouring_objects_differ_in_color() {
+        let colors: Vec<Vec3> = (0..12).map(object_color).collect();
+        for (i, a) in colors.iter().enumerate() {
+            for b in &colors[..i] {
+                assert!(a.distance(*b) > 0.1, "{a} {b}");
+            }
+        }
+    }
+}
