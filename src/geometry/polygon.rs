@@ -12,6 +12,9 @@ pub struct Triangulation {
 }
 
 /// Cuts the polygon with these corners into triangles.
+///
+/// # Panics
+/// When there are 2³² corners or more.
 #[must_use]
 pub fn triangulate(corners: &[DVec3]) -> Triangulation {
     let count = u32::try_from(corners.len()).expect("fewer than 2^32 corners");

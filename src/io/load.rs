@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::atomic::write_atomically;
 use super::builtin;
-use super::mesh_file::{MeshError, MeshFile, load_mesh};
+use super::mesh_file::{self, MeshError, MeshFile};
 use super::scene_file::{self, SceneFile, SceneFileError};
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Object, Scene, presets};
@@ -103,6 +103,19 @@ pub fn load_scenes(
             None => load_bare_meshes(paths, cancel, progress),
         },
     }
+}
+
+/// Loads the mesh file at `path`. `progress` counts bytes. `None` when cancelled.
+///
+/// # Errors
+/// When the file cannot be read, is of a format without reader, or is malformed.
+pub fn load_mesh(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<MeshFile>, MeshError> {
+    progress.set_total(work_of(&path.to_string_lossy()));
+    mesh_file::load_mesh(path, cancel, progress)
 }
 
 /// Writes `scene` to `path`, mesh paths made relative to it. The file appears whole or not at all.
@@ -251,7 +264,7 @@ fn load_bare_meshes(
     progress.set_total(meshes.iter().map(|mesh| work_of(mesh)).sum());
     for (path, mesh) in paths.iter().zip(meshes) {
         // As the user wrote it, for messages.
-        let Some(loaded) = load_mesh(path, cancel, progress)? else {
+        let Some(loaded) = mesh_file::load_mesh(path, cancel, progress)? else {
             return Ok(None);
         };
         warnings.extend(mesh_warnings(&path.display().to_string(), &loaded));
@@ -276,7 +289,7 @@ fn read_mesh(
 ) -> Result<Option<MeshFile>, MeshError> {
     match mesh.strip_prefix(builtin::PREFIX) {
         Some(name) => builtin::mesh(name, cancel, progress),
-        None => load_mesh(Path::new(mesh), cancel, progress),
+        None => mesh_file::load_mesh(Path::new(mesh), cancel, progress),
     }
 }
 

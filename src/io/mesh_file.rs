@@ -86,7 +86,8 @@ pub const READABLE_EXTENSIONS: &[&str] = &["off"];
 
 /// Loads the mesh file at `path`.
 ///
-/// `progress` counts bytes, each once when it is read and once when it is understood. Returns `None` when cancelled.
+/// `progress` advances by bytes, each once when it is read and once when it is understood; setting its total is the
+/// caller's. Returns `None` when cancelled.
 ///
 /// # Errors
 /// When the file cannot be read, is of a format without reader, or is malformed.
@@ -104,7 +105,7 @@ pub fn load_mesh(
 
 /// The mesh in `bytes`, which are those of a whole file; `name` stands for the path in messages, and its extension counts.
 ///
-/// `progress` counts the bytes understood. Returns `None` when cancelled.
+/// `progress` advances by the bytes understood; setting its total is the caller's. Returns `None` when cancelled.
 ///
 /// # Errors
 /// When the bytes are of a format without reader, or malformed.
@@ -114,7 +115,6 @@ pub fn parse_mesh(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<MeshFile>, MeshError> {
-    progress.set_total(bytes.len() as u64);
     read_mesh(name, bytes, cancel, progress)
 }
 
@@ -205,7 +205,6 @@ fn read_file(
         });
     }
     let mut file = File::open(path).map_err(failed)?;
-    progress.set_total(2 * kind.len());
     let mut bytes = Vec::new();
     while !cancel.is_cancelled() {
         match file.by_ref().take(PIECE).read_to_end(&mut bytes) {

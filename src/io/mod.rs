@@ -11,9 +11,7 @@ pub mod scene_file;
 pub use atomic::write_atomically;
 pub use image_file::{ImageFileError, PNG_HASH_KEYWORD, check_image_path, write_image};
 pub use load::{
-    LoadError, LoadedScene, SaveError, absolute_mesh, demo_scene, is_scene_file, load_scene,
-    load_scenes, mesh_warnings, override_scene, save_scene,
+    LoadError, LoadedScene, SaveError, absolute_mesh, demo_scene, is_scene_file, load_mesh,
+    load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
 };
-pub use mesh_file::{
-    Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS, load_mesh, parse_mesh,
-};
+pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};

@@ -57,17 +57,7 @@ pub fn parse(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<MeshFile>, OffError> {
-    let mut reader = Reader {
-        cursor: Cursor::new(bytes),
-        watch: Watch {
-            cancel,
-            progress,
-            reported: 0,
-        },
-        notes: Notes::default(),
-        mesh: TriangleMesh::default(),
-        polygons: 0,
-    };
+    let mut reader = Reader::new(bytes, cancel, progress);
     let header = reader.header()?;
     if reader.vertices(&header)?.is_none() || reader.faces(&header)?.is_none() {
         return Ok(None);
@@ -198,6 +188,20 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
+    fn new(bytes: &'a [u8], cancel: &'a CancelToken, progress: &'a Progress) -> Self {
+        Self {
+            cursor: Cursor::new(bytes),
+            watch: Watch {
+                cancel,
+                progress,
+                reported: 0,
+            },
+            notes: Notes::default(),
+            mesh: TriangleMesh::default(),
+            polygons: 0,
+        }
+    }
+
     /// Reads the keyword, if there is one, and the counts.
     fn header(&mut self) -> Result<Header, OffError> {
         const EXPECTED: &str =
@@ -221,6 +225,7 @@ impl<'a> Reader<'a> {
 
     /// Reads the dimension where the keyword announces it, and refuses what cannot be shown.
     fn dimension(&mut self, keyword: Keyword, glued: &mut &'a [u8]) -> Result<(), OffError> {
+        const EXPECTED: &str = "the dimension 3 after nOFF";
         if !keyword.dimension {
             return Ok(());
         }
@@ -228,7 +233,6 @@ impl<'a> Reader<'a> {
             let line = self.cursor.line();
             return Err(OffError::new(line, "OFF of three dimensions", "4nOFF"));
         }
-        const EXPECTED: &str = "the dimension 3 after nOFF";
         let word = if glued.is_empty() {
             self.next_word(EXPECTED)?
         } else {
@@ -315,20 +319,26 @@ impl<'a> Reader<'a> {
         let line = self.cursor.line();
         let mut values = [0.0; 7];
         let values = &mut values[..header.numbers_per_vertex()];
-        for read in 0..values.len() {
+        let mut on_first_line = None;
+        for (read, value) in values.iter_mut().enumerate() {
+            if !self.cursor.line_has_word() {
+                on_first_line.get_or_insert(read);
+            }
             if !self.cursor.find_word() {
+                let read = on_first_line.unwrap_or(read);
                 return Err(short_vertex(line, header, index, read));
             }
-            values[read] = self.coordinate()?;
+            *value = self.coordinate()?;
         }
         self.add_vertex(header, values)?;
-        if self.cursor.line_has_word() && *shared_line != line {
-            if self.cursor.line() != line {
-                let read = values.len() - 1;
+        match on_first_line {
+            Some(read) if self.cursor.line_has_word() => {
                 return Err(short_vertex(line, header, index, read));
             }
-            self.rest_of_vertex_line(header, shared_line)?;
-        } else if header.keyword.color || header.keyword.texture {
+            _ => {}
+        }
+        let is_declared = header.keyword.color || header.keyword.texture;
+        if is_declared || self.cursor.line_has_word() && *shared_line != line {
             self.rest_of_vertex_line(header, shared_line)?;
         }
         Ok(())
@@ -443,7 +453,8 @@ impl<'a> Reader<'a> {
         }
         let line = self.cursor.line();
         let word = self.cursor.word().unwrap_or_default();
-        let size = whole(word).ok_or_else(|| OffError::at_token(line, expected(), word))?;
+        let size = whole(word).filter(|&size| size > 0);
+        let size = size.ok_or_else(|| OffError::at_token(line, expected(), word))?;
         corners.clear();
         for _ in 0..size {
             let Some(word) = self.cursor.word() else {

@@ -104,7 +104,15 @@ impl PreparedGeometry {
             return Err(SceneError::TooManyTriangles { count });
         }
 
-        let frame = SceneFrame::around(&scene.bounds());
+        let bounds = scene.bounds();
+        if !bounds.is_empty() && !bounds.diagonal().is_finite() {
+            return Err(SceneError::BadValue {
+                key: "objects".to_owned(),
+                value: format!("{} across", bounds.diagonal()),
+                expected: "objects whose distances are finite numbers".to_owned(),
+            });
+        }
+        let frame = SceneFrame::around(&bounds);
         let mut triangles = Vec::new();
         let mut objects = Vec::with_capacity(origin.objects.len());
         for (MeshIdentity(mesh), shape) in &origin.objects {

@@ -213,14 +213,7 @@ impl Scene {
                 "at least 1 along each axis",
             )?;
         }
-        let bounds = self.bounds();
-        let size = bounds.diagonal();
-        require(
-            bounds.is_empty() || size.is_finite(),
-            "objects",
-            &size,
-            "a scene whose diagonal is a finite number",
-        )
+        Ok(())
     }
 
     /// Triangles of all objects with all their copies.

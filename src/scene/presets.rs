@@ -26,9 +26,9 @@ pub fn light_and_frame(scene: &mut Scene) {
     };
     scene.materials.insert(MATERIAL.to_owned(), clay);
     scene.background = Background::Gradient {
-        zenith: Rgb::new(0.17, 0.22, 0.3),
-        horizon: Rgb::new(0.34, 0.36, 0.38),
-        ground: Rgb::new(0.1, 0.09, 0.08),
+        zenith: Rgb::new(0.11, 0.14, 0.19),
+        horizon: Rgb::new(0.23, 0.245, 0.26),
+        ground: Rgb::new(0.06, 0.055, 0.05),
         up: DVec3::Z,
     };
     let bounds = scene.bounds();
@@ -51,9 +51,9 @@ pub fn light_and_frame(scene: &mut Scene) {
         }
     };
     scene.lights = vec![
-        light(DVec3::new(0.6, -0.8, 1.0), Rgb::new(2.0, 1.9, 1.75)),
+        light(DVec3::new(0.6, -0.8, 1.0), Rgb::new(2.5, 2.36, 2.15)),
         light(DVec3::new(-1.0, -0.6, 0.3), Rgb::new(0.4, 0.47, 0.58)),
-        light(DVec3::new(-0.3, 1.0, 0.8), Rgb::splat(0.8)),
+        light(DVec3::new(-0.3, 1.0, 0.8), Rgb::splat(1.0)),
     ];
 }
 

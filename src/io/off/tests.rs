@@ -1,1 +1,543 @@
 use super::*;
+use std::time::Instant;
+
+/// Four vertices, one line each; the tests put a header before them and faces behind.
+const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+
+fn read(text: impl AsRef<[u8]>) -> Result<MeshFile, OffError> {
+    let parsed = parse(text.as_ref(), &CancelToken::new(), &Progress::new())?;
+    let file = parsed.expect("nobody cancelled");
+    assert_eq!(file.mesh.validate(), Ok(()));
+    Ok(file)
+}
+
+/// The triangles, or the error as a user sees it behind the path.
+fn outcome(text: &str) -> Result<Vec<[u32; 3]>, String> {
+    match read(text) {
+        Ok(file) => Ok(file.mesh.triangles),
+        Err(error) => Err(format!("{}: {}", error.line, error.sentence())),
+    }
+}
+
+#[test]
+#[expect(clippy::too_many_lines, reason = "a table of cases")]
+fn every_way_to_write_a_square_gives_its_two_triangles() {
+    let faces = "3 0 1 2\n3 0 2 3\n";
+    let cases = [
+        ("plain", format!("OFF\n4 2 0\n{SQUARE}{faces}")),
+        (
+            "counts on the keyword's line",
+            format!("OFF 4 2 0\n{SQUARE}{faces}"),
+        ),
+        (
+            "counts glued to the keyword",
+            format!("OFF4 2 0\n{SQUARE}{faces}"),
+        ),
+        ("no edge count", format!("OFF\n4 2\n{SQUARE}{faces}")),
+        (
+            "a nonsense edge count",
+            format!("OFF\n4 2 -1\n{SQUARE}{faces}"),
+        ),
+        (
+            "counts on three lines",
+            format!("OFF\n4\n2\n0\n{SQUARE}{faces}"),
+        ),
+        ("no keyword", format!("4 2 0\n{SQUARE}{faces}")),
+        (
+            "no keyword and no edge count",
+            format!("4 2\n{SQUARE}{faces}"),
+        ),
+        ("a small keyword", format!("off\n4 2 0\n{SQUARE}{faces}")),
+        (
+            "a byte order mark",
+            format!("\u{FEFF}OFF\n4 2 0\n{SQUARE}{faces}"),
+        ),
+        (
+            "comments before everything",
+            format!("# a\n#\n \t# b\nOFF # c\n# d\n4 2 0 # e\n{SQUARE}{faces}# f"),
+        ),
+        (
+            "comments behind data",
+            format!("OFF\n4 2 0\n{}{faces}", SQUARE.replace('\n', "#1 2 3\n")),
+        ),
+        (
+            "comments between lines",
+            format!("OFF\n4 2 0\n{}{faces}", SQUARE.replace('\n', "\n# 9 9 9\n")),
+        ),
+        (
+            "blank lines",
+            format!(
+                "\n\nOFF\n\n4 2 0\n\n{}{faces}\n\n",
+                SQUARE.replace('\n', "\n \n\t\n")
+            ),
+        ),
+        (
+            "CR LF",
+            format!("OFF\n4 2 0\n{SQUARE}{faces}").replace('\n', "\r\n"),
+        ),
+        (
+            "lone CR",
+            format!("OFF\n4 2 0\n{SQUARE}{faces}").replace('\n', "\r"),
+        ),
+        (
+            "tabs",
+            format!("OFF\n4 2 0\n{SQUARE}{faces}").replace(' ', "\t"),
+        ),
+        (
+            "several and trailing blanks",
+            format!("OFF\n4 2 0\n{SQUARE}{faces}")
+                .replace(' ', "   ")
+                .replace('\n', " \t \n "),
+        ),
+        (
+            "no final newline",
+            format!("OFF\n4 2 0\n{SQUARE}{faces}").trim_end().to_owned(),
+        ),
+        (
+            "vertices split over lines",
+            format!("OFF\n4 2 0\n{}{faces}", SQUARE.replace(' ', "\n")),
+        ),
+        (
+            "all vertices on one line",
+            format!("OFF\n4 2 0\n{}\n{faces}", SQUARE.replace('\n', " ")),
+        ),
+        (
+            "faces split over lines",
+            format!("OFF\n4 2 0\n{SQUARE}3 0\n1\n2\n3\n0 2\n3"),
+        ),
+        (
+            "numbers in every spelling",
+            format!("OFF\n4 2 0\n+0.0 0. -0\n.1e1 0 0e9\n1 1.0E+0 0\n000 1e-0 0\n{faces}"),
+        ),
+        (
+            "integer colours behind faces",
+            format!("OFF\n4 2 0\n{SQUARE}3 0 1 2 255 0 0\n3 0 2 3 0 255 0 128\n"),
+        ),
+        (
+            "real colours behind faces",
+            format!("OFF\n4 2 0\n{SQUARE}3 0 1 2 1.0 0.5 0\n3 0 2 3\n"),
+        ),
+        (
+            "a colour index behind faces",
+            format!("OFF\n4 2 0\n{SQUARE}3 0 1 2 7\n3 0 2 3 7\n"),
+        ),
+        (
+            "integer colours behind vertices",
+            format!("OFF\n4 2 0\n{}{faces}", SQUARE.replace('\n', " 255 0 0\n")),
+        ),
+        (
+            "real colours behind vertices",
+            format!(
+                "OFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 0.5 0.25 1 0.5\n")
+            ),
+        ),
+        (
+            "COFF with integers",
+            format!("COFF\n4 2 0\n{}{faces}", SQUARE.replace('\n', " 255 0 0\n")),
+        ),
+        (
+            "COFF with reals",
+            format!(
+                "COFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " .1 .2 .3 1\n")
+            ),
+        ),
+        (
+            "NOFF",
+            format!("NOFF\n4 2 0\n{}{faces}", SQUARE.replace('\n', " 0 0 1\n")),
+        ),
+        (
+            "NOFF with undeclared colours",
+            format!(
+                "NOFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 0 0 1 9 9 9\n")
+            ),
+        ),
+        (
+            "CNOFF",
+            format!(
+                "CNOFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 0 0 1 9 9 9\n")
+            ),
+        ),
+        (
+            "STOFF",
+            format!(
+                "STOFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 0.5 0.5\n")
+            ),
+        ),
+        (
+            "STCNOFF",
+            format!(
+                "STCNOFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 0 0 1 1 1 1 1 0.5 0.5\n")
+            ),
+        ),
+        (
+            "4OFF",
+            format!("4OFF\n4 2 0\n0 0 0 5\n2 0 0 2\n.5 .5 0 .5\n0 -3 0 -3\n{faces}"),
+        ),
+        (
+            "4OFF with undeclared colours",
+            format!(
+                "4OFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 1 255 0 0\n")
+            ),
+        ),
+        (
+            "nOFF of dimension 3",
+            format!("nOFF\n3\n4 2 0\n{SQUARE}{faces}"),
+        ),
+        ("nOFF on one line", format!("nOFF 3 4 2 0\n{SQUARE}{faces}")),
+        (
+            "a quadrilateral",
+            format!("OFF\n4 1 0\n{SQUARE}4 0 1 2 3\n"),
+        ),
+        (
+            "words behind the last face",
+            format!("OFF\n4 2 0\n{SQUARE}{faces}end of file\n"),
+        ),
+    ];
+    let square = read(format!("OFF\n4 2 0\n{SQUARE}{faces}"))
+        .expect("valid")
+        .mesh;
+    for (name, text) in cases {
+        let mesh = read(&text)
+            .unwrap_or_else(|error| panic!("{name}: {error}"))
+            .mesh;
+        assert_eq!(mesh.positions, square.positions, "{name}");
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]], "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    let square = |faces: &str| format!("OFF\n4 2 0\n{SQUARE}{faces}");
+    let with = |header: &str| format!("{header}\n{SQUARE}3 0 1 2\n3 0 2 3\n");
+    let vertex = |vertex: &str| format!("OFF\n1 0 0\n{vertex}\n");
+    let start = "OFF (or COFF, NOFF, STOFF, 4OFF) or the numbers of vertices and faces";
+    let cases = [
+        // The header.
+        ("", format!("1: expected {start}, found the end of the file")),
+        ("\n# nothing\n", format!("1: expected {start}, found the end of the file")),
+        ("ply\nformat ascii 1.0\n", format!("1: expected {start}, found \"ply\"")),
+        ("OFFICE\n", format!("1: expected {start}, found \"OFFICE\"")),
+        ("OFF\n", "1: expected the number of vertices, found the end of the file".into()),
+        ("OFF BINARY\n\0\0\0\u{4}", "1: expected OFF as text, found \"BINARY\"".into()),
+        ("OFF\n-4 2 0\n", "2: expected the number of vertices, found \"-4\"".into()),
+        ("OFF\n4.0 2 0\n", "2: expected the number of vertices, found \"4.0\"".into()),
+        ("OFF\n4\n", "2: expected the number of faces, found the end of the file".into()),
+        ("OFF\n4 x 0\n", "2: expected the number of faces, found \"x\"".into()),
+        ("OFF\n4 2 x\n", "2: expected the number of edges, found \"x\"".into()),
+        ("OFF\n4 2 0 7\n", "2: expected the end of the line after the counts, found \"7\"".into()),
+        ("OFF\n99999999999999999999 1 0\n", "2: expected the number of vertices, found \"99999999999999999999\"".into()),
+        ("OFF\n5000000000 1 0\n", "2: expected fewer than 2^32 vertices, found \"5000000000\"".into()),
+        (&with("nOFF\n4\n4 2 0"), "2: expected the dimension 3 after nOFF, found \"4\"".into()),
+        (&with("4nOFF\n3\n4 2 0"), "1: expected OFF of three dimensions, found 4nOFF".into()),
+        // The vertices.
+        ("OFF\n4000000000 4000000000 0\n", "2: expected vertex 1 of 4000000000, found the end of the file".into()),
+        ("OFF\n4 2 0\n0 0 0\n1 0 0\n", "4: expected vertex 3 of 4, found the end of the file".into()),
+        ("OFF\n4 2 0\n0 0 0\n1 0\n", "4: expected 3 numbers for vertex 2 of 4, found 2 numbers".into()),
+        ("OFF\n4 2 0\n0 0\n1 0 0\n1 1 0\n0 1 0\n", "3: expected 3 numbers for vertex 1 of 4, found 2 numbers".into()),
+        (&vertex("0 0 zero"), "3: expected a finite coordinate, found \"zero\"".into()),
+        (&vertex("0 nan 0"), "3: expected a finite coordinate, found \"nan\"".into()),
+        (&vertex("0 0 -inf"), "3: expected a finite coordinate, found \"-inf\"".into()),
+        (&vertex("1e400 0 0"), "3: expected a finite coordinate, found \"1e400\"".into()),
+        (&vertex("0,5 0 0"), "3: expected a finite coordinate, found \"0,5\"".into()),
+        (&vertex("0 0 0 red"), "3: expected a number, found \"red\"".into()),
+        (&vertex("0 0 0 1 2 3 4 5"), "3: expected a colour of at most four numbers after the vertex, found 5 numbers".into()),
+        (&vertex("0 0 0 1 1 1 2 2 2"), "3: expected the end of the line after the last vertex, found \"1\"".into()),
+        (&with("COFF\n4 2 0"), "3: expected a colour (1, 3 or 4 numbers) after the vertex, found 0 numbers".into()),
+        (&with("STOFF\n4 2 0"), "3: expected a texture coordinate (2 numbers) after the vertex, found 0 numbers".into()),
+        (&with("NOFF\n4 2 0"), "7: expected 6 numbers for vertex 3 of 4, found 4 numbers".into()),
+        ("4OFF\n1 0 0\n1 2 3 0\n", "3: expected a fourth coordinate that is not 0 and leaves the quotients finite, found 0".into()),
+        // The faces.
+        (&square("3 0 1 2\n"), "7: expected face 2 of 2, found the end of the file".into()),
+        (&square(""), "6: expected face 1 of 2, found the end of the file".into()),
+        (&square("3 0 1 2\n3 0 2"), "8: expected 3 vertex indices, found 2".into()),
+        (&square("3 0 1\n3 0 2 3\n"), "7: expected 3 vertex indices, found 2".into()),
+        (&square("3 0 1 9\n3 0 2 3\n"), "7: expected a vertex index below 4, found \"9\"".into()),
+        (&square("3 0 1 4\n3 0 2 3\n"), "7: expected a vertex index below 4, found \"4\"".into()),
+        (&square("3 0 1 -1\n3 0 2 3\n"), "7: expected a vertex index below 4, found \"-1\"".into()),
+        (&square("3 0 1 2.0\n3 0 2 3\n"), "7: expected a vertex index below 4, found \"2.0\"".into()),
+        (&square("3 0 1 4294967296\n"), "7: expected a vertex index below 4, found \"4294967296\"".into()),
+        (&square("3 0 1 2\n0.5 0.5 0.5\n"), "8: expected the number of corners of face 2 of 2, found \"0.5\"".into()),
+        (&square("999999999 0 1 2\n3 0 2 3\n"), "7: expected 999999999 vertex indices, found 3".into()),
+        (&square("3 0 1 2 red\n3 0 2 3\n"), "7: expected a colour or the end of the line after the face, found \"red\"".into()),
+        (&square("3 0 1 2 1 1 1 1 1\n3 0 2 3\n"), "7: expected a colour of at most four numbers after the face, found 5 numbers".into()),
+        // The end.
+        (&square("3 0 1 2\n3 0 2 3\n3 1 2 3\n"), "9: expected the end of the file after 2 faces, found \"3\"".into()),
+        (&format!("OFF\n3 1 0\n{SQUARE}3 0 1 2\n"), "6: expected the number of corners of face 1 of 1, found \"0\"".into()),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(outcome(text), Err(expected), "{text}");
+    }
+}
+
+#[test]
+fn the_line_is_right_with_every_kind_of_line_end() {
+    let text = format!("OFF\n4 2 0\n\n# comment\n{SQUARE}3 0 1 9\n3 0 2 3\n");
+    for end in ["\n", "\r\n", "\r"] {
+        let error = read(text.replace('\n', end)).expect_err("index 9");
+        assert_eq!(error.line, 9);
+    }
+}
+
+#[test]
+fn bytes_that_are_not_text_are_an_error_or_a_comment() {
+    let error = read(b"OFF\n1 0 0\n0 \xFF\xFE 0\n").expect_err("not a number");
+    assert_eq!(
+        error.to_string(),
+        "line 3: expected a finite coordinate, found \"\u{FFFD}\u{FFFD}\""
+    );
+    let file = read(b"OFF # caf\xE9\n1 0 0\n0 0 0\n").expect("only the comment is Latin-1");
+    assert_eq!(file.mesh.positions.len(), 1);
+}
+
+#[test]
+fn faces_without_area_are_dropped_and_counted() {
+    let cases = [
+        ("3 0 1 1", "a repeated index"),
+        ("3 0 1 4", "a repeated position"),
+        ("3 0 2 5", "corners on a line"),
+        ("3 0 6 7", "decimals on a line up to their rounding"),
+        ("4 0 2 5 0", "a polygon that goes there and back"),
+        ("5 0 0 0 1 1", "a polygon of two corners, repeated"),
+    ];
+    for (face, name) in cases {
+        let extra = "1 0 0\n2 2 0\n0.1 0.3 0\n0.3 0.9 0\n";
+        let text = format!("OFF\n8 2 0\n{SQUARE}{extra}3 0 1 2\n{face}\n");
+        let file = read(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(file.mesh.triangles, [[0, 1, 2]], "{name}");
+        assert_eq!(file.dropped.degenerate, 1, "{name}");
+        assert_eq!(
+            file.warnings,
+            ["1 face without area was dropped (line 12)"],
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn slivers_and_tiny_triangles_stay() {
+    let text =
+        "OFF\n6 2 0\n0 0 0\n1 0 0\n0.5 1e-12 0\n0 0 0\n1e-200 0 0\n0 1e-200 0\n3 0 1 2\n3 3 4 5\n";
+    let file = read(text).expect("valid");
+    assert_eq!(file.mesh.triangles.len(), 2);
+    assert_eq!(file.dropped, Dropped::default());
+}
+
+#[test]
+fn points_and_lines_are_dropped_and_counted() {
+    let text = format!("OFF\n4 4 0\n{SQUARE}1 0\n2 0 1\n2 3 3\n3 0 1 2\n");
+    let file = read(text).expect("valid");
+    assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
+    assert_eq!(
+        (
+            file.faces,
+            file.dropped.too_few_corners,
+            file.dropped.total()
+        ),
+        (4, 3, 3)
+    );
+    assert_eq!(
+        file.warnings,
+        ["3 faces with fewer than three corners were dropped (the first on line 7)"]
+    );
+}
+
+#[test]
+fn a_polygon_that_repeats_a_corner_takes_it_once() {
+    let text = format!("OFF\n4 2 0\n{SQUARE}4 0 1 2 2\n5 0 0 1 2 3\n");
+    let file = read(text).expect("valid");
+    assert_eq!(file.mesh.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3]]);
+    assert_eq!((file.polygons, file.dropped.total()), (2, 0));
+}
+
+#[test]
+fn unused_and_duplicate_vertices_stay_where_they_are() {
+    let text = format!("OFF\n6 1 0\n9 9 9\n{SQUARE}0 0 0\n3 5 2 3\n");
+    let mesh = read(text).expect("valid").mesh;
+    assert_eq!((mesh.positions.len(), mesh.triangles), (6, vec![[5, 2, 3]]));
+}
+
+#[test]
+fn what_is_ignored_is_said_once() {
+    let text = format!(
+        "OFF\n4 2 0\n{}3 0 1 2 9 9 9\n3 0 2 3\nthe end\n",
+        SQUARE.replace('\n', " 1 0 0\n")
+    );
+    assert_eq!(
+        read(text).expect("valid").warnings,
+        [
+            "colours are ignored (the first on line 3)",
+            "1 line of text after the last face is ignored (line 9)"
+        ]
+    );
+    let text = format!("STOFF\n4 1 0\n{}3 0 1 2\n", SQUARE.replace('\n', " 1 0\n"));
+    assert_eq!(
+        read(text).expect("valid").warnings,
+        ["texture coordinates are ignored (the first on line 3)"]
+    );
+}
+
+#[test]
+fn an_empty_mesh_is_read_and_warned_about() {
+    for text in ["OFF\n0 0 0\n", "0 0", "OFF\n1 0 0\n0 0 0\n"] {
+        let file = read(text).expect("valid");
+        assert_eq!(file.warnings, ["the mesh has no triangles"], "{text}");
+    }
+}
+
+#[test]
+fn normals_are_kept_as_written() {
+    let text = "NOFF\n3 1 0\n0 0 0 0 0 2\n1 0 0 0 0 0\n0 1 0 1 0 0\n3 0 1 2\n";
+    let normals = read(text).expect("valid").mesh.normals;
+    assert_eq!(normals, Some(vec![DVec3::Z * 2.0, DVec3::ZERO, DVec3::X]));
+}
+
+/// A header may claim anything: what is reserved depends on the bytes that are there.
+#[test]
+fn counts_reserve_no_more_than_the_text_can_hold() {
+    assert_eq!(capacity(u64::MAX, 10), 10);
+    assert_eq!(capacity(3, 10), 3);
+    let text = format!("OFF\n4000000000 4000000000 0\n{}", SQUARE.repeat(100));
+    let (cancel, progress) = (CancelToken::new(), Progress::new());
+    let mut reader = Reader::new(text.as_bytes(), &cancel, &progress);
+    let header = reader.header().expect("a valid header");
+    reader
+        .vertices(&header)
+        .expect_err("400 of 4000000000 vertices");
+    assert!(reader.mesh.positions.capacity() <= text.len());
+    let text = format!("OFF\n4 4000000000 0\n{SQUARE}3 0 1 2\n");
+    let mut reader = Reader::new(text.as_bytes(), &cancel, &progress);
+    let header = reader.header().expect("a valid header");
+    reader.vertices(&header).expect("four vertices");
+    reader.faces(&header).expect_err("1 of 4000000000 faces");
+    assert!(reader.mesh.triangles.capacity() <= text.len());
+}
+
+#[test]
+fn cancelling_returns_none_and_progress_ends_at_the_size() {
+    let text = grid(40).0;
+    let (cancel, progress) = (CancelToken::new(), Progress::new());
+    progress.set_total(text.len() as u64);
+    parse(text.as_bytes(), &cancel, &progress)
+        .expect("valid")
+        .expect("not cancelled");
+    assert_eq!(progress.done(), progress.total());
+    cancel.cancel();
+    assert_eq!(parse(text.as_bytes(), &cancel, &progress), Ok(None));
+}
+
+#[test]
+fn what_is_written_reads_back_the_same() {
+    let extremes = [0.1, -1e300, 5e-324, f64::MAX, 1e-5, 1e16, 123_456.789, -0.0];
+    let mut mesh = read(grid(5).0).expect("valid").mesh;
+    for (position, x) in mesh.positions.iter_mut().zip(extremes) {
+        position.z = x;
+    }
+    mesh.triangles.retain(|&[a, b, c]| {
+        face_normal([a, b, c].map(|vertex| mesh.positions[vertex as usize])).is_some()
+    });
+    assert_eq!(read(write(&mesh)).expect("valid").mesh, mesh);
+    mesh.normals = Some(mesh.positions.clone());
+    assert_eq!(read(write(&mesh)).expect("valid").mesh, mesh);
+}
+
+/// A bumpy grid of n × n squares, some with comments and colours, and its number of triangles.
+fn grid(n: u32) -> (String, usize) {
+    use std::fmt::Write;
+    let mut text = format!("OFF\n{} {} 0\n", (n + 1) * (n + 1), n * n);
+    for j in 0..=n {
+        for i in 0..=n {
+            let z = f64::from((i * 7 + j * 13) % 5) * 0.1;
+            writeln!(text, "{} {} {z}", f64::from(i) * 0.37, f64::from(j) * 0.11)
+                .expect("a string");
+        }
+    }
+    for corner in (0..n * n).map(|square| square / n * (n + 1) + square % n) {
+        let [a, b, c, d] = [corner, corner + 1, corner + n + 2, corner + n + 1];
+        let end = if corner % 3 == 0 {
+            " 10 20 30 # red"
+        } else {
+            ""
+        };
+        writeln!(text, "4 {a} {b} {c} {d}{end}").expect("a string");
+    }
+    (text, (2 * n * n) as usize)
+}
+
+/// `SplitMix64`: enough to scatter mutations.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        usize::try_from((z ^ (z >> 31)) % bound as u64).expect("below a usize")
+    }
+}
+
+/// Every prefix of a file is an error, unless only the end of the last line is missing.
+#[test]
+fn truncated_files_are_errors() {
+    let (text, triangles) = grid(6);
+    let last_line = text.trim_end().rfind('\n').expect("many lines") + 1;
+    for length in 0..last_line {
+        assert!(
+            read(&text.as_bytes()[..length]).is_err(),
+            "first {length} bytes"
+        );
+    }
+    assert_eq!(read(&text).expect("valid").mesh.triangles.len(), triangles);
+}
+
+#[test]
+fn random_mutations_never_panic_nor_hang() {
+    let seeds = [
+        grid(4).0,
+        format!(
+            "STCNOFF\n4 2 0\n{}3 0 1 2\n3 0 2 3\n",
+            SQUARE.replace('\n', " 0 0 1 1 1 1 1 0 0\n")
+        ),
+        format!(
+            "4OFF 4 1\r\n{}4 0 1 2 3\r\n",
+            SQUARE.replace('\n', " 2\r\n")
+        ),
+    ];
+    let scraps: [&[u8]; 14] = [
+        b"",
+        b"\n",
+        b"\r",
+        b" ",
+        b"#",
+        b"-",
+        b".",
+        b"9999999999",
+        b"1e999",
+        b"nan",
+        b"\xFF",
+        b"\0",
+        b"OFF",
+        b"3 0 1 2\n",
+    ];
+    let mut random = Random(7);
+    let start = Instant::now();
+    for _ in 0..20_000 {
+        let mut bytes = seeds[random.below(seeds.len())].clone().into_bytes();
+        for _ in 0..=random.below(4) {
+            let from = random.below(bytes.len() + 1);
+            let to = (from + random.below(4)).min(bytes.len());
+            let scrap = scraps[random.below(scraps.len())];
+            bytes.splice(from..to, scrap.iter().copied());
+        }
+        // `read` checks that what is not refused is valid.
+        let _ = read(&bytes);
+    }
+    assert!(start.elapsed().as_secs() < 60);
+}

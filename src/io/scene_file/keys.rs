@@ -341,7 +341,7 @@ impl<'a> Keys<'a> {
                     let mut item = T::default();
                     let path = format!("{path}.{}", entry.key);
                     read_table(&entry.node, path, name, problems, |keys| {
-                        fields(keys, &mut item)
+                        fields(keys, &mut item);
                     });
                     map.insert(entry.key.clone(), item);
                 }
@@ -391,7 +391,7 @@ impl<'a> Keys<'a> {
                 for (index, node) in items.iter().enumerate() {
                     let mut item = T::default();
                     read_table(node, format!("{path}.{index}"), name, problems, |keys| {
-                        fields(keys, &mut item)
+                        fields(keys, &mut item);
                     });
                     list.push(item);
                 }

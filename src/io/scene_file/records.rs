@@ -12,7 +12,7 @@ pub fn scene(keys: &mut Keys<'_>, scene: &mut Scene) {
     keys.record("camera", |keys| camera(keys, &mut scene.camera));
     let up = scene.camera.up;
     keys.record("background", |keys| {
-        background(keys, &mut scene.background, up)
+        background(keys, &mut scene.background, up);
     });
     keys.map("materials", &mut scene.materials, material);
     keys.list("objects", &mut scene.objects, object);

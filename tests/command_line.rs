@@ -1,0 +1,364 @@
+//! The built program as a user calls it: pictures, stats, facts, exit codes and messages.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder with a small scene: a tetrahedron over a floor under two lights.
+fn folder() -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("is written")
+    };
+    write(
+        "tetra.off",
+        "OFF 4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n",
+    );
+    write(
+        "floor.off",
+        "OFF\n4 1 0\n-3 -3 0\n3 -3 0\n3 3 0\n-3 3 0\n4 0 1 2 3\n",
+    );
+    write(
+        "scene.toml",
+        r#"
+[camera]
+eye = [2, -4, 2]
+[[objects]]
+mesh = "tetra.off"
+[[objects]]
+mesh = "floor.off"
+[[lights]]
+position = [3, -3, 6]
+intensity = [40, 40, 40]
+[[lights]]
+position = [-3, -3, 3]
+intensity = [10, 10, 10]
+[render]
+width = 64
+height = 48
+shadows = "hard"
+"#,
+    );
+    folder
+}
+
+fn raymini(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("starts")
+}
+
+/// Runs the program where it must succeed; what it printed.
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = raymini(folder, arguments);
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).expect("is text")
+}
+
+/// Runs the program where it must fail with `code`; its complaint.
+fn fail(folder: &Path, code: i32, arguments: &[&str]) -> String {
+    let output = raymini(folder, arguments);
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stdout)
+    );
+    String::from_utf8(output.stderr).expect("is text")
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).expect("exists")).expect("is JSON")
+}
+
+fn facts(folder: &Path, file: &str) -> Value {
+    serde_json::from_str(&succeed(folder, &["info", file, "--json"])).expect("is JSON")
+}
+
+/// Renders with stats; the hash.
+fn hash(folder: &Path, arguments: &[&str]) -> String {
+    let mut all = vec![
+        "render",
+        "scene.toml",
+        "-o",
+        "out.png",
+        "--stats",
+        "stats.json",
+    ];
+    all.extend(arguments);
+    succeed(folder, &all);
+    json(&folder.join("stats.json"))["image_hash"]
+        .as_str()
+        .expect("a hash")
+        .to_owned()
+}
+
+#[test]
+fn render_writes_a_picture_and_says_what_it_took() {
+    let folder = folder();
+    let text = succeed(
+        folder.path(),
+        &[
+            "render",
+            "scene.toml",
+            "-o",
+            "out.png",
+            "--stats",
+            "stats.json",
+        ],
+    );
+    assert!(
+        text.starts_with("out.png: 64×48 pixels, 16 samples, "),
+        "{text}"
+    );
+
+    let stats = json(&folder.path().join("stats.json"));
+    assert_eq!(stats["triangles"], 6);
+    assert_eq!(stats["samples_per_pixel"], 16);
+    assert_eq!(stats["rays"]["camera"], 64 * 48 * 16);
+    assert!(stats["rays"]["shadow"].as_u64().expect("a count") > 0);
+    assert_eq!(stats["rays"]["bounce"], 0);
+    assert_eq!(stats["non_finite_samples"], 0);
+    for key in [
+        "load_seconds",
+        "build_seconds",
+        "render_seconds",
+        "first_tile_seconds",
+    ] {
+        assert!(stats[key].as_f64().expect("a time") >= 0.0, "{key}");
+    }
+
+    let picture = facts(folder.path(), "out.png");
+    assert_eq!(
+        (&picture["width"], &picture["height"]),
+        (&64.into(), &48.into())
+    );
+    assert_eq!(picture["image_hash"], stats["image_hash"]);
+    let pixels = image::open(folder.path().join("out.png"))
+        .expect("is a picture")
+        .into_rgb8();
+    assert!(
+        pixels.pixels().any(|pixel| pixel.0[0] > 100),
+        "something is lit"
+    );
+}
+
+#[test]
+fn exr_holds_the_same_radiance() {
+    let folder = folder();
+    let expected = hash(folder.path(), &[]);
+    succeed(folder.path(), &["render", "scene.toml", "-o", "out.exr"]);
+    assert_eq!(
+        facts(folder.path(), "out.exr")["image_hash"],
+        expected.as_str()
+    );
+}
+
+#[test]
+fn threads_and_structures_give_the_same_hash_and_seeds_another() {
+    let folder = folder();
+    let expected = hash(folder.path(), &[]);
+    for arguments in [
+        ["--threads", "1"],
+        ["--threads", "7"],
+        ["--set", "render.accelerator=brute-force"],
+    ] {
+        assert_eq!(hash(folder.path(), &arguments), expected, "{arguments:?}");
+    }
+    assert_ne!(hash(folder.path(), &["--seed", "1"]), expected);
+    assert_ne!(
+        hash(folder.path(), &["--set", "lights.0.intensity=[1,2,3]"]),
+        expected
+    );
+}
+
+#[test]
+fn flags_change_size_samples_mode_and_region() {
+    let folder = folder();
+    hash(
+        folder.path(),
+        &["--size", "31x17", "--spp", "2", "--mode", "normals"],
+    );
+    let picture = facts(folder.path(), "out.png");
+    assert_eq!(
+        (&picture["width"], &picture["height"]),
+        (&31.into(), &17.into())
+    );
+    hash(folder.path(), &["--region", "10,20,30,5"]);
+    let picture = facts(folder.path(), "out.png");
+    assert_eq!(
+        (&picture["width"], &picture["height"]),
+        (&30.into(), &5.into())
+    );
+    hash(folder.path(), &["--set", "output.png_bits=16"]);
+    let picture = image::open(folder.path().join("out.png")).expect("is a picture");
+    assert_eq!(picture.color(), image::ColorType::Rgb16);
+}
+
+#[test]
+fn a_bare_mesh_is_framed_and_lit() {
+    let folder = folder();
+    let render = |mode: &str| {
+        let arguments = [
+            "render",
+            "tetra.off",
+            "-o",
+            "out.png",
+            "--size",
+            "64x64",
+            "--mode",
+            mode,
+        ];
+        succeed(folder.path(), &arguments);
+        image::open(folder.path().join("out.png"))
+            .expect("is a picture")
+            .into_rgb8()
+    };
+    let objects = render("object");
+    let on_mesh = |x: u32, y: u32| objects.get_pixel(x, y).0 != [0; 3];
+    let count = objects
+        .enumerate_pixels()
+        .filter(|&(x, y, _)| on_mesh(x, y))
+        .count();
+    assert!(
+        (600..2500).contains(&count),
+        "{count} of 4096 pixels show the mesh"
+    );
+    let rim = (0..64).flat_map(|i| [(i, 0), (i, 63), (0, i), (63, i)]);
+    assert_eq!(
+        rim.filter(|&(x, y)| on_mesh(x, y)).count(),
+        0,
+        "nothing is cut off"
+    );
+    let picture = render("direct");
+    let lit = picture
+        .enumerate_pixels()
+        .filter(|&(x, y, pixel)| on_mesh(x, y) && pixel.0[0] > 60);
+    assert!(lit.count() * 2 > count, "most of the mesh is lit");
+}
+
+#[test]
+fn info_says_what_a_mesh_and_a_scene_hold() {
+    let folder = folder();
+    let mesh = facts(folder.path(), "tetra.off");
+    assert_eq!(mesh["format"], "OFF");
+    assert_eq!(
+        (&mesh["vertices"], &mesh["triangles"]),
+        (&4.into(), &4.into())
+    );
+    assert_eq!(mesh["bounds"]["max"], serde_json::json!([1.0, 1.0, 1.0]));
+    assert_eq!(mesh["dropped"]["degenerate"], 0);
+    let scene = facts(folder.path(), "scene.toml");
+    assert_eq!(
+        (&scene["triangles"], &scene["lights"]),
+        (&6.into(), &2.into())
+    );
+    let text = succeed(folder.path(), &["info", "tetra.off"]);
+    assert!(text.contains("triangles   4\n"), "{text}");
+}
+
+#[test]
+fn mistakes_are_told_with_file_and_line_and_exit_code_1() {
+    let folder = folder();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("is written")
+    };
+    write("key.toml", "[render]\nwidht = 3\n");
+    write("mesh.toml", "\n[[objects]]\nmesh = \"none.off\"\n");
+    write("broken.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
+    write("broken.toml", "[[objects]]\nmesh = \"broken.off\"\n");
+    let cases: [(&[&str], &str); 9] = [
+        (
+            &["render", "key.toml", "-o", "x.png"],
+            "key.toml:2:1: unknown key `widht`; the nearest known one is `width`",
+        ),
+        (&["render", "mesh.toml", "-o", "x.png"], "mesh.toml:3:8: "),
+        (&["render", "broken.off", "-o", "x.png"], "broken.off:6: "),
+        (&["render", "broken.toml", "-o", "x.png"], "broken.off:6: "),
+        (
+            &["render", "none.toml", "-o", "x.png"],
+            "none.toml: cannot read the scene",
+        ),
+        (
+            &["render", "scene.toml", "-o", "x.jpg"],
+            "x.jpg: pictures are written as .png or .exr",
+        ),
+        (
+            &["render", "scene.toml", "-o", "no/x.png", "--spp", "1"],
+            "no/x.png: cannot write the picture",
+        ),
+        (
+            &[
+                "render",
+                "scene.toml",
+                "-o",
+                "x.png",
+                "--region",
+                "60,0,10,10",
+            ],
+            "does not lie in the 64×48 picture",
+        ),
+        (&["info", "none.off"], "none.off"),
+    ];
+    for (arguments, expected) in cases {
+        let complaint = fail(folder.path(), 1, arguments);
+        assert!(
+            complaint.starts_with("error: ") && complaint.contains(expected),
+            "{arguments:?}: {complaint}"
+        );
+        assert!(!folder.path().join("x.png").exists());
+    }
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2() {
+    let folder = folder();
+    let cases: [(&[&str], &str); 5] = [
+        (&["render", "scene.toml"], "--output"),
+        (
+            &["render", "scene.toml", "-o", "x.png", "--size", "0x4"],
+            "640x480",
+        ),
+        (
+            &["render", "scene.toml", "-o", "x.png", "--mode", "drect"],
+            "direct",
+        ),
+        (
+            &["render", "scene.toml", "-o", "x.png", "--threads", "0"],
+            "--threads",
+        ),
+        (
+            &["render", "scene.toml", "-o", "x.png", "--bogus"],
+            "--bogus",
+        ),
+    ];
+    for (arguments, expected) in cases {
+        let complaint = fail(folder.path(), 2, arguments);
+        assert!(complaint.contains(expected), "{arguments:?}: {complaint}");
+    }
+}
+
+#[test]
+fn a_failed_write_keeps_the_old_picture() {
+    let folder = folder();
+    let target = folder.path().join("folder.png");
+    std::fs::create_dir(&target).expect("a folder");
+    fail(
+        folder.path(),
+        1,
+        &["render", "scene.toml", "-o", "folder.png", "--spp", "1"],
+    );
+    let left: Vec<PathBuf> = std::fs::read_dir(folder.path())
+        .expect("can be listed")
+        .map(|entry| entry.expect("is there").path())
+        .collect();
+    assert_eq!(left.len(), 4, "no temporary file is left: {left:?}");
+}
