@@ -35,9 +35,11 @@ pub enum Lane {
     SavePicture,
     /// Waiting for the desktop's file dialog.
     Dialog,
+    /// Reading a folder for the path field.
+    List,
 }
 
-const LANES: usize = 7;
+const LANES: usize = 8;
 
 /// What the window holds of its background work. `E` is what jobs have to say.
 #[derive(Debug)]
@@ -205,7 +207,8 @@ impl<E> Drop for Jobs<E> {
 }
 
 /// The message of a panic.
-fn panic_message(payload: &(dyn Any + Send)) -> String {
+#[must_use]
+pub fn panic_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(ToString::to_string);
     text.or_else(|| payload.downcast_ref::<String>().cloned())
         .unwrap_or_else(|| "no message".to_owned())

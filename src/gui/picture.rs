@@ -196,7 +196,6 @@ pub enum Outcome {
 }
 
 /// A render and what the window shows of it.
-#[derive(Debug)]
 pub struct Picture {
     /// The scene as it was when the render started.
     pub scene: Scene,
@@ -286,6 +285,15 @@ impl Picture {
     #[must_use]
     pub fn mrays_per_second(&self) -> f64 {
         self.progress.rays() as f64 / self.elapsed().as_secs_f64().max(1e-9) / 1e6
+    }
+}
+
+impl std::fmt::Debug for Picture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Picture")
+            .field("outcome", &self.outcome)
+            .field("elapsed", &self.elapsed())
+            .finish_non_exhaustive()
     }
 }
 

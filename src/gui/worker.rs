@@ -10,13 +10,15 @@ use std::sync::Arc;
 use eframe::wgpu;
 
 use super::jobs::Job;
+use super::pick;
 use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::{GpuGeometry, PreviewMesh, Vertex};
 use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile};
-use crate::math::Vec3;
+use crate::geometry::Triangle;
+use crate::math::{Bounds, DBounds, Vec3};
 use crate::render::{
-    self, PreparedGeometry, PreparedScene, RenderOutcome, RenderProgress, RunConfig,
+    self, PreparedGeometry, PreparedObject, PreparedScene, RenderOutcome, RenderProgress, RunConfig,
 };
 use crate::scene::{Output, Scene};
 
@@ -66,6 +68,8 @@ pub enum Event {
     },
     /// The desktop's file dialog is closed.
     PathsChosen(super::dialogs::files::Answer),
+    /// What is in the folder that the path field shows.
+    Listed(super::dialogs::path_field::Listing),
 }
 
 /// A scene ready to render, and its triangles on the GPU.
@@ -75,12 +79,17 @@ pub struct Prepared {
     pub scene: PreparedScene,
     /// For the preview; `None` without a GPU.
     pub triangles: Option<Arc<GpuGeometry>>,
+    /// The world box of each object.
+    pub object_bounds: Arc<[DBounds]>,
 }
 
-/// Loads a scene file, or one or several meshes as a scene.
+/// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
 pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     let loaded = match paths.as_slice() {
-        [path] => io::load_scene(path, &job.cancel, progress),
+        [] => Ok(Some(LoadedScene {
+            scene: io::demo_scene(),
+            warnings: Vec::new(),
+        })),
         paths => io::load_scenes(paths, &job.cancel, progress),
     };
     let Some(result) = unless_cancelled(loaded) else {
@@ -109,15 +118,32 @@ pub fn prepare(
         return;
     };
     job.send(Event::Prepared(result.map(|scene| {
-        let same = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), scene.geometry()));
-        let triangles = same.and_then(|previous| previous.triangles).or_else(|| {
-            device.map(|device| {
-                let mesh = preview_mesh(scene.geometry());
-                Arc::new(GpuGeometry::upload(device, &mesh))
-            })
-        });
-        Prepared { scene, triangles }
+        let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), scene.geometry()));
+        match unchanged {
+            Some(previous) => Prepared { scene, ..previous },
+            None => new_geometry(scene, device),
+        }
     })));
+}
+
+/// Uploads the triangles of a scene whose geometry is new.
+fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared {
+    let geometry = scene.geometry();
+    let triangles = device.map(|device| {
+        let mesh = preview_mesh(geometry);
+        Arc::new(GpuGeometry::upload(device, &mesh))
+    });
+    let bounds_of = |object: &PreparedObject| {
+        let range = object.triangles.start as usize..object.triangles.end as usize;
+        let boxes = geometry.triangles()[range].iter().map(Triangle::bounds);
+        pick::to_world(geometry.frame(), &boxes.fold(Bounds::EMPTY, Bounds::union))
+    };
+    let object_bounds = geometry.objects().iter().map(bounds_of).collect();
+    Prepared {
+        triangles,
+        object_bounds,
+        scene,
+    }
 }
 
 /// Renders `scene` into `buffer`. `previous`: what was prepared last.

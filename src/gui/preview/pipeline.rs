@@ -1,7 +1,5 @@
 //! The GPU programs of the preview: sky, objects in colour, and objects as ids.
 
-use std::mem::{offset_of, size_of};
-
 use eframe::wgpu;
 
 use super::geometry::Vertex;
