@@ -1,7 +1,19 @@
-//! Placeholder until branch `accel` is merged.
-#![allow(missing_docs, clippy::all, clippy::pedantic)]
-use crate::control::CancelToken;
-use crate::geometry::Triangle;
+//! Finding what a ray hits among many triangles: the kd-tree, and brute force as its reference.
+//!
+//! Both answer with the same bits: which hit is nearest is decided by the shared kernel's `t`, then by the smaller
+//! triangle id, never by the structure. Triangles and rays live in the prepared scene; ids are positions in the order
+//! the triangles were given in.
+
+mod block;
+mod brute_force;
+mod kd;
+#[cfg(test)]
+mod tests;
+
+pub use brute_force::BruteForce;
+pub use kd::{KdParameters, KdStatistics, KdTree};
+
+use crate::geometry::{Triangle, TriangleHit};
 use crate::math::{Bounds, Ray};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,74 +22,96 @@ pub struct Hit {
     pub triangle: u32,
     pub barycentrics: [f32; 3],
 }
-#[derive(Debug)]
-pub struct BruteForce(Vec<Triangle>);
-impl BruteForce {
-    pub fn new(t: Vec<Triangle>) -> Self {
-        Self(t)
+
+impl Hit {
+    /// The nearer of a hit so far and a new one; the smaller id among equals, so that no order of tests matters.
+    fn nearer(best: Option<Self>, id: u32, new: TriangleHit) -> Self {
+        match best {
+            Some(best) if best.t < new.t || (best.t <= new.t && best.triangle < id) => best,
+            _ => Self {
+                t: new.t,
+                triangle: id,
+                barycentrics: new.barycentrics,
+            },
+        }
     }
 }
-#[derive(Debug, Default)]
-pub struct KdParameters;
-#[derive(Debug)]
-pub struct KdTree(Vec<Triangle>);
-impl KdTree {
-    pub fn build(t: Vec<Triangle>, _: &KdParameters, _: &CancelToken) -> Option<Self> {
-        Some(Self(t))
-    }
-}
-#[derive(Debug)]
+
+/// A structure over triangles that answers ray queries.
+#[derive(Clone, Debug)]
 pub enum Accelerator {
+    /// The surface area heuristic kd-tree.
     KdTree(KdTree),
+    /// Every triangle, one after the other.
     BruteForce(BruteForce),
 }
+
 impl Accelerator {
+    /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
+    #[must_use]
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
+        match self {
+            Self::KdTree(tree) => tree.intersect(ray, t_max),
+            Self::BruteForce(all) => all.intersect(ray, t_max),
+        }
+    }
+
+    /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
+    #[must_use]
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
+        match self {
+            Self::KdTree(tree) => tree.occluded(ray, t_max),
+            Self::BruteForce(all) => all.occluded(ray, t_max),
+        }
+    }
+
+    /// The triangles in the order given.
+    #[must_use]
     pub fn triangles(&self) -> &[Triangle] {
         match self {
-            Self::KdTree(k) => &k.0,
-            Self::BruteForce(b) => &b.0,
+            Self::KdTree(tree) => tree.triangles(),
+            Self::BruteForce(all) => all.triangles(),
         }
     }
+
+    /// The box around all triangles; empty when there are none.
+    #[must_use]
     pub fn bounds(&self) -> Bounds {
-        self.triangles()
-            .iter()
-            .fold(Bounds::EMPTY, |b, t| b.union(t.bounds()))
-    }
-    pub fn name(&self) -> &'static str {
-        "stub"
-    }
-    pub fn bytes(&self) -> usize {
-        0
-    }
-    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
-        for (i, t) in self.triangles().iter().enumerate() {
-            let [a, b, c] = t.corners;
-            let (e1, e2) = (b - a, c - a);
-            let p = ray.direction.cross(e2);
-            let det = e1.dot(p);
-            let s = ray.origin - a;
-            let u = s.dot(p) / det;
-            let q = s.cross(e1);
-            let v = ray.direction.dot(q) / det;
-            let tt = e2.dot(q) / det;
-            if u >= 0.0
-                && v >= 0.0
-                && u + v <= 1.0
-                && tt > 0.0
-                && tt < t_max
-                && best.is_none_or(|h| tt < h.t)
-            {
-                best = Some(Hit {
-                    t: tt,
-                    triangle: i as u32,
-                    barycentrics: [1.0 - u - v, u, v],
-                });
-            }
+        match self {
+            Self::KdTree(tree) => tree.bounds(),
+            Self::BruteForce(all) => all.bounds(),
         }
-        best
     }
-    pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
-        self.intersect(ray, t_max).is_some()
+
+    /// The structure's name as people write it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::KdTree(_) => "kd-tree",
+            Self::BruteForce(_) => "brute-force",
+        }
     }
+
+    /// Memory the structure takes, its copy of the triangles included.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::KdTree(tree) => tree.bytes(),
+            Self::BruteForce(all) => size_of_val(all.triangles()),
+        }
+    }
+}
+
+/// Triangle ids are `u32`, and one value is kept for "none".
+///
+/// # Panics
+/// When there are more triangles than ids.
+fn assert_ids_suffice(triangles: &[Triangle]) {
+    assert!(
+        u32::try_from(triangles.len()).is_ok_and(|count| count < u32::MAX),
+        "{} triangles are more than 2^32 - 2",
+        triangles.len()
+    );
 }

@@ -1,0 +1,184 @@
+//! The kd-tree: cells split by axis-aligned planes chosen by the surface area heuristic.
+//!
+//! Every triangle is referred to by the leaves whose cells its part inside really touches, so that a ray that walks the
+//! cells along its way cannot miss a hit. Distances along the ray are `f64` and compared with a margin for their
+//! rounding; everything else about the tree is exact. See [`KdTree::validate`].
+
+mod build;
+mod clip;
+mod node;
+mod split;
+mod validate;
+mod walk;
+
+use super::Hit;
+use super::block::{BlockFilter, LANES, TriangleBlock};
+use crate::control::CancelToken;
+use crate::geometry::{RayKernel, Triangle};
+use crate::math::{Bounds, Ray};
+use node::{Node, packed};
+
+/// No tree is deeper, so that the stack of a walk has a fixed size.
+const MAX_DEPTH: u32 = 60;
+
+/// Blocks and nodes are counted in 30 bits; there are at most twice as many nodes as references.
+const MAX_REFERENCES: usize = 1 << 29;
+
+/// What the builder assumes and how far it may go. Costs are relative to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KdParameters {
+    /// Cost of deciding at one plane which way to go.
+    pub traversal_cost: f64,
+    /// Cost of testing one block of up to eight triangles.
+    pub intersection_cost: f64,
+    /// Share by which a split counts as cheaper when one side of it is empty. Cutting off empty space early pays more than
+    /// the heuristic knows (Hurley et al. 2002; pbrt uses 0.5).
+    pub empty_bonus: f64,
+    /// Depth limit; by default `8 + 1.3 log2 n`, as in Havran's thesis and pbrt. Never more than 60.
+    pub max_depth: Option<u32>,
+    /// Share of the cost of a leaf that a split must save, or else it counts as bad.
+    pub min_gain: f64,
+    /// Bad splits allowed between the root and any leaf: the next split may make up for one (pbrt allows 3).
+    pub bad_splits: u32,
+    /// References allowed per triangle. Ordinary scenes need 1 to 3; it stops those where many triangles overlap.
+    pub reference_budget: f64,
+    /// Cells with up to this many references try every plane; larger ones try 63 per axis.
+    pub exact_limit: usize,
+}
+
+impl Default for KdParameters {
+    fn default() -> Self {
+        Self {
+            traversal_cost: 1.0,
+            intersection_cost: 2.0,
+            empty_bonus: 0.5,
+            max_depth: None,
+            min_gain: 0.02,
+            bad_splits: 2,
+            reference_budget: 8.0,
+            exact_limit: 1024,
+        }
+    }
+}
+
+/// What a tree came out like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KdStatistics {
+    /// Interior nodes and leaves together.
+    pub nodes: usize,
+    /// Leaves, empty ones included.
+    pub leaves: usize,
+    /// Leaves without a triangle.
+    pub empty_leaves: usize,
+    /// Triangles in leaves, counted once per leaf.
+    pub references: usize,
+    /// Blocks of up to eight triangles in leaves.
+    pub blocks: usize,
+    /// Planes above the deepest leaf.
+    pub max_depth: u32,
+    /// Expected cost of a random ray through the scene's box, in the unit of [`KdParameters`].
+    pub sah_cost: f64,
+}
+
+/// The surface area heuristic kd-tree.
+#[derive(Clone, Debug)]
+pub struct KdTree {
+    triangles: Vec<Triangle>,
+    bounds: Bounds,
+    /// The root is the first.
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+    parameters: KdParameters,
+}
+
+impl KdTree {
+    /// Builds the tree; `None` when cancelled. The result depends on the arguments alone, not on the number of threads.
+    ///
+    /// Takes time in proportion to `n log² n` and a bounded number of references for any finite triangles.
+    ///
+    /// # Panics
+    /// When there are more than 2²⁹ triangles.
+    #[must_use]
+    pub fn build(
+        triangles: Vec<Triangle>,
+        parameters: &KdParameters,
+        cancel: &CancelToken,
+    ) -> Option<Self> {
+        assert!(
+            triangles.len() <= MAX_REFERENCES,
+            "{} triangles are more than 2^29",
+            triangles.len()
+        );
+        let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
+        let pieces = build::grow(&triangles, bounds, parameters, cancel)?;
+        let (nodes, blocks) = packed(&pieces, &triangles, cancel)?;
+        Some(Self {
+            triangles,
+            bounds,
+            nodes,
+            blocks,
+            parameters: *parameters,
+        })
+    }
+
+    /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
+        let kernel = RayKernel::new(ray);
+        let filter = BlockFilter::new(ray, &kernel);
+        let mut best: Option<Hit> = None;
+        self.walk(ray, t_max, |blocks| {
+            for block in blocks {
+                for (lane, may_hit) in filter.may_hit(block).into_iter().enumerate() {
+                    if may_hit && let Some(new) = kernel.intersect(&block.triangle(lane), t_max) {
+                        best = Some(Hit::nearer(best, block.ids[lane], new));
+                    }
+                }
+            }
+            best.map_or(t_max, |hit| hit.t)
+        });
+        best
+    }
+
+    /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
+        let kernel = RayKernel::new(ray);
+        let filter = BlockFilter::new(ray, &kernel);
+        let mut occluded = false;
+        self.walk(ray, t_max, |blocks| {
+            occluded = blocks.iter().any(|block| {
+                let lanes = filter.may_hit(block).into_iter().enumerate();
+                lanes
+                    .filter(|&(_, may_hit)| may_hit)
+                    .any(|(lane, _)| kernel.intersect(&block.triangle(lane), t_max).is_some())
+            });
+            if occluded { -1.0 } else { t_max }
+        });
+        occluded
+    }
+
+    /// The triangles in the order given.
+    #[must_use]
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// The box around all triangles; empty when there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Memory of nodes, leaves and triangles.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.triangles)
+    }
+}
+
+/// Half the surface area of a box, in `f64` so that small boxes keep theirs.
+fn half_area(bounds: &Bounds) -> f64 {
+    let size = bounds.max.as_dvec3() - bounds.min.as_dvec3();
+    size.x * size.y + size.y * size.z + size.z * size.x
+}

@@ -1,0 +1,237 @@
+//! Looking at a finished tree: its statistics, and whether it is one.
+
+use super::clip::{Clipper, magnitude};
+use super::node::NodeKind;
+use super::{KdStatistics, KdTree, MAX_DEPTH, half_area};
+use crate::accel::block::TriangleBlock;
+use crate::math::{Bounds, DVec3};
+use std::ops::Range;
+
+/// A node met on a walk over the whole tree.
+struct Visit {
+    index: usize,
+    depth: u32,
+    cell: Bounds,
+}
+
+impl KdTree {
+    /// Counts nodes and references, and computes the expected cost.
+    #[must_use]
+    pub fn statistics(&self) -> KdStatistics {
+        let mut statistics = KdStatistics::default();
+        let whole = half_area(&self.bounds);
+        for Visit { index, depth, cell } in self.visits() {
+            statistics.nodes += 1;
+            statistics.max_depth = statistics.max_depth.max(depth);
+            // The chance that a ray through the scene's box passes this cell.
+            let chance = if whole > 0.0 {
+                half_area(&cell) / whole
+            } else {
+                1.0
+            };
+            match self.nodes[index].kind() {
+                NodeKind::Interior { .. } => {
+                    statistics.sah_cost += chance * self.parameters.traversal_cost;
+                }
+                NodeKind::Leaf { blocks } => {
+                    statistics.leaves += 1;
+                    statistics.empty_leaves += usize::from(blocks.is_empty());
+                    statistics.blocks += blocks.len();
+                    statistics.references += self.leaf_ids(blocks.clone()).count();
+                    statistics.sah_cost +=
+                        chance * self.parameters.intersection_cost * blocks.len() as f64;
+                }
+            }
+        }
+        statistics
+    }
+
+    /// Checks what the walk relies on: every node is reached once and no deeper than allowed, planes cut their cells,
+    /// blocks hold the triangles they name, and every triangle is in each leaf whose cell holds a part of it. Lying on a
+    /// cell's side does not count: the neighbour may have it.
+    ///
+    /// # Errors
+    /// A sentence about the first thing found wrong.
+    pub fn validate(&self) -> Result<(), String> {
+        let mut reached = vec![false; self.nodes.len()];
+        let mut next_block = 0;
+        for visit in self.visits() {
+            let Visit { index, depth, cell } = visit;
+            if std::mem::replace(&mut reached[index], true) {
+                return Err(format!("node {index} is reached twice"));
+            }
+            match self.nodes[index].kind() {
+                NodeKind::Interior {
+                    axis,
+                    position,
+                    children,
+                } => {
+                    if depth >= MAX_DEPTH {
+                        return Err(format!("interior node {index} is at depth {depth}"));
+                    }
+                    if children + 1 >= self.nodes.len() {
+                        return Err(format!(
+                            "node {index} has children {children} and next of {}",
+                            self.nodes.len()
+                        ));
+                    }
+                    if !(cell.min[axis] < position && position < cell.max[axis]) {
+                        return Err(format!(
+                            "node {index} splits {cell:?} at {position} across axis {axis}"
+                        ));
+                    }
+                }
+                NodeKind::Leaf { blocks } => {
+                    if blocks.start != next_block && !blocks.is_empty()
+                        || blocks.end > self.blocks.len()
+                    {
+                        return Err(format!(
+                            "leaf {index} has blocks {blocks:?}, {next_block} was to follow"
+                        ));
+                    }
+                    next_block += blocks.len();
+                    self.validate_leaf(index, blocks)?;
+                }
+            }
+        }
+        if let Some(index) = reached.iter().position(|reached| !reached) {
+            return Err(format!("node {index} is never reached"));
+        }
+        if next_block != self.blocks.len() {
+            return Err(format!(
+                "{next_block} of {} blocks belong to leaves",
+                self.blocks.len()
+            ));
+        }
+        self.validate_completeness()
+    }
+
+    /// All nodes below the root, parents first, small sides before large ones, in cells that the planes above cut out.
+    fn visits(&self) -> impl Iterator<Item = Visit> {
+        let mut open = vec![Visit {
+            index: 0,
+            depth: 0,
+            cell: self.bounds,
+        }];
+        std::iter::from_fn(move || {
+            let visit = open.pop()?;
+            if let NodeKind::Interior { children, .. } = self.nodes[visit.index].kind()
+                && children + 1 < self.nodes.len()
+            {
+                let [left, right] = self.children(&visit);
+                open.extend([right, left]);
+            }
+            Some(visit)
+        })
+    }
+
+    /// The two children of an interior node.
+    fn children(&self, parent: &Visit) -> [Visit; 2] {
+        let NodeKind::Interior {
+            axis,
+            position,
+            children,
+        } = self.nodes[parent.index].kind()
+        else {
+            unreachable!("only interior nodes are asked for their children");
+        };
+        let (mut left, mut right) = (parent.cell, parent.cell);
+        left.max[axis] = position;
+        right.min[axis] = position;
+        [(children, left), (children + 1, right)].map(|(index, cell)| Visit {
+            index,
+            depth: parent.depth + 1,
+            cell,
+        })
+    }
+
+    fn leaf_ids(&self, blocks: Range<usize>) -> impl Iterator<Item = u32> {
+        let ids = self.blocks[blocks].iter().flat_map(|block| block.ids);
+        ids.filter(|&id| id != TriangleBlock::NO_TRIANGLE)
+    }
+
+    /// Checks that a leaf's blocks hold the triangles they name, in ascending order and without gaps.
+    fn validate_leaf(&self, index: usize, blocks: Range<usize>) -> Result<(), String> {
+        let ids: Vec<_> = self.leaf_ids(blocks.clone()).collect();
+        if !ids.is_sorted_by(|a, b| a < b) {
+            return Err(format!("the ids of leaf {index} are not in order: {ids:?}"));
+        }
+        let chunks = ids.chunks(super::LANES);
+        if chunks.len() != blocks.len() {
+            return Err(format!(
+                "leaf {index} has {} blocks for {} triangles",
+                blocks.len(),
+                ids.len()
+            ));
+        }
+        for (block, ids) in self.blocks[blocks].iter().zip(chunks) {
+            if block.ids[..ids.len()] != *ids {
+                return Err(format!("leaf {index} has a gap in {:?}", block.ids));
+            }
+            for (lane, &id) in ids.iter().enumerate() {
+                if self.triangles.get(id as usize) != Some(&block.triangle(lane)) {
+                    return Err(format!("leaf {index} has other corners than triangle {id}"));
+                }
+            }
+            for lane in ids.len()..super::LANES {
+                if !block
+                    .triangle(lane)
+                    .corners
+                    .iter()
+                    .all(|corner| corner.is_nan_mask().all())
+                {
+                    return Err(format!(
+                        "leaf {index} has an empty lane {lane} that is not NaN"
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that each leaf refers to all triangles with a part clearly inside its cell.
+    fn validate_completeness(&self) -> Result<(), String> {
+        // Far more than the rounding of a clipped coordinate, far less than any cell.
+        const CLEARLY: f64 = 1.0 / (1_u64 << 40) as f64;
+        let mut clipper = Clipper::default();
+        let mut is_inside = |id: u32, cell: &Bounds| {
+            let triangle = &self.triangles[id as usize];
+            let (min, max) = (cell.min.as_dvec3(), cell.max.as_dvec3());
+            let margin = DVec3::splat(magnitude(triangle) * CLEARLY);
+            // Flat cells have no inside to withdraw to.
+            let margin = DVec3::select(min.cmplt(max), margin, DVec3::ZERO);
+            !clipper
+                .polygon(triangle, min + margin, max - margin)
+                .is_empty()
+        };
+
+        let root = Visit {
+            index: 0,
+            depth: 0,
+            cell: self.bounds,
+        };
+        let all: Vec<u32> = (0..u32::MAX).take(self.triangles.len()).collect();
+        let mut open = vec![(root, all)];
+        while let Some((visit, ids)) = open.pop() {
+            match self.nodes[visit.index].kind() {
+                NodeKind::Interior { .. } => {
+                    for child in self.children(&visit) {
+                        let inside = ids.iter().copied().filter(|&id| is_inside(id, &child.cell));
+                        let inside = inside.collect();
+                        open.push((child, inside));
+                    }
+                }
+                NodeKind::Leaf { blocks } => {
+                    let there: Vec<_> = self.leaf_ids(blocks).collect();
+                    if let Some(id) = ids.iter().find(|id| there.binary_search(id).is_err()) {
+                        return Err(format!(
+                            "triangle {id} reaches into {:?} but is not in leaf {}",
+                            visit.cell, visit.index
+                        ));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

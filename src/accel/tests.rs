@@ -1,0 +1,481 @@
+//! The kd-tree against brute force, bit for bit, on rays and scenes chosen to be hard.
+
+use super::*;
+use crate::control::CancelToken;
+use crate::geometry::shapes::{self, Random};
+use crate::geometry::{RayKernel, TriangleMesh};
+use crate::math::{DVec3, SceneFrame, Vec3, power_of_two};
+use block::{BlockFilter, LANES, TriangleBlock};
+
+/// The mesh as the renderer prepares it.
+fn prepared(mesh: &TriangleMesh) -> Vec<Triangle> {
+    let frame = SceneFrame::around(&mesh.bounds());
+    let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i));
+    corners
+        .map(|corners| Triangle {
+            corners: corners.map(|corner| frame.narrow(corner)),
+        })
+        .collect()
+}
+
+fn joined(meshes: impl IntoIterator<Item = TriangleMesh>) -> TriangleMesh {
+    let mut all = TriangleMesh::default();
+    for mesh in meshes {
+        let first = u32::try_from(all.positions.len()).unwrap();
+        all.positions.extend(mesh.positions);
+        let triangles = mesh.triangles.into_iter();
+        all.triangles
+            .extend(triangles.map(|t| t.map(|vertex| vertex + first)));
+    }
+    all
+}
+
+fn moved(mut mesh: TriangleMesh, f: impl Fn(DVec3) -> DVec3) -> TriangleMesh {
+    mesh.positions.iter_mut().for_each(|p| *p = f(*p));
+    mesh
+}
+
+/// A sphere a million times smaller than the ground it stands on.
+fn teapot_in_a_stadium() -> TriangleMesh {
+    let teapot = moved(shapes::icosphere(2), |p| {
+        p * 1e-6 + DVec3::new(0.3, 0.2, 1e-6)
+    });
+    joined([shapes::grid(4), teapot])
+}
+
+fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
+    let identical = vec![[0, 1, 2]; 300];
+    let identical = TriangleMesh {
+        triangles: identical,
+        ..shapes::soup(1, 1.0, 3)
+    };
+    let square = shapes::grid(3);
+    let meshes = [
+        ("nothing", TriangleMesh::default()),
+        ("one triangle", shapes::soup(1, 1.0, 1)),
+        ("two triangles", shapes::soup(2, 1.0, 2)),
+        ("sphere", shapes::icosphere(3)),
+        ("box", shapes::cuboid(DVec3::NEG_ONE, DVec3::ONE)),
+        ("soup", shapes::soup(600, 0.2, 4)),
+        ("large soup", shapes::soup(1500, 0.1, 5)),
+        ("slivers", shapes::slivers(400, 1e-6, 6)),
+        ("vertex fan", shapes::vertex_fan(300, 7)),
+        ("identical", identical),
+        ("flat", shapes::flat_overlap(300, 8)),
+        ("axis-aligned", shapes::axis_aligned(300, 16, 9)),
+        ("one spot", shapes::one_spot(200, 10)),
+        ("stadium", teapot_in_a_stadium()),
+        (
+            "coplanar duplicates",
+            joined([square.clone(), square.clone(), square]),
+        ),
+    ];
+    let mut scenes: Vec<_> = meshes.map(|(name, mesh)| (name, prepared(&mesh))).into();
+
+    // Not as the renderer prepares them, but no answer may depend on that.
+    let sphere = prepared(&shapes::icosphere(2));
+    let mapped = |f: fn(Vec3) -> Vec3| {
+        let triangles = sphere.iter();
+        triangles
+            .map(|t| Triangle {
+                corners: t.corners.map(f),
+            })
+            .collect()
+    };
+    scenes.push(("far out", mapped(|p| p + 1000.0)));
+    scenes.push(("tiny", mapped(|p| p * 2_f32.powi(-20))));
+    scenes.push(("huge", mapped(|p| p * 2_f32.powi(20))));
+    scenes.push(("almost f32's smallest", mapped(|p| p * 2_f32.powi(-100))));
+    scenes
+}
+
+fn kd_tree(triangles: &[Triangle]) -> KdTree {
+    let tree = KdTree::build(
+        triangles.to_vec(),
+        &KdParameters::default(),
+        &CancelToken::new(),
+    );
+    tree.expect("nobody cancels")
+}
+
+fn narrowed(v: DVec3) -> Vec3 {
+    v.as_vec3()
+}
+
+/// Rays that miss, hit, graze and run along `triangles`.
+fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
+    let (center, half) = if bounds.is_empty() {
+        (DVec3::ZERO, DVec3::ONE)
+    } else {
+        (bounds.center().as_dvec3(), bounds.size().as_dvec3() * 0.5)
+    };
+    let size = half.max_element().max(f64::from(f32::MIN_POSITIVE));
+    let mut rays = Vec::new();
+
+    // From inside and outside the box in all directions.
+    for reach in [0.9, 3.0, 100.0] {
+        for _ in 0..300 {
+            let origin = center + random.in_cube() * size * reach;
+            let target = center + random.in_cube() * half;
+            rays.push(Ray::new(narrowed(origin), narrowed(random.in_cube())));
+            rays.push(Ray::new(narrowed(origin), narrowed(target - origin)));
+        }
+    }
+    if triangles.is_empty() {
+        return rays;
+    }
+
+    let any_triangle = |random: &mut Random| {
+        let index = random.bits() % triangles.len() as u64;
+        triangles[usize::try_from(index).unwrap()].corners
+    };
+    for i in 0..1500 {
+        // At vertices and edges.
+        let [a, b, c] = any_triangle(&mut random).map(Vec3::as_dvec3);
+        let origin = narrowed(center + random.in_cube() * size * 2.0);
+        let share = if i % 3 == 0 { 0.0 } else { random.unit() };
+        rays.push(Ray::new(origin, narrowed(a + (b - a) * share) - origin));
+        // In the triangle's plane, towards it and away from it, from its plane and from its corner.
+        let beside =
+            a + (b - a) * (random.unit() * 6.0 - 3.0) + (c - a) * (random.unit() * 6.0 - 3.0);
+        rays.push(Ray::new(narrowed(beside), narrowed(b - beside)));
+        rays.push(Ray::new(narrowed(beside), narrowed(c - b)));
+        rays.push(Ray::new(narrowed(a), narrowed(c - b)));
+        rays.push(Ray::new(narrowed(a), narrowed(random.in_cube())));
+    }
+
+    // Along the lattice, with both zeros, from where planes are likely: coordinates of corners.
+    for z in [-1.0, -0.0, 0.0, 1.0] {
+        for y in [-1.0, -0.0, 0.0, 1.0] {
+            for x in [-1.0, -0.0, 0.0, 1.0] {
+                let direction = Vec3::new(x, y, z);
+                if direction == Vec3::ZERO {
+                    continue;
+                }
+                for i in 0..30 {
+                    let mut corner = || any_triangle(&mut random)[i % 3];
+                    let mut origin = Vec3::new(corner().x, corner().y, corner().z);
+                    if i % 2 == 0 {
+                        origin -= direction * narrowed(DVec3::splat(size * 4.0));
+                    }
+                    rays.push(Ray::new(origin, direction));
+                }
+            }
+        }
+    }
+    rays.retain(|ray| ray.direction.is_finite() && ray.direction != Vec3::ZERO);
+    rays
+}
+
+fn bits(hit: Option<Hit>) -> Option<(u32, u32, [u32; 3])> {
+    hit.map(|hit| {
+        (
+            hit.triangle,
+            hit.t.to_bits(),
+            hit.barycentrics.map(f32::to_bits),
+        )
+    })
+}
+
+/// Asserts that both structures answer with the same bits; returns the number of hits.
+fn assert_same(name: &str, tree: &KdTree, all: &BruteForce, rays: &[Ray]) -> usize {
+    let mut hits = 0;
+    for ray in rays {
+        let expected = all.intersect(ray, f32::INFINITY);
+        assert_eq!(
+            bits(tree.intersect(ray, f32::INFINITY)),
+            bits(expected),
+            "{name}: {ray:?}, {expected:?}"
+        );
+        if let Some(hit) = expected {
+            hits += 1;
+            // The interval is open: nothing is nearer than the nearest hit, and the next number reaches it.
+            for (t_max, occluded) in [(hit.t, false), (hit.t.next_up(), true)] {
+                assert_eq!(
+                    tree.occluded(ray, t_max),
+                    occluded,
+                    "{name}: {ray:?} up to {t_max}"
+                );
+                assert_eq!(
+                    all.occluded(ray, t_max),
+                    occluded,
+                    "{name}: {ray:?} up to {t_max}"
+                );
+                assert_eq!(
+                    tree.intersect(ray, t_max).is_some(),
+                    occluded,
+                    "{name}: {ray:?}"
+                );
+            }
+        } else {
+            assert!(!tree.occluded(ray, f32::INFINITY), "{name}: {ray:?}");
+        }
+    }
+    hits
+}
+
+#[test]
+fn the_kd_tree_answers_like_brute_force() {
+    for (name, triangles) in scenes() {
+        let tree = kd_tree(&triangles);
+        tree.validate()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let hits = assert_same(
+            name,
+            &tree,
+            &BruteForce::new(triangles.clone()),
+            &rays(&triangles, 1),
+        );
+        assert!(
+            triangles.is_empty() || hits > 300,
+            "{name}: only {hits} hits"
+        );
+    }
+}
+
+/// Small leaves, many planes: what the default parameters would leave in one block is cut up too.
+#[test]
+fn a_tree_of_tiny_cells_answers_like_brute_force() {
+    let parameters = KdParameters {
+        traversal_cost: 1e-3,
+        min_gain: -1.0,
+        max_depth: Some(30),
+        reference_budget: 50.0,
+        exact_limit: 100,
+        ..KdParameters::default()
+    };
+    for (name, triangles) in scenes() {
+        let tree = KdTree::build(triangles.clone(), &parameters, &CancelToken::new()).unwrap();
+        tree.validate()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_same(
+            name,
+            &tree,
+            &BruteForce::new(triangles.clone()),
+            &rays(&triangles, 2),
+        );
+    }
+}
+
+/// A closed surface with a rough radius, around the origin.
+fn rough_sphere(subdivisions: u32, seed: u64) -> Vec<Triangle> {
+    let mut random = Random::new(seed);
+    let mut mesh = shapes::icosphere(subdivisions);
+    for position in &mut mesh.positions {
+        *position *= 0.5 + 0.5 * random.unit();
+    }
+    prepared(&mesh)
+}
+
+/// Aimed rays, as random ones never find a crack.
+#[test]
+fn no_ray_escapes_a_closed_mesh_through_its_edges_and_vertices() {
+    let mut random = Random::new(1);
+    for offset in [0.0, 1000.0] {
+        let mut triangles = rough_sphere(3, 2);
+        for triangle in &mut triangles {
+            triangle.corners = triangle.corners.map(|corner| corner + offset);
+        }
+        let tree = kd_tree(&triangles);
+        for i in 0..60 {
+            let origin = narrowed(random.in_cube() * 0.1 + f64::from(offset));
+            for triangle in &triangles {
+                let [a, b, _] = triangle.corners.map(Vec3::as_dvec3);
+                let share = if i % 3 == 0 { 0.0 } else { random.unit() };
+                let ray = Ray::new(origin, narrowed(a + (b - a) * share) - origin);
+                assert!(
+                    tree.intersect(&ray, f32::INFINITY).is_some(),
+                    "{ray:?} escapes"
+                );
+                assert!(tree.occluded(&ray, f32::INFINITY), "{ray:?} escapes");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_filter_passes_every_hit_and_no_empty_lane() {
+    let mut hits = 0;
+    for (name, triangles) in scenes() {
+        let ids: Vec<u32> = (0..).take(triangles.len()).collect();
+        let blocks: Vec<_> = ids
+            .chunks(LANES)
+            .map(|ids| TriangleBlock::new(ids, &triangles))
+            .collect();
+        for ray in rays(&triangles, 3).iter().step_by(5) {
+            let kernel = RayKernel::new(ray);
+            let filter = BlockFilter::new(ray, &kernel);
+            for block in &blocks {
+                for (lane, may_hit) in filter.may_hit(block).into_iter().enumerate() {
+                    if block.ids[lane] == TriangleBlock::NO_TRIANGLE {
+                        assert!(!may_hit, "{name}: {ray:?} hits an empty lane");
+                    } else if kernel
+                        .intersect(&block.triangle(lane), f32::INFINITY)
+                        .is_some()
+                    {
+                        hits += 1;
+                        assert!(may_hit, "{name}: {ray:?} misses {:?}", block.triangle(lane));
+                    }
+                }
+            }
+        }
+    }
+    assert!(hits > 10_000, "only {hits} hits");
+}
+
+/// The filter's error bound must hold where `f32` overflows and underflows, too.
+#[test]
+fn the_filter_passes_every_hit_of_extreme_size() {
+    let mut random = Random::new(5);
+    let mut hits = 0;
+    for _ in 0..100_000 {
+        let mut extreme = || {
+            let scale = 2_f64.powf(random.unit() * 240.0 - 120.0);
+            narrowed(random.in_cube() * scale)
+        };
+        let corners = [extreme(), extreme(), extreme()];
+        let origin = extreme();
+        let inside = (corners[0] * 0.3 + corners[1] * 0.3) + corners[2] * 0.4;
+        let ray = Ray::new(origin, inside - origin);
+        let triangle = Triangle { corners };
+        let kernel = RayKernel::new(&ray);
+        if kernel.intersect(&triangle, f32::INFINITY).is_some() {
+            hits += 1;
+            let passed =
+                BlockFilter::new(&ray, &kernel).may_hit(&TriangleBlock::new(&[0], &[triangle]));
+            assert!(passed[0], "{ray:?} misses {triangle:?}");
+        }
+    }
+    assert!(hits > 10_000, "only {hits} hits");
+}
+
+#[test]
+fn the_length_of_the_direction_scales_t_and_nothing_else() {
+    let triangles = rough_sphere(2, 3);
+    let tree = kd_tree(&triangles);
+    for ray in rays(&triangles, 4) {
+        let hit = tree.intersect(&ray, f32::INFINITY);
+        for exponent in [-40, 40] {
+            let scale = power_of_two(exponent);
+            let scaled = Ray::new(ray.origin, narrowed(ray.direction.as_dvec3() * scale));
+            let expected = hit.map(|hit| Hit {
+                t: narrowed(DVec3::splat(f64::from(hit.t) / scale)).x,
+                ..hit
+            });
+            assert_eq!(tree.intersect(&scaled, f32::INFINITY), expected, "{ray:?}");
+        }
+    }
+}
+
+#[test]
+fn of_coinciding_triangles_the_first_is_hit() {
+    let square = shapes::grid(8);
+    let triangles = prepared(&joined([square.clone(), square.clone(), square]));
+    let tree = kd_tree(&triangles);
+    let mut random = Random::new(6);
+    for _ in 0..1000 {
+        let target = random.in_cube().with_z(0.0) * 0.49;
+        let origin = target + DVec3::new(0.1, 0.2, 1.0);
+        let ray = Ray::new(narrowed(origin), narrowed(target - origin));
+        let hit = tree
+            .intersect(&ray, f32::INFINITY)
+            .expect("the ray meets the square");
+        assert!(hit.triangle < 128, "{hit:?}");
+    }
+}
+
+/// References §3.2: without a budget the flat scene takes thousands of references per triangle.
+#[test]
+fn hostile_scenes_stay_within_the_reference_budget() {
+    let budget = KdParameters::default().reference_budget;
+    let count = 2000;
+    let hostile = [
+        ("vertex fan", shapes::vertex_fan(count, 1)),
+        ("flat", shapes::flat_overlap(count, 2)),
+        ("one spot", shapes::one_spot(count, 3)),
+        ("axis-aligned", shapes::axis_aligned(count, 16, 4)),
+        ("slivers", shapes::slivers(count, 1e-3, 5)),
+        ("stadium", teapot_in_a_stadium()),
+    ];
+    for (name, mesh) in hostile {
+        let tree = kd_tree(&prepared(&mesh));
+        let KdStatistics {
+            references,
+            max_depth,
+            ..
+        } = tree.statistics();
+        let triangles = tree.triangles().len() as f64;
+        assert!(
+            references as f64 <= budget * triangles,
+            "{name}: {references} references"
+        );
+        assert!(
+            f64::from(max_depth) <= 8.5 + 1.3 * triangles.log2(),
+            "{name}: depth {max_depth}"
+        );
+    }
+}
+
+#[test]
+fn identical_triangles_make_one_leaf() {
+    let mesh = TriangleMesh {
+        triangles: vec![[0, 1, 2]; 1000],
+        ..shapes::soup(1, 1.0, 3)
+    };
+    let statistics = kd_tree(&prepared(&mesh)).statistics();
+    assert!(statistics.references <= 1000, "{statistics:?}");
+}
+
+#[test]
+fn few_triangles_need_no_planes() {
+    for count in 0..=u32::try_from(LANES).unwrap() {
+        let statistics = kd_tree(&prepared(&shapes::soup(count, 0.1, 1))).statistics();
+        assert_eq!((statistics.nodes, statistics.max_depth), (1, 0));
+    }
+}
+
+#[test]
+fn the_tree_does_not_depend_on_the_number_of_threads() {
+    let triangles = prepared(&shapes::soup(30_000, 0.05, 1));
+    let built = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        format!("{:?}", pool.install(|| kd_tree(&triangles)))
+    };
+    let alone = built(1);
+    for threads in [2, 5] {
+        assert!(
+            built(threads) == alone,
+            "{threads} threads build another tree"
+        );
+    }
+}
+
+#[test]
+fn a_cancelled_build_returns_nothing() {
+    let triangles = prepared(&shapes::soup(5000, 0.1, 1));
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    assert!(KdTree::build(triangles, &KdParameters::default(), &cancel).is_none());
+}
+
+#[test]
+fn an_accelerator_passes_questions_on() {
+    let triangles = prepared(&shapes::icosphere(1));
+    let tree = Accelerator::KdTree(kd_tree(&triangles));
+    let all = Accelerator::BruteForce(BruteForce::new(triangles.clone()));
+    assert_eq!((tree.name(), all.name()), ("kd-tree", "brute-force"));
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    for accelerator in [&tree, &all] {
+        assert_eq!(accelerator.triangles(), triangles);
+        assert_eq!(accelerator.bounds(), tree.bounds());
+        assert!(accelerator.intersect(&ray, f32::INFINITY).is_some());
+        assert!(accelerator.occluded(&ray, f32::INFINITY));
+        assert!(!accelerator.occluded(&ray, 0.1));
+        assert!(accelerator.bytes() >= size_of_val(&*triangles));
+    }
+}
