@@ -449,7 +449,10 @@ mod tests {
         for camera in cameras() {
             for x in wild {
                 for y in wild {
-                    let limits = DistanceLimits { min: 1e-9, max: 1e9 };
+                    let limits = DistanceLimits {
+                        min: 1e-9,
+                        max: 1e9,
+                    };
                     assert_sound(&orbit(&camera, DVec2::new(x, y)));
                     assert_sound(&pan(&camera, SIZE, DVec2::ZERO, DVec2::new(x, y), x));
                     assert_sound(&zoom(&camera, x, DVec3::splat(y), limits));

@@ -148,8 +148,9 @@ impl PictureBuffer {
         rows: std::ops::Range<u32>,
         color: impl Fn(u32, u32) -> Color32,
     ) -> Option<EncodedTile> {
-        let texels =
-            |range: &std::ops::Range<u32>| range.start.div_ceil(self.step)..range.end.div_ceil(self.step);
+        let texels = |range: &std::ops::Range<u32>| {
+            range.start.div_ceil(self.step)..range.end.div_ceil(self.step)
+        };
         let (columns, rows) = (texels(&columns), texels(&rows));
         if columns.is_empty() || rows.is_empty() {
             return None;
@@ -347,7 +348,8 @@ mod tests {
                 };
                 for row in 0..shown.pixels.height() {
                     for column in 0..shown.pixels.width() {
-                        covered[(shown.position[1] + row) * width + shown.position[0] + column] += 1;
+                        covered[(shown.position[1] + row) * width + shown.position[0] + column] +=
+                            1;
                     }
                 }
             }

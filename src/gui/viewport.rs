@@ -91,7 +91,11 @@ impl Viewport {
     /// Lets the mouse move camera and lights and select things. Returns whether the camera moved.
     pub fn interact_ui(&mut self, ui: &Ui, frame: Rect, view: &mut ViewportScene<'_>) -> bool {
         let response = ui
-            .interact(frame, ui.scope_id().with("viewport"), Sense::click_and_drag())
+            .interact(
+                frame,
+                ui.scope_id().with("viewport"),
+                Sense::click_and_drag(),
+            )
             .accessible_name("Viewport");
         let before = view.scene.camera;
         self.drag_ui(ui, &response, frame, view);
@@ -188,8 +192,7 @@ fn scroll(ui: &Ui, response: &Response, frame: Rect, view: &mut ViewportScene<'_
     let Some(position) = response.hover_pos() else {
         return;
     };
-    let (scrolled, pinched) =
-        ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+    let (scrolled, pinched) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
     let factor = (-f64::from(scrolled) * ZOOM_PER_POINT).exp() / f64::from(pinched.max(0.01));
     if (factor - 1.0).abs() < 1e-9 {
         return;
@@ -257,10 +260,14 @@ fn marker_position(scene: &Scene, frame: Rect, light: &Light) -> Option<(Pos2, f
 
 /// The light whose marker is under `position`, and its depth; the nearest marker of several.
 fn marker_at(scene: &Scene, frame: Rect, position: Pos2) -> Option<(usize, f64)> {
-    let markers = scene.lights.iter().enumerate().filter_map(|(index, light)| {
-        let (marker, depth) = marker_position(scene, frame, light)?;
-        Some((index, depth, marker.distance(position)))
-    });
+    let markers = scene
+        .lights
+        .iter()
+        .enumerate()
+        .filter_map(|(index, light)| {
+            let (marker, depth) = marker_position(scene, frame, light)?;
+            Some((index, depth, marker.distance(position)))
+        });
     markers
         .filter(|(_, _, distance)| *distance <= MARKER_REACH)
         .min_by(|a, b| a.2.total_cmp(&b.2))

@@ -313,7 +313,8 @@ pub fn choice_row_ui<T: Choice>(
     ui.horizontal(|ui| {
         label_ui(ui, label, tooltip);
         ui.spacing_mut().item_spacing.x = 2.0;
-        let width = (ui.available_width() - 2.0 * (T::ALL.len() as f32 - 1.0)) / T::ALL.len() as f32;
+        let width =
+            (ui.available_width() - 2.0 * (T::ALL.len() as f32 - 1.0)) / T::ALL.len() as f32;
         for (candidate, _) in T::ALL {
             let (name, meaning) = name_of(*candidate);
             let button = egui::Button::new(name)
@@ -374,11 +375,17 @@ pub fn switch_row_ui(ui: &mut Ui, label: &str, tooltip: &str, on: &mut bool) -> 
             let off = visuals.bg_fill;
             let track = off.lerp_to_gamma(super::theme::ACCENT, shift);
             let radius = rect.height() / 2.0;
-            ui.painter()
-                .rect(rect, radius, track, visuals.bg_stroke, egui::StrokeKind::Inside);
+            ui.painter().rect(
+                rect,
+                radius,
+                track,
+                visuals.bg_stroke,
+                egui::StrokeKind::Inside,
+            );
             let x = egui::lerp(rect.left() + radius..=rect.right() - radius, shift);
             let knob = egui::pos2(x, rect.center().y);
-            ui.painter().circle_filled(knob, radius - 3.0, Color32::WHITE);
+            ui.painter()
+                .circle_filled(knob, radius - 3.0, Color32::WHITE);
         }
         response
     })

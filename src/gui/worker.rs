@@ -14,8 +14,8 @@ use super::pick;
 use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::{GpuGeometry, PreviewMesh, Vertex};
 use crate::control::Progress;
-use crate::io::{self, LoadedScene, MeshFile};
 use crate::geometry::Triangle;
+use crate::io::{self, LoadedScene, MeshFile};
 use crate::math::{Bounds, DBounds, Vec3};
 use crate::render::{
     self, PreparedGeometry, PreparedObject, PreparedScene, RenderOutcome, RenderProgress, RunConfig,

@@ -10,17 +10,21 @@ use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState};
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
+use crate::gui::theme;
 use crate::gui::top_bar::{self, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
-use crate::gui::theme;
 use crate::math::DBounds;
 
 impl App {
     /// Draws the window; returns what was asked for.
     pub(super) fn window_ui(&mut self, ui: &mut Ui) -> Vec<Command> {
         let fill = ui.visuals().panel_fill;
-        let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
+        let bar = |x, y| {
+            Frame::new()
+                .fill(fill)
+                .inner_margin(Margin::symmetric(x, y))
+        };
         let state = self.top_bar_state();
         let commands = Panel::top("top bar")
             .frame(bar(10, 6))
@@ -241,7 +245,9 @@ impl App {
         let response = egui::Modal::new(egui::Id::unique("waiting")).show(ctx, |ui| {
             ui.set_width(360.0);
             ui.heading(purpose.title());
-            ui.label(RichText::new("The desktop shows its file dialog in a window of its own.").weak());
+            ui.label(
+                RichText::new("The desktop shows its file dialog in a window of its own.").weak(),
+            );
             ui.add_space(10.0);
             ui.horizontal(|ui| {
                 let type_path = ui.button("Type a path instead").clicked();
@@ -275,7 +281,11 @@ fn problem_ui(ui: &mut Ui, problem: &str) {
         .inner_margin(Margin::symmetric(12, 8))
         .show(ui, |ui| {
             ui.set_width(ui.available_width());
-            ui.label(RichText::new("This scene cannot be rendered as it is").strong().color(color));
+            ui.label(
+                RichText::new("This scene cannot be rendered as it is")
+                    .strong()
+                    .color(color),
+            );
             ui.label(problem);
         });
 }

@@ -228,7 +228,8 @@ impl App {
             Lane::SaveScene => self.after_saving = None,
             _ => {}
         }
-        let text = format!("This is a fault of the program, and your scene is still here: {message}");
+        let text =
+            format!("This is a fault of the program, and your scene is still here: {message}");
         self.messages.error("Something went wrong", text);
     }
 

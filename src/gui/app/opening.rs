@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::{App, Loading};
 use crate::control::Progress;
+use crate::gui::app::FileDialogs;
 use crate::gui::dialogs::files::{self, Answer, FilePurpose};
 use crate::gui::dialogs::path_field::PathField;
 use crate::gui::dialogs::{Dialog, Intent};
@@ -13,7 +14,6 @@ use crate::gui::jobs::Lane;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
-use crate::gui::app::FileDialogs;
 use crate::io::{self, LoadedScene, MeshFile};
 use crate::scene::{Object, presets};
 
@@ -60,7 +60,8 @@ impl App {
             Ok(loaded) => loaded,
             Err(error) => {
                 let text = format!("{error}\nThe scene you had is still here.");
-                self.messages.error(format!("Cannot open {}", what(paths)), text);
+                self.messages
+                    .error(format!("Cannot open {}", what(paths)), text);
                 return;
             }
         };
@@ -140,8 +141,9 @@ impl App {
             FileDialogs::Desktop => {
                 let suggestion = self.suggested_path(purpose);
                 self.dialog = Some(Dialog::Waiting(purpose));
-                self.jobs
-                    .start(Lane::Dialog, move |job| files::ask(job, purpose, &suggestion));
+                self.jobs.start(Lane::Dialog, move |job| {
+                    files::ask(job, purpose, &suggestion)
+                });
             }
             FileDialogs::PathField => self.type_path(purpose, None),
         }

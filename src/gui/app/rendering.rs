@@ -39,7 +39,10 @@ impl App {
             let scene = self.document.scene.clone();
             self.preparing = Some(scene.clone());
             let previous = self.prepared.as_ref().map(|state| state.prepared.clone());
-            let device = self.preview.as_ref().map(|preview| preview.device().clone());
+            let device = self
+                .preview
+                .as_ref()
+                .map(|preview| preview.device().clone());
             self.jobs.start(Lane::Prepare, move |job| {
                 worker::prepare(job, &scene, previous, device.as_ref());
             });
@@ -101,7 +104,10 @@ impl App {
         ));
         self.view = View::Picture;
 
-        let previous = self.prepared.as_ref().map(|state| state.prepared.scene.clone());
+        let previous = self
+            .prepared
+            .as_ref()
+            .map(|state| state.prepared.scene.clone());
         let threads = self.threads;
         self.jobs.cancel(Lane::Encode);
         self.jobs.start(Lane::Render, move |job| {

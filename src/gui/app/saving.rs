@@ -71,7 +71,11 @@ impl App {
                     .picture
                     .as_ref()
                     .is_some_and(|p| matches!(p.outcome, Outcome::Finished { .. }));
-                let what = if whole { "Saved" } else { "Saved what there is to" };
+                let what = if whole {
+                    "Saved"
+                } else {
+                    "Saved what there is to"
+                };
                 self.messages.news(format!("{what} {}", path.display()));
             }
             Err(error) => {

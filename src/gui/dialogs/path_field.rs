@@ -234,7 +234,9 @@ pub fn list(text: String, purpose: FilePurpose) -> Listing {
     let mut entries = folders;
     entries.append(&mut files);
     entries.truncate(MOST_ENTRIES);
-    let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let parent = folder
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
     Listing {
         is_file: path.is_file(),
         parent: parent.map(as_folder),
@@ -278,6 +280,10 @@ mod tests {
         assert_eq!(names, ["meshes/", "a.toml", "b.off"]);
         assert!(!listing.is_file);
         assert!(list(format!("{text}b.off"), FilePurpose::Open).is_file);
-        assert!(list("/no/such/folder/x".into(), FilePurpose::Open).entries.is_empty());
+        assert!(
+            list("/no/such/folder/x".into(), FilePurpose::Open)
+                .entries
+                .is_empty()
+        );
     }
 }

@@ -5,7 +5,10 @@ use crate::gui::commands::Command;
 /// What the mouse does in the preview.
 const MOUSE: [(&str, &str); 7] = [
     ("Drag", "Orbit about the target"),
-    ("Shift + drag, middle or right drag", "Pan: the point under the mouse follows"),
+    (
+        "Shift + drag, middle or right drag",
+        "Pan: the point under the mouse follows",
+    ),
     ("Scroll, pinch", "Zoom about the point under the mouse"),
     ("Click", "Select the object or light"),
     ("Double click", "Orbit about this point from now on"),

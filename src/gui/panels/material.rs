@@ -38,7 +38,9 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
         let remove = ui
             .add_enabled(!used, egui::Button::new("Remove material"))
             .on_hover_text("Take this material out of the scene")
-            .on_disabled_hover_text("An object uses this material; give the object another one first");
+            .on_disabled_hover_text(
+                "An object uses this material; give the object another one first",
+            );
         if remove.clicked() {
             state.scene.materials.remove(name);
             *state.selection = Selection::Camera;
@@ -95,7 +97,11 @@ fn name_ui(ui: &mut Ui, scene: &Scene, name: &str) -> Option<String> {
     let is_free = wanted == name || !scene.materials.contains_key(&wanted);
     if !is_free {
         let warning = "Another material has this name.";
-        ui.label(RichText::new(warning).small().color(ui.visuals().warn_fg_color));
+        ui.label(
+            RichText::new(warning)
+                .small()
+                .color(ui.visuals().warn_fg_color),
+        );
     }
     if response.lost_focus() {
         ui.data_mut(|data| data.remove::<String>(id));

@@ -58,7 +58,9 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     section_ui(ui, "Effects", true, |ui| {
         settings::effects_ui(ui, &mut state.scene.render);
     });
-    section_ui(ui, "Display", true, |ui| settings::display_ui(ui, state.scene));
+    section_ui(ui, "Display", true, |ui| {
+        settings::display_ui(ui, state.scene)
+    });
 }
 
 /// The properties of the selected part.

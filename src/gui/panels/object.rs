@@ -5,7 +5,9 @@ use egui::{RichText, Ui};
 use super::PanelState;
 use super::material::{new_material, reflectance_ui};
 use crate::gui::selection::Selection;
-use crate::gui::widgets::{Number, combo_row_ui, number_row_ui, row_ui, switch_row_ui, vector_row_ui};
+use crate::gui::widgets::{
+    Number, combo_row_ui, number_row_ui, row_ui, switch_row_ui, vector_row_ui,
+};
 use crate::scene::{Object, Scene};
 
 /// An object's properties, and those of its material.

@@ -70,10 +70,7 @@ fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             .show_ui(ui, |ui| {
                 for (width, height, name) in SIZES {
                     let text = format!("{name}  {width} × {height}");
-                    if ui
-                        .selectable_label((width, height) == size, text)
-                        .clicked()
-                    {
+                    if ui.selectable_label((width, height) == size, text).clicked() {
                         (settings.width, settings.height) = (width, height);
                     }
                 }
@@ -86,7 +83,12 @@ fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
         integer_row_ui(ui, label, tooltip, side, sides.clone(), 1.0);
     };
     pixels(ui, "Width", "Picture width, in pixels", &mut settings.width);
-    pixels(ui, "Height", "Picture height, in pixels", &mut settings.height);
+    pixels(
+        ui,
+        "Height",
+        "Picture height, in pixels",
+        &mut settings.height,
+    );
     if settings.pixel_count() > RenderSettings::MAX_PIXELS {
         (settings.width, settings.height) = before;
     }
@@ -121,7 +123,10 @@ pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
                     "Modified",
                     "Physically based: reflects no more light than arrives",
                 ),
-                PhongModel::Classic => ("Classic", "The formula of 2011, brighter by a factor of about 3"),
+                PhongModel::Classic => (
+                    "Classic",
+                    "The formula of 2011, brighter by a factor of about 3",
+                ),
             },
         );
     });

@@ -118,9 +118,7 @@ fn part_ui(
         .right_text(RichText::new(detail).weak().small())
         .truncate()
         .min_size(egui::vec2(width, 22.0));
-    let response = ui
-        .add(button)
-        .accessible_name(format!("Select {name}"));
+    let response = ui.add(button).accessible_name(format!("Select {name}"));
     if response.clicked() {
         *state.selection = part;
     }

@@ -84,7 +84,10 @@ impl Preview {
     ) -> Option<(&wgpu::TextureView, bool)> {
         let size = self.clamped(size);
         let wanted = Drawn::of(scene, geometry)?;
-        let is_new = self.target.as_ref().is_none_or(|target| target.size != size);
+        let is_new = self
+            .target
+            .as_ref()
+            .is_none_or(|target| target.size != size);
         if is_new {
             self.target = Some(Target::new(&self.device, size, self.samples));
         }
