@@ -141,7 +141,7 @@ pub fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
     if !is_taken(base) {
         return base.to_owned();
     }
-    (2..)
+    (2..u32::MAX)
         .map(|number| format!("{base} {number}"))
         .find(|name| !is_taken(name))
         .unwrap_or_else(|| base.to_owned())

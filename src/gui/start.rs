@@ -82,14 +82,14 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
         )
     }));
     match opened {
-        Ok(result) => result.map_err(in_words),
+        Ok(result) => result.map_err(|error| in_words(&error)),
         Err(payload) => Err(GuiError::Panicked {
             reason: super::jobs::panic_message(payload.as_ref()),
         }),
     }
 }
 
-fn in_words(error: eframe::Error) -> GuiError {
+fn in_words(error: &eframe::Error) -> GuiError {
     let reason = error.to_string();
     match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {

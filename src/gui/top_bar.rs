@@ -19,17 +19,26 @@ pub enum View {
     Picture,
 }
 
+/// Where the work stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// There is no scene to render.
+    Empty,
+    /// There is one.
+    Ready,
+    /// It is being rendered, or about to.
+    Rendering,
+}
+
 /// What the bar needs to know.
 #[derive(Clone, Copy, Debug)]
 pub struct TopBarState {
     /// What the central area shows.
     pub view: View,
-    /// Whether a render runs or is about to.
-    pub rendering: bool,
+    /// What Render would do.
+    pub phase: Phase,
     /// Whether there is a picture to look at and save.
     pub has_picture: bool,
-    /// Whether there is a scene to render.
-    pub can_render: bool,
     /// Whether the side panel shows.
     pub panel_open: bool,
 }
@@ -37,18 +46,18 @@ pub struct TopBarState {
 impl TopBarState {
     /// Whether `command` can be asked for now.
     #[must_use]
-    pub fn allows(&self, command: Command) -> bool {
+    pub fn allows(self, command: Command) -> bool {
         match command {
             Command::SavePicture | Command::ShowPicture => self.has_picture,
-            Command::Cancel => self.rendering,
-            Command::Render => self.can_render,
+            Command::Cancel => self.phase == Phase::Rendering,
+            Command::Render => self.phase != Phase::Empty,
             _ => true,
         }
     }
 }
 
 /// Draws the bar; returns what was asked for.
-pub fn top_bar_ui(ui: &mut Ui, state: &TopBarState) -> Vec<Command> {
+pub fn top_bar_ui(ui: &mut Ui, state: TopBarState) -> Vec<Command> {
     let mut asked = Vec::new();
     ui.horizontal(|ui| {
         ui.set_min_height(theme::BAR_BUTTON_HEIGHT);
@@ -65,7 +74,7 @@ pub fn top_bar_ui(ui: &mut Ui, state: &TopBarState) -> Vec<Command> {
     asked
 }
 
-fn menus_ui(ui: &mut Ui, state: &TopBarState, asked: &mut Vec<Command>) {
+fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = Vec2::new(10.0, 4.0);
         ui.menu_button("File", |ui| {
@@ -104,7 +113,7 @@ fn menus_ui(ui: &mut Ui, state: &TopBarState, asked: &mut Vec<Command>) {
     });
 }
 
-fn menu_item_ui(ui: &mut Ui, state: &TopBarState, command: Command, asked: &mut Vec<Command>) {
+fn menu_item_ui(ui: &mut Ui, state: TopBarState, command: Command, asked: &mut Vec<Command>) {
     let shown = match command {
         Command::ShowPreview => state.view == View::Preview,
         Command::ShowPicture => state.view == View::Picture,
@@ -140,7 +149,7 @@ fn theme_ui(ui: &mut Ui) {
 }
 
 /// Preview or picture.
-fn view_switch_ui(ui: &mut Ui, state: &TopBarState, asked: &mut Vec<Command>) {
+fn view_switch_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for (view, command) in [
         (View::Preview, Command::ShowPreview),
@@ -160,9 +169,9 @@ fn view_switch_ui(ui: &mut Ui, state: &TopBarState, asked: &mut Vec<Command>) {
 }
 
 /// Render, or Cancel while rendering.
-fn render_button_ui(ui: &mut Ui, state: &TopBarState, asked: &mut Vec<Command>) {
+fn render_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     let size = Vec2::new(116.0, theme::BAR_BUTTON_HEIGHT);
-    let (command, button) = if state.rendering {
+    let (command, button) = if state.phase == Phase::Rendering {
         let text = RichText::new("Cancel").strong().color(theme::ON_ACCENT);
         (Command::Cancel, Button::new(text).fill(theme::STOP))
     } else {

@@ -34,17 +34,17 @@ pub fn row_ui(
     control: impl FnOnce(&mut Ui) -> Response,
 ) -> Response {
     ui.horizontal(|ui| {
-        label_ui(ui, label, tooltip);
+        let label = label_ui(ui, label, tooltip);
         let response = ui
             .with_layout(Layout::left_to_right(Align::Center), control)
             .inner;
-        response.accessible_name(label).on_hover_text(tooltip)
+        response.labelled_by(label.id).on_hover_text(tooltip)
     })
     .inner
 }
 
 /// The label of a row; the control follows.
-fn label_ui(ui: &mut Ui, label: &str, tooltip: &str) {
+fn label_ui(ui: &mut Ui, label: &str, tooltip: &str) -> Response {
     let height = ui.spacing().interact_size.y;
     ui.allocate_ui_with_layout(
         Vec2::new(LABEL_WIDTH, height),
@@ -52,9 +52,10 @@ fn label_ui(ui: &mut Ui, label: &str, tooltip: &str) {
         |ui| {
             ui.set_min_width(LABEL_WIDTH);
             ui.add(egui::Label::new(label).truncate())
-                .on_hover_text(tooltip);
+                .on_hover_text(tooltip)
         },
-    );
+    )
+    .inner
 }
 
 /// How a number is shown and moved.
@@ -133,7 +134,7 @@ pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index) % 3 == 0 {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
@@ -392,7 +393,6 @@ pub fn switch_row_ui(ui: &mut Ui, label: &str, tooltip: &str, on: &mut bool) -> 
 }
 
 /// The button for the one thing to do next.
-#[must_use]
 pub fn primary_button(text: &str) -> egui::Button<'_> {
     egui::Button::new(RichText::new(text).strong().color(super::theme::ON_ACCENT))
         .fill(super::theme::ACCENT)

@@ -140,9 +140,9 @@ fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared
     };
     let object_bounds = geometry.objects().iter().map(bounds_of).collect();
     Prepared {
+        scene,
         triangles,
         object_bounds,
-        scene,
     }
 }
 

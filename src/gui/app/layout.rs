@@ -8,6 +8,7 @@ use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
 use crate::gui::dialogs::{Dialog, files::FilePurpose, question, shortcuts_ui};
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState};
+use crate::gui::picture::Picture;
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
 use crate::gui::theme;
@@ -28,7 +29,7 @@ impl App {
         let state = self.top_bar_state();
         let commands = Panel::top("top bar")
             .frame(bar(10, 6))
-            .show(ui, |ui| top_bar::top_bar_ui(ui, &state))
+            .show(ui, |ui| top_bar::top_bar_ui(ui, state))
             .inner;
         Panel::bottom("status bar")
             .frame(bar(12, 1))
@@ -158,7 +159,7 @@ impl App {
     }
 
     fn picture_ui(&self, ui: &Ui, frame: Rect) {
-        if let Some(texture) = self.picture.as_ref().and_then(|p| p.texture()) {
+        if let Some(texture) = self.picture.as_ref().and_then(Picture::texture) {
             image_ui(ui, texture, frame, Color32::WHITE);
         }
     }
@@ -210,11 +211,7 @@ impl App {
         // Taken out while it shows, so that what it leads to may put another one in its place.
         match self.dialog.take() {
             None => {}
-            Some(Dialog::Shortcuts) => {
-                if shortcuts_ui(ctx) {
-                    self.dialog = Some(Dialog::Shortcuts);
-                }
-            }
+            Some(Dialog::Shortcuts) => self.dialog = shortcuts_ui(ctx).then_some(Dialog::Shortcuts),
             Some(Dialog::Unsaved(intent)) => {
                 let name = self.document.name().to_owned();
                 let can_add = Self::can_add(&intent);

@@ -28,7 +28,7 @@ use super::picture::Picture;
 use super::preview_image::PreviewImage;
 use super::selection::Selection;
 use super::theme;
-use super::top_bar::{TopBarState, View};
+use super::top_bar::{Phase, TopBarState, View};
 use super::viewport::Viewport;
 use super::worker::{Event, Prepared};
 use crate::control::Progress;
@@ -174,9 +174,14 @@ impl App {
     fn top_bar_state(&self) -> TopBarState {
         TopBarState {
             view: self.view,
-            rendering: self.is_rendering(),
+            phase: if self.is_rendering() {
+                Phase::Rendering
+            } else if self.document.scene.objects.is_empty() {
+                Phase::Empty
+            } else {
+                Phase::Ready
+            },
             has_picture: self.picture.as_ref().is_some_and(|p| p.texture().is_some()),
-            can_render: !self.document.scene.objects.is_empty(),
             panel_open: self.panel_open,
         }
     }
@@ -194,6 +199,9 @@ impl App {
                 ctx.request_repaint();
                 return;
             }
+        }
+        if !self.jobs.is_busy(Lane::Load) {
+            self.loading = None;
         }
     }
 

@@ -93,9 +93,6 @@ impl App {
     }
 
     pub(super) fn mesh_loaded(&mut self, path: &Path, result: Result<MeshFile, String>) {
-        if !self.jobs.is_busy(Lane::Load) {
-            self.loading = None;
-        }
         let file = match result {
             Ok(file) => file,
             Err(error) => {
@@ -142,7 +139,7 @@ impl App {
                 let suggestion = self.suggested_path(purpose);
                 self.dialog = Some(Dialog::Waiting(purpose));
                 self.jobs.start(Lane::Dialog, move |job| {
-                    files::ask(job, purpose, &suggestion)
+                    files::ask(job, purpose, &suggestion);
                 });
             }
             FileDialogs::PathField => self.type_path(purpose, None),

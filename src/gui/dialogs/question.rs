@@ -21,6 +21,7 @@ pub enum Decision {
 }
 
 /// Asks. `can_add`: whether the files to open are meshes that could join the scene.
+#[must_use]
 pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent, can_add: bool) -> Decision {
     let response = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
         ui.set_width(430.0);

@@ -17,6 +17,7 @@ const MOUSE: [(&str, &str); 7] = [
 ];
 
 /// The sheet of shortcuts; returns whether it stays.
+#[must_use]
 pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
     let response = Modal::new(Id::unique("shortcuts")).show(ctx, |ui| {
         ui.set_width(560.0);

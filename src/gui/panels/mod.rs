@@ -59,7 +59,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         settings::effects_ui(ui, &mut state.scene.render);
     });
     section_ui(ui, "Display", true, |ui| {
-        settings::display_ui(ui, state.scene)
+        settings::display_ui(ui, state.scene);
     });
 }
 
