@@ -55,8 +55,9 @@ fn significant_cross(corners: [DVec3; 3]) -> Option<DVec3> {
     let (p, q) = (p.abs(), q.abs());
     let from_edges = absolute_cross(edge_error, p + q);
     let from_products = absolute_cross(p, q) * (2.0 * UNIT_ROUNDOFF);
-    let is_noise = cross.abs().cmple(from_edges + from_products).all();
-    (!is_noise).then_some(cross)
+    // Bounds that overflow are NaN, and nothing is above those.
+    let is_significant = cross.abs().cmpgt(from_edges + from_products).any();
+    is_significant.then_some(cross)
 }
 
 /// The edges of a triangle; edge i leads from corner i + 1 to corner i + 2 and lies opposite corner i.
@@ -612,6 +613,12 @@ mod tests {
         assert_eq!(face_normal(sliver(0.0)), None);
         let point = DVec3::new(0.1, 0.2, 0.3);
         assert_eq!(face_normal([point; 3]), None);
+        let (far, apart) = (DVec3::X * 1e308, DVec3::new(1e308, 0.0, 1e-308));
+        assert_eq!(face_normal([far, far, apart]), None);
+        assert_eq!(
+            face_normal([far, apart, DVec3::new(1e308, 1e-308, 0.0)]),
+            Some(DVec3::NEG_X)
+        );
         assert_eq!(face_normal([point, point, DVec3::X]), None);
         // 3 · 0.1 is not 0.3 in binary; as decimals the points are on a line.
         assert_eq!(
