@@ -246,6 +246,26 @@ fn a_bare_mesh_is_framed_and_lit() {
 }
 
 #[test]
+fn without_a_screen_the_scene_is_rendered_to_a_file() {
+    let folder = folder();
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .arg("scene.toml")
+        .output()
+        .expect("starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("No window can be opened") && said.contains("Rendering to scene.png instead"),
+        "{said}"
+    );
+    assert!(folder.path().join("scene.png").exists());
+}
+
+#[test]
 fn info_says_what_a_mesh_and_a_scene_hold() {
     let folder = folder();
     let mesh = facts(folder.path(), "tetra.off");

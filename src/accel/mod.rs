@@ -16,10 +16,14 @@ pub use kd::{KdParameters, KdStatistics, KdTree};
 use crate::geometry::{Triangle, TriangleHit};
 use crate::math::{Bounds, Ray};
 
+/// The nearest triangle along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
+    /// Ray parameter, in multiples of the ray's direction.
     pub t: f32,
+    /// Index of the triangle in the order given to the builder.
     pub triangle: u32,
+    /// Weights of the triangle's three corners at the hit point: none negative, sum 1 up to rounding.
     pub barycentrics: [f32; 3],
 }
 

@@ -1,15 +1,229 @@
-//! Placeholder until branch `off` is merged.
-use std::io::{self, Write};
-use std::path::Path;
+//! Files that are there whole or not at all.
 
-/// Writes.
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufWriter, Error, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile};
+
+/// Writes a file so that whoever looks at `path`, at any moment, sees the old content or the new, never a part.
+///
+/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed. If `write`
+/// or anything after it fails, the old file is as it was and the temporary one is gone. A new file gets the permissions
+/// of any other new file; an old one keeps its own. A symbolic link stays, and what it points to is replaced. What is not
+/// a regular file (a device, a pipe) is written to directly.
 ///
 /// # Errors
-/// IO.
+/// What `write` returns, or that of the system; when the target is a folder, its folder is missing, or it is read-only,
+/// the message says so. Messages do not name `path`, except for the missing folder.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut file = std::fs::File::create(path)?;
-    write(&mut file)
+    // A link that leads nowhere is replaced itself.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let old = fs::metadata(&target).ok();
+    match &old {
+        Some(old) if old.is_dir() => {
+            let message = "this is a folder, a file was expected";
+            return Err(Error::new(ErrorKind::IsADirectory, message));
+        }
+        Some(old) if !old.is_file() => {
+            return write_through(File::options().write(true).open(&target)?, write).map(drop);
+        }
+        Some(old) if old.permissions().readonly() => {
+            return Err(Error::new(
+                ErrorKind::PermissionDenied,
+                "the file is read-only",
+            ));
+        }
+        _ => {}
+    }
+    let temporary = temporary_beside(&target, old.as_ref())?;
+    write_through(temporary.as_file(), write)?;
+    // Some file systems notice only now that they are full.
+    temporary.as_file().sync_all()?;
+    temporary.persist(&target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// A new file in the target's folder, with the permissions of the file it will replace.
+fn temporary_beside(target: &Path, old: Option<&Metadata>) -> io::Result<NamedTempFile> {
+    let folder = folder_of(target);
+    if !folder.is_dir() {
+        let message = format!("the folder {} does not exist", folder.display());
+        return Err(Error::new(ErrorKind::NotFound, message));
+    }
+    let mut builder = Builder::new();
+    builder.prefix(".raymini-").suffix(".part");
+    like_any_new_file(&mut builder);
+    let temporary = builder.tempfile_in(&folder)?;
+    if let Some(old) = old {
+        temporary.as_file().set_permissions(old.permissions())?;
+    }
+    Ok(temporary)
+}
+
+/// The folder that holds `target`; the current one for a bare name.
+fn folder_of(target: &Path) -> PathBuf {
+    match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// Lets the system's mask decide the permissions; those of temporary files are private otherwise.
+#[cfg(unix)]
+fn like_any_new_file(builder: &mut Builder<'_, '_>) {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(fs::Permissions::from_mode(0o666));
+}
+
+/// Elsewhere new files inherit their permissions from the folder.
+#[cfg(not(unix))]
+fn like_any_new_file(_builder: &mut Builder<'_, '_>) {}
+
+/// Runs `write` with a buffer before `file`.
+fn write_through(
+    file: impl Write,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut buffer = BufWriter::new(file);
+    write(&mut buffer)?;
+    buffer.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    fn folder() -> TempDir {
+        tempfile::tempdir().expect("a temporary folder")
+    }
+
+    /// The names in a folder, to see that nothing is left behind.
+    fn names(folder: &TempDir) -> Vec<String> {
+        let entries = fs::read_dir(folder.path()).expect("a folder");
+        let name = |entry: io::Result<fs::DirEntry>| entry.expect("an entry").file_name();
+        let mut names: Vec<_> = entries
+            .map(name)
+            .map(|n| n.to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn write_text(path: &Path, text: &str) -> io::Result<()> {
+        write_atomically(path, |out| out.write_all(text.as_bytes()))
+    }
+
+    #[test]
+    fn the_new_content_replaces_the_old() {
+        let folder = folder();
+        let path = folder.path().join("picture.png");
+        for text in ["first", "second, and longer", ""] {
+            write_text(&path, text).expect("written");
+            assert_eq!(fs::read_to_string(&path).expect("a file"), text);
+            assert_eq!(names(&folder), ["picture.png"]);
+        }
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = folder();
+        let path = folder.path().join("picture.png");
+        write_text(&path, "old").expect("written");
+        let error = write_atomically(&path, |out| {
+            out.write_all(&vec![b'x'; 1 << 20])?;
+            assert_eq!(names(&folder).len(), 2);
+            Err(Error::new(ErrorKind::StorageFull, "no space left"))
+        });
+        assert_eq!(error.expect_err("no space").kind(), ErrorKind::StorageFull);
+        assert_eq!(fs::read_to_string(&path).expect("a file"), "old");
+        assert_eq!(names(&folder), ["picture.png"]);
+    }
+
+    #[test]
+    fn a_panic_leaves_the_old_file_and_nothing_else() {
+        let folder = folder();
+        let path = folder.path().join("picture.png");
+        write_text(&path, "old").expect("written");
+        let panicking = || write_atomically(&path, |_| panic!("as the test wants"));
+        assert!(std::panic::catch_unwind(panicking).is_err());
+        assert_eq!(fs::read_to_string(&path).expect("a file"), "old");
+        assert_eq!(names(&folder), ["picture.png"]);
+    }
+
+    #[test]
+    fn folders_and_missing_folders_are_named() {
+        let folder = folder();
+        let error = write_text(folder.path(), "text").expect_err("a folder");
+        assert_eq!(error.to_string(), "this is a folder, a file was expected");
+        let missing = folder.path().join("no/such");
+        let error = write_text(&missing.join("a.png"), "text").expect_err("no folder");
+        let expected = format!("the folder {} does not exist", missing.display());
+        assert_eq!(error.to_string(), expected);
+        assert!(names(&folder).is_empty());
+    }
+
+    #[test]
+    fn a_bare_name_lies_in_the_current_folder() {
+        assert_eq!(folder_of(Path::new("a.png")), Path::new("."));
+        assert_eq!(folder_of(Path::new("b/a.png")), Path::new("b"));
+    }
+
+    #[test]
+    fn a_read_only_file_is_refused() {
+        let folder = folder();
+        let path = folder.path().join("a.png");
+        write_text(&path, "old").expect("written");
+        let mut permissions = fs::metadata(&path).expect("a file").permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&path, permissions).expect("permissions");
+        let error = write_text(&path, "new").expect_err("read-only");
+        assert_eq!(error.kind(), ErrorKind::PermissionDenied);
+        assert_eq!(fs::read_to_string(&path).expect("a file"), "old");
+    }
+
+    #[cfg(unix)]
+    mod unix {
+        use super::*;
+        use std::os::unix::fs::{PermissionsExt, symlink};
+
+        fn mode(path: &Path) -> u32 {
+            fs::metadata(path).expect("a file").permissions().mode() & 0o777
+        }
+
+        #[test]
+        fn permissions_are_those_of_any_new_file_or_of_the_old_one() {
+            let folder = folder();
+            let (ordinary, path) = (folder.path().join("a"), folder.path().join("b"));
+            fs::write(&ordinary, "text").expect("written");
+            write_text(&path, "text").expect("written");
+            assert_eq!(mode(&path), mode(&ordinary));
+            for kept in [0o600, 0o664, 0o755] {
+                fs::set_permissions(&path, fs::Permissions::from_mode(kept)).expect("permissions");
+                write_text(&path, "again").expect("written");
+                assert_eq!(mode(&path), kept);
+            }
+        }
+
+        #[test]
+        fn a_link_stays_and_its_target_is_replaced() {
+            let folder = folder();
+            let (path, link) = (folder.path().join("a"), folder.path().join("link"));
+            write_text(&path, "old").expect("written");
+            symlink(&path, &link).expect("a link");
+            write_text(&link, "new").expect("written");
+            assert!(link.is_symlink());
+            assert_eq!(fs::read_to_string(&path).expect("a file"), "new");
+        }
+
+        #[test]
+        fn a_device_is_written_to_and_stays() {
+            let null = Path::new("/dev/null");
+            write_text(null, "text").expect("written");
+            assert!(!fs::metadata(null).expect("a device").is_file());
+        }
+    }
 }

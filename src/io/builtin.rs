@@ -42,7 +42,6 @@ pub fn mesh(
                 "there is no such built-in mesh; there are {}",
                 known.join(", ")
             ),
-            source: None,
         });
     };
     parse_mesh(&format!("{PREFIX}{name}.off"), bytes, cancel, progress)

@@ -21,12 +21,12 @@ pub enum ImageFileError {
         path: PathBuf,
     },
     /// The file could not be written; an old file of that name is as it was.
-    #[error("{}: cannot write the picture: {source}", path.display())]
+    #[error("{}: cannot write the picture: {reason}", path.display())]
     Unwritable {
         /// The name asked for.
         path: PathBuf,
         /// What the system said.
-        source: io::Error,
+        reason: io::Error,
     },
 }
 
@@ -62,9 +62,9 @@ pub fn write_image(
     };
     bytes
         .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes)))
-        .map_err(|source| ImageFileError::Unwritable {
+        .map_err(|reason| ImageFileError::Unwritable {
             path: path.to_owned(),
-            source,
+            reason,
         })
 }
 

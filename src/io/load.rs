@@ -9,7 +9,7 @@ use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
 use super::scene_file::{self, SceneFile, SceneFileError};
 use crate::control::{CancelToken, Progress};
-use crate::scene::{Object, Scene, presets};
+use crate::scene::{Object, Scene, SceneError, presets};
 
 /// A scene ready to be prepared.
 #[derive(Clone, Debug)]
@@ -37,6 +37,9 @@ pub enum LoadError {
     /// A mesh named on its own could not be loaded.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Meshes that make no scene, such as one a double cannot measure.
+    #[error(transparent)]
+    Description(#[from] SceneError),
     /// A scene file among several files.
     #[error("{}: a scene file is opened alone; only meshes can be opened together", path.display())]
     SceneAmongMeshes {
@@ -47,11 +50,11 @@ pub enum LoadError {
 
 /// Why a scene could not be saved.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: cannot write the scene: {source}", path.display())]
+#[error("{}: cannot write the scene: {reason}", path.display())]
 pub struct SaveError {
     /// The file asked for.
     pub path: PathBuf,
-    source: io::Error,
+    reason: io::Error,
 }
 
 /// The scene that is shown when nothing else is named: three creatures on a plane under four lights.
@@ -123,9 +126,9 @@ pub fn load_mesh(
 /// # Errors
 /// What the system says.
 pub fn save_scene(scene: &Scene, path: &Path) -> Result<(), SaveError> {
-    let error = |source| SaveError {
+    let error = |reason| SaveError {
         path: path.to_owned(),
-        source,
+        reason,
     };
     let absolute = std::path::absolute(path).map_err(error)?;
     let folder = absolute.parent().unwrap_or(&absolute);
@@ -172,22 +175,13 @@ pub fn is_scene_file(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// What a loaded mesh file leaves to say to the user.
+/// What a loaded mesh file leaves to say to the user; `name` is what the user calls it.
 #[must_use]
 pub fn mesh_warnings(name: &str, file: &MeshFile) -> Vec<String> {
-    let mut warnings: Vec<String> = file
-        .warnings
+    file.warnings
         .iter()
         .map(|warning| format!("{name}: {warning}"))
-        .collect();
-    match file.dropped.total() {
-        0 => {}
-        dropped => warnings.push(format!(
-            "{name}: {dropped} of {} faces have no area and were left out",
-            file.faces
-        )),
-    }
-    warnings
+        .collect()
 }
 
 fn load_scene_file(
@@ -278,7 +272,7 @@ fn load_bare_meshes(
         });
         scene.meshes.insert(mesh, Arc::new(loaded.mesh));
     }
-    presets::light_and_frame(&mut scene);
+    presets::light_and_frame(&mut scene)?;
     Ok(Some(LoadedScene { scene, warnings }))
 }
 
@@ -371,6 +365,24 @@ mod tests {
         assert_eq!(relative_mesh(&name, Path::new("/home/a/assets")), "ram.off");
         assert_eq!(absolute_mesh("builtin:ram", Path::new("/x")), "builtin:ram");
         assert_eq!(relative_mesh("builtin:ram", Path::new("/x")), "builtin:ram");
+    }
+
+    #[test]
+    fn progress_ends_at_its_total() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("a.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+            .expect("is written");
+        let twice = "[[objects]]\nmesh = \"a.off\"\n[[objects]]\nmesh = \"builtin:ground\"\n[[objects]]\nmesh = \"a.off\"\n";
+        std::fs::write(path("scene.toml"), twice).expect("is written");
+        for name in ["a.off", "scene.toml"] {
+            let progress = Progress::new();
+            load_scene(&path(name), &CancelToken::new(), &progress)
+                .expect("is right")
+                .expect("nobody cancels");
+            assert!(progress.total() > 0, "{name}");
+            assert_eq!(progress.done(), progress.total(), "{name}");
+        }
     }
 
     #[test]

@@ -48,15 +48,13 @@ impl Dropped {
 /// Why a mesh could not be loaded. Every message begins with the file's name.
 #[derive(Debug, Error)]
 pub enum MeshError {
-    /// The bytes could not be read.
+    /// The bytes could not be read, or there are none.
     #[error("{name}: {reason}")]
     Unreadable {
         /// The file, as it was asked for.
         name: String,
         /// A plain sentence.
         reason: String,
-        /// What the system said, where it was asked.
-        source: Option<io::Error>,
     },
     /// The bytes are of a format that has no reader.
     #[error("{name}: {what}; RayMini reads {READABLE_FORMATS}")]
@@ -124,6 +122,12 @@ fn read_mesh(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<MeshFile>, MeshError> {
+    if bytes.is_empty() {
+        return Err(MeshError::Unreadable {
+            name: name.to_owned(),
+            reason: "the file is empty".to_owned(),
+        });
+    }
     match recognise(name, bytes) {
         Ok(Format::Off) => {
             off::parse(bytes, cancel, progress).map_err(|error| MeshError::Malformed {
@@ -148,9 +152,6 @@ enum Format {
 /// The format of a file: what its content says, and where that says nothing (an OFF file may begin with its counts) the
 /// extension of its name. The error says what it seems to be.
 fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
-    if bytes.is_empty() {
-        return Err("the file is empty".to_owned());
-    }
     if off::has_keyword(bytes) {
         return Ok(Format::Off);
     }
@@ -189,7 +190,7 @@ fn read_file(
     progress: &Progress,
 ) -> Result<Option<Vec<u8>>, MeshError> {
     const PIECE: u64 = 1 << 20;
-    let failed = |error| unreadable(name, error);
+    let failed = |error: io::Error| unreadable(name, &error);
     // Asked before opening: opening a pipe waits for a writer.
     let kind = std::fs::metadata(path).map_err(failed)?;
     if !kind.is_file() {
@@ -201,7 +202,6 @@ fn read_file(
         return Err(MeshError::Unreadable {
             name: name.to_owned(),
             reason: format!("this is {what}, a mesh file was expected"),
-            source: None,
         });
     }
     let mut file = File::open(path).map_err(failed)?;
@@ -216,7 +216,7 @@ fn read_file(
     Ok(None)
 }
 
-fn unreadable(name: &str, error: io::Error) -> MeshError {
+fn unreadable(name: &str, error: &io::Error) -> MeshError {
     let reason = match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "you are not allowed to read this file".to_owned(),
@@ -225,6 +225,144 @@ fn unreadable(name: &str, error: io::Error) -> MeshError {
     MeshError::Unreadable {
         name: name.to_owned(),
         reason,
-        source: Some(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use tempfile::TempDir;
+
+    const TRIANGLE: &str = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+    /// A folder with one file in it, and the file's path.
+    fn file(name: &str, bytes: impl AsRef<[u8]>) -> (TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        (folder, path)
+    }
+
+    fn load(path: &Path) -> Result<MeshFile, MeshError> {
+        let loaded = load_mesh(path, &CancelToken::new(), &Progress::new())?;
+        Ok(loaded.expect("nobody cancelled"))
+    }
+
+    /// What a user reads about a file with this name and content, after its folder.
+    fn message(name: &str, bytes: impl AsRef<[u8]>) -> String {
+        let (folder, path) = file(name, bytes);
+        let error = load(&path).expect_err("not a mesh").to_string();
+        let folder = format!("{}/", folder.path().display());
+        error
+            .strip_prefix(&folder)
+            .expect("the path comes first")
+            .to_owned()
+    }
+
+    #[test]
+    fn a_mesh_is_known_by_content_and_then_by_extension() {
+        for name in ["a.off", "a.OFF", "a.obj", "a"] {
+            let (_folder, path) = file(name, TRIANGLE);
+            let loaded = load(&path).expect("an OFF file");
+            assert_eq!((loaded.format, loaded.faces), ("OFF", 1), "{name}");
+        }
+        let without_keyword = TRIANGLE.trim_start_matches("OFF\n");
+        let (_folder, path) = file("a.off", without_keyword);
+        assert_eq!(
+            load(&path).expect("an OFF file").mesh.triangles,
+            [[0, 1, 2]]
+        );
+        assert_eq!(
+            message("a.txt", without_keyword),
+            "a.txt: files with the extension .txt are not read; RayMini reads OFF"
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_said_in_plain_words() {
+        assert_eq!(message("a.off", ""), "a.off: the file is empty");
+        assert_eq!(
+            message("a.obj", "v 0 0 0\n"),
+            "a.obj: files with the extension .obj are not read; RayMini reads OFF"
+        );
+        assert_eq!(
+            message("a.off", "ply\n"),
+            "a.off: this is a file of the format PLY; RayMini reads OFF"
+        );
+        assert_eq!(
+            message("a", "\0\0"),
+            "a: this is not a mesh of a known format; RayMini reads OFF"
+        );
+        assert_eq!(
+            message("ram.off", TRIANGLE.replace("3 0 1 2", "3 0 1 9")),
+            "ram.off:6: expected a vertex index below 3, found \"9\""
+        );
+        assert_eq!(
+            message("x.off", "<html>\n"),
+            "x.off:1: expected OFF (or COFF, NOFF, STOFF, 4OFF) or the numbers of vertices and faces, found \"<html>\""
+        );
+    }
+
+    #[test]
+    fn missing_files_and_folders_are_said_in_plain_words() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let missing = folder.path().join("ram.off");
+        let error = load(&missing).expect_err("no file").to_string();
+        assert_eq!(
+            error,
+            format!("{}: there is no such file", missing.display())
+        );
+        let error = load(folder.path()).expect_err("a folder").to_string();
+        let expected = format!(
+            "{}: this is a folder, a mesh file was expected",
+            folder.path().display()
+        );
+        assert_eq!(error, expected);
+        let error = load(&folder.path().join("a\0b"))
+            .expect_err("no name")
+            .to_string();
+        assert!(error.contains("the file cannot be read"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_refused_before_they_are_read() {
+        let error = load(Path::new("/dev/zero"))
+            .expect_err("endless")
+            .to_string();
+        assert_eq!(
+            error,
+            "/dev/zero: this is not a regular file, a mesh file was expected"
+        );
+    }
+
+    #[test]
+    fn embedded_bytes_are_read_under_their_name() {
+        let (cancel, progress) = (CancelToken::new(), Progress::new());
+        let parsed = parse_mesh("builtin:ram", TRIANGLE.as_bytes(), &cancel, &progress);
+        assert!(parsed.expect("an OFF file").is_some());
+        assert_eq!(progress.done(), 36);
+        let error = parse_mesh("builtin:ram", b"OFF\n1\n", &cancel, &progress).expect_err("short");
+        assert_eq!(
+            error.to_string(),
+            "builtin:ram:2: expected the number of faces, found the end of the file"
+        );
+    }
+
+    #[test]
+    fn progress_counts_reading_and_understanding_and_cancel_stops_both() {
+        let (_folder, path) = file("a.off", TRIANGLE);
+        let (cancel, progress) = (CancelToken::new(), Progress::new());
+        load_mesh(&path, &cancel, &progress)
+            .expect("an OFF file")
+            .expect("not cancelled");
+        assert_eq!(progress.done(), 72);
+        cancel.cancel();
+        assert!(
+            load_mesh(&path, &cancel, &progress)
+                .expect("no error")
+                .is_none()
+        );
     }
 }

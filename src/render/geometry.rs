@@ -104,14 +104,7 @@ impl PreparedGeometry {
             return Err(SceneError::TooManyTriangles { count });
         }
 
-        let bounds = scene.bounds();
-        if !bounds.is_empty() && !bounds.diagonal().is_finite() {
-            return Err(SceneError::BadValue {
-                key: "objects".to_owned(),
-                value: format!("{} across", bounds.diagonal()),
-                expected: "objects whose distances are finite numbers".to_owned(),
-            });
-        }
+        let bounds = scene.measured_bounds()?;
         let frame = SceneFrame::around(&bounds);
         let mut triangles = Vec::new();
         let mut objects = Vec::with_capacity(origin.objects.len());

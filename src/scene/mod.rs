@@ -26,6 +26,9 @@ pub use material::Material;
 pub use object::{Copies, Object, Placement};
 pub use settings::{AcceleratorChoice, Mode, PhongModel, RenderSettings, Shadows};
 
+/// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.
+pub const LARGEST_EXTENT: f64 = 1e100;
+
 /// Linear RGB: radiance, intensity or reflectance, as its field says.
 pub type Rgb = crate::math::DVec3;
 
@@ -116,6 +119,30 @@ impl Scene {
             .iter()
             .filter_map(object_bounds)
             .fold(DBounds::EMPTY, DBounds::union)
+    }
+
+    /// [`Scene::bounds`], if lengths, areas and volumes of that size stay within what `f64` can hold.
+    ///
+    /// # Errors
+    /// [`SceneError::Extent`].
+    pub fn measured_bounds(&self) -> Result<DBounds, SceneError> {
+        let bounds = self.bounds();
+        let extent = if bounds.is_empty() {
+            0.0
+        } else {
+            bounds.size().max_element()
+        };
+        let farthest = if bounds.is_empty() {
+            0.0
+        } else {
+            bounds.min.abs().max(bounds.max.abs()).max_element()
+        };
+        let measurable = extent == 0.0 || extent > 1.0 / LARGEST_EXTENT;
+        if measurable && farthest < LARGEST_EXTENT {
+            Ok(bounds)
+        } else {
+            Err(SceneError::Extent { extent, farthest })
+        }
     }
 
     /// Checks what rendering relies on and no single key can promise.
@@ -231,7 +258,7 @@ impl Scene {
 }
 
 /// Why a description cannot be rendered.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
     /// An object names a material that is not there.
     #[error("object \"{object}\" uses material \"{material}\", which is not defined; defined: {}", list(.known))]
@@ -256,6 +283,18 @@ pub enum SceneError {
     TooManyTriangles {
         /// Triangles of all objects with all their copies.
         count: u64,
+    },
+    /// Objects so large, so small or so far out that distances cannot be squared.
+    #[error(
+        "the objects are {extent:e} across and reach {farthest:e} from the origin; \
+         expected between {:e} and {LARGEST_EXTENT:e}",
+        1.0 / LARGEST_EXTENT
+    )]
+    Extent {
+        /// Largest edge of the scene's box.
+        extent: f64,
+        /// Largest coordinate.
+        farthest: f64,
     },
     /// A number is outside what it means.
     #[error("{key} is {value}; expected {expected}")]

@@ -1,6 +1,6 @@
 //! What a bare mesh gets to become a picture: a camera that frames it, light, and a material.
 
-use super::{Background, Camera, Light, Material, Object, Rgb, Scene};
+use super::{Background, Camera, Light, Material, Object, Rgb, Scene, SceneError};
 use crate::math::{DBounds, DVec3, Degrees};
 
 /// Name of the material of bare meshes.
@@ -18,7 +18,10 @@ pub fn object() -> Object {
 }
 
 /// Gives a scene of objects a camera in front of them (towards +Y, Z up), a key, a fill and a rim light, and a faint sky.
-pub fn light_and_frame(scene: &mut Scene) {
+///
+/// # Errors
+/// When the objects are too large or too small to be measured.
+pub fn light_and_frame(scene: &mut Scene) -> Result<(), SceneError> {
     let clay = Material::Phong {
         diffuse: Rgb::new(0.8, 0.62, 0.47),
         specular: Rgb::splat(0.06),
@@ -31,7 +34,7 @@ pub fn light_and_frame(scene: &mut Scene) {
         ground: Rgb::new(0.06, 0.055, 0.05),
         up: DVec3::Z,
     };
-    let bounds = scene.bounds();
+    let bounds = scene.measured_bounds()?;
     let aspect = f64::from(scene.render.width) / f64::from(scene.render.height);
     scene.camera = framing(
         &bounds,
@@ -55,6 +58,7 @@ pub fn light_and_frame(scene: &mut Scene) {
         light(DVec3::new(-1.0, -0.6, 0.3), Rgb::new(0.4, 0.47, 0.58)),
         light(DVec3::new(-0.3, 1.0, 0.8), Rgb::splat(1.0)),
     ];
+    Ok(())
 }
 
 /// The camera that looks along `−direction` (from the side `direction` points to) and just holds the ball around `bounds`
@@ -117,7 +121,7 @@ mod tests {
     #[test]
     fn a_scene_without_extent_still_has_a_camera() {
         let mut scene = Scene::default();
-        light_and_frame(&mut scene);
+        light_and_frame(&mut scene).expect("nothing is too large");
         assert_eq!(scene.validate(), Ok(()));
         assert_eq!(scene.lights.len(), 3);
     }
