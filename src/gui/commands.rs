@@ -129,10 +129,16 @@ impl Command {
     /// Its first key in words, such as "Ctrl+O".
     #[must_use]
     pub fn shortcut_text(self, ctx: &egui::Context) -> String {
-        self.shortcuts()
-            .first()
-            .map(|shortcut| ctx.format_shortcut(shortcut))
-            .unwrap_or_default()
+        self.shortcut_texts(ctx).next().unwrap_or_default()
+    }
+
+    /// Its keys in words.
+    pub fn shortcut_texts(self, ctx: &egui::Context) -> impl Iterator<Item = String> {
+        self.shortcuts().iter().map(|keys| match keys.logical_key {
+            Key::Questionmark => "?".to_owned(),
+            Key::Escape => "Esc".to_owned(),
+            _ => ctx.format_shortcut(keys),
+        })
     }
 
     /// Its description and keys, for a tooltip.

@@ -9,13 +9,15 @@
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`]: the render as it fills in
 //! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
-//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`theme`]: what is drawn
+//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`icons`],
+//!   [`theme`]: what is drawn
 //! - `start`: opening the window, and words for when it does not open
 
 pub mod app;
 pub mod commands;
 pub mod dialogs;
 pub mod document;
+pub mod icons;
 pub mod jobs;
 pub mod messages;
 pub mod orbit;

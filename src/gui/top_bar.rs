@@ -41,6 +41,8 @@ pub struct TopBarState {
     pub has_picture: bool,
     /// Whether the side panel shows.
     pub panel_open: bool,
+    /// Whether the scene has unsaved changes.
+    pub modified: bool,
 }
 
 impl TopBarState {
@@ -56,8 +58,8 @@ impl TopBarState {
     }
 }
 
-/// Draws the bar; returns what was asked for.
-pub fn top_bar_ui(ui: &mut Ui, state: TopBarState) -> Vec<Command> {
+/// Draws the bar over the scene called `name`; returns what was asked for.
+pub fn top_bar_ui(ui: &mut Ui, state: TopBarState, name: &str) -> Vec<Command> {
     let mut asked = Vec::new();
     ui.horizontal(|ui| {
         ui.set_min_height(theme::BAR_BUTTON_HEIGHT);
@@ -69,9 +71,23 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState) -> Vec<Command> {
         view_switch_ui(ui, state, &mut asked);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             render_button_ui(ui, state, &mut asked);
+            ui.add_space(8.0);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add_space(14.0);
+                name_ui(ui, name, state.modified);
+            });
         });
     });
     asked
+}
+
+/// What the scene is called, and whether it has unsaved changes.
+fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
+    ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+    if modified {
+        ui.label(RichText::new("• not saved").weak())
+            .on_hover_text("The scene has changed since it was opened or saved");
+    }
 }
 
 fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {

@@ -5,6 +5,7 @@
 
 use egui::{Color32, CornerRadius, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
+use super::icons;
 use super::orbit::{self, DistanceLimits, PictureSize};
 use super::pick::{self, Picked};
 use super::selection::Selection;
@@ -276,21 +277,12 @@ fn marker_at(scene: &Scene, frame: Rect, position: Pos2) -> Option<(usize, f64)>
 
 /// A small sun of the light's colour.
 fn marker(painter: &egui::Painter, center: Pos2, intensity: DVec3, selected: bool) {
-    let tint = intensity / intensity.max_element().max(f64::MIN_POSITIVE);
-    let [r, g, b] = tint.as_vec3().to_array();
-    let fill: Color32 = egui::Rgba::from_rgb(r, g, b).into();
     let edge = if selected {
         theme::ACCENT
     } else {
         Color32::from_black_alpha(170)
     };
-    for step in 0..8_u8 {
-        let direction = Vec2::angled(f32::from(step) * std::f32::consts::FRAC_PI_4);
-        let (from, to) = (center + direction * 6.5, center + direction * 9.5);
-        painter.line_segment([from, to], Stroke::new(3.0, edge));
-        painter.line_segment([from, to], Stroke::new(1.4, fill));
-    }
-    painter.circle(center, 4.5, fill, Stroke::new(1.6, edge));
+    icons::sun(painter, center, 4.5, icons::hue_of(intensity), edge);
     if selected {
         painter.circle_stroke(center, 12.5, Stroke::new(1.6, theme::ACCENT));
     }

@@ -5,7 +5,9 @@ use egui::{CentralPanel, Color32, Frame, Margin, Panel, Rect, RichText, Ui};
 use super::App;
 use crate::gui::commands::Command;
 use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
-use crate::gui::dialogs::{Dialog, files::FilePurpose, question, shortcuts_ui};
+use crate::gui::dialogs::{
+    Dialog, buttons_ui, files::FilePurpose, modal_ui, question, shortcuts_ui,
+};
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState};
 use crate::gui::picture::Picture;
@@ -27,9 +29,10 @@ impl App {
                 .inner_margin(Margin::symmetric(x, y))
         };
         let state = self.top_bar_state();
+        let name = self.document.name();
         let commands = Panel::top("top bar")
             .frame(bar(10, 6))
-            .show(ui, |ui| top_bar::top_bar_ui(ui, state))
+            .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
             .inner;
         Panel::bottom("status bar")
             .frame(bar(12, 1))
@@ -239,19 +242,16 @@ impl App {
 
     /// While the desktop's dialog is open, typing a path is always the other way.
     fn waiting_ui(&mut self, ctx: &egui::Context, purpose: FilePurpose) {
-        let response = egui::Modal::new(egui::Id::unique("waiting")).show(ctx, |ui| {
-            ui.set_width(360.0);
+        let response = modal_ui(ctx, "waiting", 380.0, |ui| {
             ui.heading(purpose.title());
-            ui.label(
-                RichText::new("The desktop shows its file dialog in a window of its own.").weak(),
-            );
-            ui.add_space(10.0);
-            ui.horizontal(|ui| {
-                let type_path = ui.button("Type a path instead").clicked();
+            ui.add_space(4.0);
+            let text = "The desktop shows its file dialog in a window of its own.";
+            ui.label(RichText::new(text).weak());
+            buttons_ui(ui, |ui| {
                 let cancel = ui.button("Cancel").clicked();
+                let type_path = ui.button("Type a path instead").clicked();
                 (type_path, cancel)
             })
-            .inner
         });
         let (type_path, cancel) = response.inner;
         if type_path {

@@ -183,6 +183,7 @@ impl App {
             },
             has_picture: self.picture.as_ref().is_some_and(|p| p.texture().is_some()),
             panel_open: self.panel_open,
+            modified: self.document.is_modified(),
         }
     }
 
@@ -296,14 +297,19 @@ impl App {
             .map_or(DBounds::EMPTY, |state| state.bounds)
     }
 
-    /// Keeps the window's title what it should be.
+    /// Keeps the window's title what it should be; while rendering it says how far, for the task bar.
     fn update_title(&mut self, ctx: &egui::Context) {
         let dot = if self.document.is_modified() {
             " •"
         } else {
             ""
         };
-        let title = format!("{}{dot} – RayMini", self.document.name());
+        let running = self.picture.as_ref().filter(|picture| picture.is_running());
+        let progress = running.map_or_else(String::new, |picture| {
+            let percent = (picture.progress.samples.fraction() * 100.0).floor();
+            format!("{percent} % – ")
+        });
+        let title = format!("{progress}{}{dot} – RayMini", self.document.name());
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;

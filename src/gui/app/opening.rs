@@ -125,10 +125,14 @@ impl App {
             material,
             ..presets::object()
         });
-        if was_empty && scene.lights.is_empty() {
-            presets::light_and_frame(scene);
-        }
         self.selection = Selection::Object(scene.objects.len() - 1);
+        if was_empty
+            && scene.lights.is_empty()
+            && let Err(error) = presets::light_and_frame(scene)
+        {
+            let title = "The scene cannot be framed and lit";
+            self.messages.error(title, error.to_string());
+        }
         self.view = View::Preview;
     }
 

@@ -19,6 +19,9 @@ use crate::scene::Display;
 impl App {
     /// Whether the scene's triangles, as they are now, have been prepared (or found impossible to prepare).
     pub(super) fn is_prepared(&self) -> bool {
+        if self.document.scene.objects.is_empty() {
+            return true;
+        }
         self.preparing
             .as_ref()
             .is_some_and(|scene| same_geometry(scene, &self.document.scene))
@@ -32,7 +35,14 @@ impl App {
 
     /// Starts what the scene's newest state needs.
     pub(super) fn update_background_work(&mut self) {
-        if self.jobs.is_busy(Lane::Prepare) || self.document.scene.objects.is_empty() {
+        if self.document.scene.objects.is_empty() {
+            self.prepared = None;
+            self.preparing = None;
+            self.problem = None;
+            self.waiting_render = None;
+            return;
+        }
+        if self.jobs.is_busy(Lane::Prepare) {
             return;
         }
         if !self.is_prepared() {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Id, Key, Modal, RichText, Ui};
+use egui::{Key, RichText, Ui};
 
 use super::files::FilePurpose;
+use super::{buttons_ui, modal_ui};
 use crate::gui::widgets::primary_button;
 
 /// Entries of the folder shown at most.
@@ -68,8 +69,7 @@ impl PathField {
 
     /// Draws the dialog.
     pub fn show_ui(&mut self, ctx: &egui::Context) -> Outcome {
-        let response = Modal::new(Id::unique("path field")).show(ctx, |ui| {
-            ui.set_width(520.0);
+        let response = modal_ui(ctx, "path field", 540.0, |ui| {
             ui.heading(self.purpose.title());
             if let Some(note) = &self.note {
                 ui.label(RichText::new(note).weak());
@@ -103,7 +103,6 @@ impl PathField {
             field.request_focus();
         }
         self.overwrite_ui(ui);
-        ui.add_space(8.0);
         let confirmed = self.buttons_ui(ui);
         match confirmed {
             Some(false) => Outcome::Cancelled,
@@ -177,17 +176,14 @@ impl PathField {
 
     /// The buttons; `Some(true)` to go on, `Some(false)` to cancel.
     fn buttons_ui(&self, ui: &mut Ui) -> Option<bool> {
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let size = egui::vec2(88.0, 28.0);
+        buttons_ui(ui, |ui| {
             let ready = !self.text.trim().is_empty() && !self.text.ends_with('/');
-            let verb = primary_button(self.purpose.verb()).min_size(size);
+            let verb = primary_button(self.purpose.verb());
             if ui.add_enabled(ready, verb).clicked() {
                 return Some(true);
             }
-            let cancel = egui::Button::new("Cancel").min_size(size);
-            ui.add(cancel).clicked().then_some(false)
+            ui.button("Cancel").clicked().then_some(false)
         })
-        .inner
     }
 }
 

@@ -1,8 +1,8 @@
 //! The question that stands between unsaved work and its loss.
 
-use egui::{Id, Modal, RichText};
+use egui::RichText;
 
-use super::Intent;
+use super::{Intent, buttons_ui, modal_ui};
 use crate::gui::widgets::primary_button;
 
 /// What the user decided.
@@ -23,8 +23,7 @@ pub enum Decision {
 /// Asks. `can_add`: whether the files to open are meshes that could join the scene.
 #[must_use]
 pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent, can_add: bool) -> Decision {
-    let response = Modal::new(Id::unique("unsaved")).show(ctx, |ui| {
-        ui.set_width(430.0);
+    let response = modal_ui(ctx, "unsaved", 440.0, |ui| {
         ui.heading(format!("Save the changes to {name}?"));
         ui.add_space(4.0);
         let (what, discard) = match intent {
@@ -32,12 +31,10 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent, can_add: boo
             Intent::Close => ("closing the window", "Discard"),
         };
         ui.label(RichText::new(format!("They are lost by {what} without saving.")).weak());
-        ui.add_space(12.0);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let size = egui::vec2(84.0, 28.0);
+        buttons_ui(ui, |ui| {
             let mut decision = Decision::None;
             let mut choice = |ui: &mut egui::Ui, button: egui::Button<'_>, tooltip, meaning| {
-                let response = ui.add(button.min_size(size)).on_hover_text(tooltip);
+                let response = ui.add(button).on_hover_text(tooltip);
                 if response.clicked() {
                     decision = meaning;
                 }
@@ -70,7 +67,6 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent, can_add: boo
             );
             decision
         })
-        .inner
     });
     match response.inner {
         Decision::None if response.should_close() => Decision::Cancel,

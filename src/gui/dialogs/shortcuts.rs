@@ -1,5 +1,6 @@
-use egui::{Id, Modal, RichText, Ui};
+use egui::{RichText, Ui};
 
+use super::{buttons_ui, modal_ui};
 use crate::gui::commands::Command;
 
 /// What the mouse does in the preview.
@@ -19,39 +20,41 @@ const MOUSE: [(&str, &str); 7] = [
 /// The sheet of shortcuts; returns whether it stays.
 #[must_use]
 pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
-    let response = Modal::new(Id::unique("shortcuts")).show(ctx, |ui| {
-        ui.set_width(560.0);
+    let response = modal_ui(ctx, "shortcuts", 590.0, |ui| {
         ui.heading("Keyboard and mouse");
-        ui.add_space(8.0);
+        ui.add_space(6.0);
+        let height = (ctx.content_rect().height() - 190.0).max(120.0);
         egui::ScrollArea::vertical()
-            .max_height(ctx.content_rect().height() - 170.0)
+            .max_height(height)
+            .min_scrolled_height(height)
+            .auto_shrink([false, true])
             .show(ui, |ui| {
-                egui::Grid::new("shortcuts")
-                    .num_columns(2)
-                    .spacing([24.0, 5.0])
-                    .show(ui, |ui| {
-                        for (keys, what) in MOUSE {
-                            line_ui(ui, keys, what);
-                        }
-                        ui.end_row();
-                        for command in Command::ALL {
-                            let keys: Vec<_> = command
-                                .shortcuts()
-                                .iter()
-                                .map(|keys| ctx.format_shortcut(keys))
-                                .collect();
-                            line_ui(ui, &keys.join(",  "), command.description());
-                        }
-                    });
+                ui.spacing_mut().interact_size.y = 18.0;
+                group_ui(ui, "Mouse, in the preview", |ui| {
+                    for (keys, what) in MOUSE {
+                        line_ui(ui, keys, what);
+                    }
+                });
+                group_ui(ui, "Keyboard", |ui| {
+                    for command in Command::ALL {
+                        let keys: Vec<_> = command.shortcut_texts(ctx).collect();
+                        line_ui(ui, &keys.join(",  "), command.description());
+                    }
+                });
             });
-        ui.add_space(8.0);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add(egui::Button::new("Close").min_size(egui::vec2(88.0, 28.0)))
-                .clicked()
-        })
-        .inner
+        buttons_ui(ui, |ui| ui.button("Close").clicked())
     });
     !(response.inner || response.should_close())
+}
+
+fn group_ui(ui: &mut Ui, title: &str, lines: impl FnOnce(&mut Ui)) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(title).weak());
+    egui::Grid::new(title)
+        .num_columns(2)
+        .min_col_width(200.0)
+        .spacing([18.0, 4.0])
+        .show(ui, lines);
 }
 
 fn line_ui(ui: &mut Ui, keys: &str, what: &str) {
