@@ -47,10 +47,12 @@ impl TriangleBlock {
     /// The triangle in `lane`.
     #[inline]
     pub fn triangle(&self, lane: usize) -> Triangle {
+        let corner = |i: usize| {
+            let [x, y, z] = &self.corners[i];
+            Vec3::new(x[lane], y[lane], z[lane])
+        };
         Triangle {
-            corners: self
-                .corners
-                .map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane])),
+            corners: [corner(0), corner(1), corner(2)],
         }
     }
 }
@@ -82,17 +84,17 @@ impl BlockFilter {
         }
     }
 
-    /// For each lane whether its triangle may be hit; never for a lane without one.
+    /// The lanes whose triangle may be hit; never one without a triangle.
     ///
     /// A lane is rejected when its edge functions have different signs for certain. Numbers too large for `f32` make the
     /// bound infinite or NaN, and a lane with such a bound passes: (P + h)(P + Z) is at least as large as every product
     /// in the edge functions, so they cannot overflow unless it does. The smallest normal number covers underflow.
     #[inline]
-    pub fn may_hit(&self, block: &TriangleBlock) -> [bool; LANES] {
+    pub fn may_hit(&self, block: &TriangleBlock) -> LaneSet {
         let [ax, ay, az] = self.sheared(&block.corners[0]);
         let [bx, by, bz] = self.sheared(&block.corners[1]);
         let [cx, cy, cz] = self.sheared(&block.corners[2]);
-        let mut passed = [false; LANES];
+        let mut passed = [0; LANES];
         for i in 0..LANES {
             let u = cx[i] * by[i] - cy[i] * bx[i];
             let v = ax[i] * cy[i] - ay[i] * cx[i];
@@ -104,9 +106,9 @@ impl BlockFilter {
             let h = EDGE_ERROR * sum;
             let error = (extent + h) * sum * (4.0 * EDGE_ERROR) + f32::MIN_POSITIVE;
             let rejected = (min(min(u, v), w) < -error) & (max(max(u, v), w) > error);
-            passed[i] = !rejected & !az[i].is_nan();
+            passed[i] = u8::from(!rejected & !az[i].is_nan());
         }
-        passed
+        LaneSet(u64::from_le_bytes(passed))
     }
 
     #[inline]
@@ -120,6 +122,23 @@ impl BlockFilter {
             result[2][i] = z;
         }
         result
+    }
+}
+
+/// Lanes of a block, in ascending order: a byte each, 0 or 1, as comparing vectors gives them.
+#[derive(Debug)]
+pub(super) struct LaneSet(u64);
+
+impl Iterator for LaneSet {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        (self.0 != 0).then(|| {
+            let lane = self.0.trailing_zeros() as usize / 8;
+            self.0 &= self.0 - 1;
+            lane
+        })
     }
 }
 

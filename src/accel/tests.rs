@@ -44,7 +44,7 @@ fn teapot_in_a_stadium() -> TriangleMesh {
 }
 
 fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
-    let identical = vec![[0, 1, 2]; 300];
+    let identical = vec![[0, 1, 2]; 100];
     let identical = TriangleMesh {
         triangles: identical,
         ..shapes::soup(1, 1.0, 3)
@@ -59,9 +59,9 @@ fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
         ("soup", shapes::soup(600, 0.2, 4)),
         ("large soup", shapes::soup(1500, 0.1, 5)),
         ("slivers", shapes::slivers(400, 1e-6, 6)),
-        ("vertex fan", shapes::vertex_fan(300, 7)),
+        ("vertex fan", shapes::vertex_fan(120, 7)),
         ("identical", identical),
-        ("flat", shapes::flat_overlap(300, 8)),
+        ("flat", shapes::flat_overlap(200, 8)),
         ("axis-aligned", shapes::axis_aligned(300, 16, 9)),
         ("one spot", shapes::one_spot(200, 10)),
         ("stadium", teapot_in_a_stadium()),
@@ -116,7 +116,7 @@ fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
 
     // From inside and outside the box in all directions.
     for reach in [0.9, 3.0, 100.0] {
-        for _ in 0..300 {
+        for _ in 0..150 {
             let origin = center + random.in_cube() * size * reach;
             let target = center + random.in_cube() * half;
             rays.push(Ray::new(narrowed(origin), narrowed(random.in_cube())));
@@ -131,7 +131,7 @@ fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
         let index = random.bits() % triangles.len() as u64;
         triangles[usize::try_from(index).unwrap()].corners
     };
-    for i in 0..1500 {
+    for i in 0..600 {
         // At vertices and edges.
         let [a, b, c] = any_triangle(&mut random).map(Vec3::as_dvec3);
         let origin = narrowed(center + random.in_cube() * size * 2.0);
@@ -154,7 +154,7 @@ fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
                 if direction == Vec3::ZERO {
                     continue;
                 }
-                for i in 0..30 {
+                for i in 0..12 {
                     let mut corner = || any_triangle(&mut random)[i % 3];
                     let mut origin = Vec3::new(corner().x, corner().y, corner().z);
                     if i % 2 == 0 {
@@ -229,7 +229,7 @@ fn the_kd_tree_answers_like_brute_force() {
             &rays(&triangles, 1),
         );
         assert!(
-            triangles.is_empty() || hits > 300,
+            triangles.is_empty() || hits > 200,
             "{name}: only {hits} hits"
         );
     }
@@ -308,7 +308,9 @@ fn the_filter_passes_every_hit_and_no_empty_lane() {
             let kernel = RayKernel::new(ray);
             let filter = BlockFilter::new(ray, &kernel);
             for block in &blocks {
-                for (lane, may_hit) in filter.may_hit(block).into_iter().enumerate() {
+                let passed: Vec<_> = filter.may_hit(block).collect();
+                for lane in 0..LANES {
+                    let may_hit = passed.contains(&lane);
                     if block.ids[lane] == TriangleBlock::NO_TRIANGLE {
                         assert!(!may_hit, "{name}: {ray:?} hits an empty lane");
                     } else if kernel
@@ -343,9 +345,9 @@ fn the_filter_passes_every_hit_of_extreme_size() {
         let kernel = RayKernel::new(&ray);
         if kernel.intersect(&triangle, f32::INFINITY).is_some() {
             hits += 1;
-            let passed =
-                BlockFilter::new(&ray, &kernel).may_hit(&TriangleBlock::new(&[0], &[triangle]));
-            assert!(passed[0], "{ray:?} misses {triangle:?}");
+            let block = TriangleBlock::new(&[0], &[triangle]);
+            let passed = BlockFilter::new(&ray, &kernel).may_hit(&block);
+            assert!(passed.eq([0]), "{ray:?} misses {triangle:?}");
         }
     }
     assert!(hits > 10_000, "only {hits} hits");

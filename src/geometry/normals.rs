@@ -4,7 +4,9 @@
 //! exact power of two. The functions here expect valid meshes and panic on indices out of range.
 
 use super::TriangleMesh;
-use crate::math::{DVec3, Degrees, power_of_two};
+use crate::math::{DVec3, Degrees};
+use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Shading normals, one for each way a vertex is seen by the faces around it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,16 +32,22 @@ pub fn face_normal(corners: [DVec3; 3]) -> Option<DVec3> {
 fn significant_cross(corners: [DVec3; 3]) -> Option<DVec3> {
     const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
     let [a, b, c] = corners;
-    let edges = [b - a, c - b, a - c];
+    let edges = edges_of(corners);
     let longest = edges
         .iter()
         .fold(0.0, |longest, edge| edge.abs().max_element().max(longest));
+    if longest == 0.0 {
+        return None;
+    }
     if longest == f64::INFINITY {
         // Differences of the largest numbers overflow; those of their quarters do not.
         return significant_cross(corners.map(|corner| corner * 0.25));
     }
     let scale = scale_to_one(longest);
-    let [p, q] = two_shorter(edges.map(|edge| edge * scale));
+    let edges = edges.map(|edge| edge * scale);
+    // Of the three cross products, which are the same but for rounding, that of the two shorter edges loses least.
+    let opposite = longest_edge(edges);
+    let [p, q] = [edges[(opposite + 1) % 3], edges[(opposite + 2) % 3]];
     let cross = p.cross(q);
 
     // A coordinate of an edge is off by the roundings of two corners and of the subtraction; |coordinate| ≤ 2 |corner|.
@@ -47,19 +55,26 @@ fn significant_cross(corners: [DVec3; 3]) -> Option<DVec3> {
     let (p, q) = (p.abs(), q.abs());
     let from_edges = absolute_cross(edge_error, p + q);
     let from_products = absolute_cross(p, q) * (2.0 * UNIT_ROUNDOFF);
-    let is_noise = cross.abs().cmple(from_edges + from_products).all();
-    (!is_noise).then_some(cross)
+    // Bounds that overflow are NaN, and nothing is above those.
+    let is_significant = cross.abs().cmpgt(from_edges + from_products).any();
+    is_significant.then_some(cross)
 }
 
-/// The two edges, of three that form a triangle, whose cross product loses the fewest digits, in cyclic order.
-fn two_shorter(edges: [DVec3; 3]) -> [DVec3; 2] {
-    let [a, b, c] = edges.map(DVec3::length_squared);
+/// The edges of a triangle; edge i leads from corner i + 1 to corner i + 2 and lies opposite corner i.
+fn edges_of([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    [c - b, a - c, b - a]
+}
+
+fn longest_edge(edges: [DVec3; 3]) -> usize {
+    let [a, b, c] = edges.map(|edge| edge.abs().max_element());
+    let scale = scale_to_one(a.max(b).max(c));
+    let [a, b, c] = edges.map(|edge| (edge * scale).length_squared());
     if a >= b && a >= c {
-        [edges[1], edges[2]]
+        0
     } else if b >= c {
-        [edges[2], edges[0]]
+        1
     } else {
-        [edges[0], edges[1]]
+        2
     }
 }
 
@@ -72,13 +87,12 @@ fn absolute_cross(p: DVec3, q: DVec3) -> DVec3 {
     )
 }
 
-/// A power of two that brings `magnitude` near 1; 1 for zero.
+/// A power of two that brings `magnitude`, finite and not negative, near 1: into `[1, 2)` unless it is subnormal.
 pub(super) fn scale_to_one(magnitude: f64) -> f64 {
-    if magnitude > 0.0 {
-        power_of_two(-libm::frexp(magnitude).1.clamp(-1022, 1022))
-    } else {
-        1.0
-    }
+    const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
+    // Biased exponents add up to 2 · 1023 when powers of two multiply to 1; 0 and 2047 are not powers of two.
+    let exponent = magnitude.to_bits() >> MANTISSA_BITS;
+    f64::from_bits(2046_u64.saturating_sub(exponent).max(1) << MANTISSA_BITS)
 }
 
 /// `vector` with its largest coordinate brought near 1.
@@ -100,12 +114,17 @@ fn near_one(vector: DVec3) -> DVec3 {
 /// When the mesh is not valid, or has more than 2³²/3 triangles.
 #[must_use]
 pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
-    let faces = (0..mesh.triangles.len())
-        .map(|triangle| face_normal(mesh.corners(triangle)))
-        .collect();
+    let (faces, angles) = (0..mesh.triangles.len())
+        .into_par_iter()
+        .map(|triangle| {
+            let corners = mesh.corners(triangle);
+            (face_normal(corners), corner_angles(corners))
+        })
+        .unzip();
     let mut shading = Shading {
         mesh,
         faces,
+        angles,
         sharing: Sharing::up_to(crease),
         result: CornerNormals {
             normals: Vec::new(),
@@ -212,6 +231,8 @@ struct Shading<'a> {
     mesh: &'a TriangleMesh,
     /// The normal of each triangle that has one.
     faces: Vec<Option<DVec3>>,
+    /// The angles of each triangle at its corners.
+    angles: Vec<[f64; 3]>,
     sharing: Sharing,
     result: CornerNormals,
 }
@@ -234,7 +255,7 @@ impl Shading<'_> {
         groups.sums.resize(fan.len(), GroupSum::default());
         for (place, &corner) in fan.iter().enumerate() {
             if let Some(normal) = self.faces[corner.triangle()] {
-                let angle = corner_angle(self.mesh, corner);
+                let angle = self.angles[corner.triangle()][corner.index()];
                 let sum = &mut groups.sums[groups.leaders[place]];
                 sum.weighted += normal * angle;
                 sum.weight += angle;
@@ -261,16 +282,23 @@ impl Shading<'_> {
     }
 }
 
-/// The angle of a triangle at one of its corners, in radians.
-fn corner_angle(mesh: &TriangleMesh, corner: Corner) -> f64 {
-    let points = mesh.corners(corner.triangle()).map(|point| point * 0.25);
-    let here = points[corner.index()];
-    let to_next = near_one(points[(corner.index() + 1) % 3] - here);
-    let to_previous = near_one(points[(corner.index() + 2) % 3] - here);
-    libm::atan2(
-        to_next.cross(to_previous).length(),
-        to_next.dot(to_previous),
-    )
+/// The angles of a triangle at its corners, in radians.
+fn corner_angles(corners: [DVec3; 3]) -> [f64; 3] {
+    // Quarters: differences of the largest numbers overflow. Each edge by itself: a needle's short one must not vanish.
+    let edges = edges_of(corners.map(|corner| corner * 0.25));
+    let directions = edges.map(near_one);
+    let angle = |corner: usize| {
+        let (before, after) = (directions[(corner + 1) % 3], directions[(corner + 2) % 3]);
+        libm::atan2(before.cross(after).length(), -before.dot(after))
+    };
+    // The largest angle is what the others leave; a small one would lose its digits that way.
+    let largest = longest_edge(edges);
+    let (next, previous) = ((largest + 1) % 3, (largest + 2) % 3);
+    let mut angles = [0.0; 3];
+    angles[next] = angle(next);
+    angles[previous] = angle(previous);
+    angles[largest] = PI - angles[next] - angles[previous];
+    angles
 }
 
 /// The average of a group in the making.
@@ -408,6 +436,7 @@ fn sort_around(edge: &mut [Spoke]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::power_of_two;
 
     /// A cube of edge 2 around the origin, two triangles per side.
     fn cube() -> TriangleMesh {
@@ -584,6 +613,12 @@ mod tests {
         assert_eq!(face_normal(sliver(0.0)), None);
         let point = DVec3::new(0.1, 0.2, 0.3);
         assert_eq!(face_normal([point; 3]), None);
+        let (far, apart) = (DVec3::X * 1e308, DVec3::new(1e308, 0.0, 1e-308));
+        assert_eq!(face_normal([far, far, apart]), None);
+        assert_eq!(
+            face_normal([far, apart, DVec3::new(1e308, 1e-308, 0.0)]),
+            Some(DVec3::NEG_X)
+        );
         assert_eq!(face_normal([point, point, DVec3::X]), None);
         // 3 · 0.1 is not 0.3 in binary; as decimals the points are on a line.
         assert_eq!(

@@ -109,10 +109,12 @@ fn goes_up(a: DVec2, b: DVec2) -> bool {
     (a.y, a.x) < (b.y, b.x)
 }
 
-/// All corners, each with the one before and the one after it.
+/// All corners, of which there is at least one, each with the one before and the one after it.
 fn corners_of(points: &[DVec2]) -> impl Iterator<Item = [DVec2; 3]> {
-    let n = points.len();
-    (0..n).map(move |i| [points[(i + n - 1) % n], points[i], points[(i + 1) % n]])
+    let last = points.len() - 1;
+    let before = move |i: usize| if i == 0 { last } else { i - 1 };
+    let after = move |i: usize| if i == last { 0 } else { i + 1 };
+    (0..=last).map(move |i| [points[before(i)], points[i], points[after(i)]])
 }
 
 /// Cuts off every other corner until nothing is left, which makes fatter triangles than a fan does.

@@ -133,7 +133,8 @@ impl RayKernel {
     #[must_use]
     #[inline]
     pub fn intersect(&self, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
-        let [a, b, c] = triangle.corners.map(|corner| self.sheared(corner));
+        let [a, b, c] = triangle.corners;
+        let (a, b, c) = (self.sheared(a), self.sheared(b), self.sheared(c));
 
         // Edge functions: twice the areas of the origin with each edge. A fused multiply-add here would round the two
         // products differently and open the shared edges.
@@ -153,14 +154,16 @@ impl RayKernel {
         let determinant = u + v + w;
         let weighted_z = u * a[2] + v * b[2] + w * c[2];
         let z_error = depth * (4.0 * edge_error + 4.0 * f64::EPSILON * determinant.abs());
-        let t = weighted_z / (determinant * self.direction_z);
-        if t < 0.0 && determinant.abs() > 4.0 * edge_error && weighted_z.abs() > z_error {
+        let denominator = determinant * self.direction_z;
+        let behind = weighted_z * denominator < 0.0;
+        if behind && determinant.abs() > 4.0 * edge_error && weighted_z.abs() > z_error {
             return None;
         }
 
         let inside = lowest > edge_error || highest < -edge_error;
         let (t, weights) = if inside && weighted_z.abs() > CERTAIN_T * z_error {
-            (t, [u, v, w].map(|edge| edge / determinant))
+            let share = determinant.recip();
+            (weighted_z / denominator, [u * share, v * share, w * share])
         } else {
             exact::intersect(&self.ray, triangle)?
         };
@@ -169,7 +172,11 @@ impl RayKernel {
         let t = narrowed(t);
         (0.0 < t && t < t_max).then(|| TriangleHit {
             t,
-            barycentrics: weights.map(narrowed),
+            barycentrics: [
+                narrowed(weights[0]),
+                narrowed(weights[1]),
+                narrowed(weights[2]),
+            ],
         })
     }
 

@@ -1,22 +1,39 @@
-//! The window (placeholder until branch `gui` is merged).
-use std::path::PathBuf;
+//! The window: an egui application around the renderer.
+//!
+//! It edits a plain [`crate::scene::Scene`], shows it by the GPU while one looks around, and watches renders that run on
+//! worker threads. It knows nothing of the command line, and nothing outside this module knows egui, eframe or wgpu.
+//!
+//! - [`app`]: state, the order of a frame, opening, saving, rendering
+//! - [`jobs`], [`worker`]: background work and what it says
+//! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
+//! - [`preview`], [`preview_image`]: the scene drawn by the GPU
+//! - [`picture`]: the render as it fills in
+//! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
+//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`icons`],
+//!   [`theme`]: what is drawn
+//! - `start`: opening the window, and words for when it does not open
 
-/// What to open.
-#[derive(Debug)]
-pub struct OpenRequest {
-    /// Files.
-    pub paths: Vec<PathBuf>,
-}
+pub mod app;
+pub mod commands;
+pub mod dialogs;
+pub mod document;
+pub mod icons;
+pub mod jobs;
+pub mod messages;
+pub mod orbit;
+pub mod panels;
+pub mod pick;
+pub mod picture;
+pub mod preview;
+pub mod preview_image;
+pub mod selection;
+mod start;
+pub mod status_bar;
+pub mod theme;
+pub mod top_bar;
+pub mod viewport;
+pub mod widgets;
+pub mod worker;
 
-/// No window.
-#[derive(Debug, thiserror::Error)]
-#[error("not yet")]
-pub struct GuiError;
-
-/// Opens.
-///
-/// # Errors
-/// Always.
-pub fn run(_request: OpenRequest) -> Result<(), GuiError> {
-    Err(GuiError)
-}
+pub use app::{App, AppOptions, FileDialogs};
+pub use start::{GuiError, OpenRequest, run};

@@ -82,7 +82,6 @@ pub(super) fn grow(
         references,
         bounds,
         depth: 0,
-        bad_splits: 0,
     };
     let mut top = Growth::new(root, budget, |cell| cell.references.len() as f64);
     top.split_while(&job, |growth| {
@@ -134,8 +133,6 @@ struct Cell {
     references: Vec<Reference>,
     bounds: Bounds,
     depth: u32,
-    /// Splits above it that did not pay by themselves.
-    bad_splits: u32,
 }
 
 /// A cell that may be split further, and its place in the list of nodes.
@@ -255,12 +252,8 @@ impl Job<'_> {
             return None;
         }
         let plane = splitter.best_plane(&cell.references, &cell.bounds)?;
-        let mut bad_splits = cell.bad_splits;
         if plane.cost > unsplit * (1.0 - self.parameters.min_gain) {
-            bad_splits += 1;
-            if bad_splits > self.parameters.bad_splits {
-                return None;
-            }
+            return None;
         }
         let children = self.divide(cell, &plane);
         if children.iter().all(|references| references.len() == count) {
@@ -280,7 +273,6 @@ impl Job<'_> {
                 references,
                 bounds,
                 depth: cell.depth + 1,
-                bad_splits,
             }
         });
         Some((plane, children))
@@ -354,7 +346,7 @@ impl KdParameters {
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
-                reason = "below 60"
+                reason = "below 50"
             )]
             let depth = depth.round() as u32;
             depth

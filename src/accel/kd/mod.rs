@@ -18,29 +18,32 @@ use crate::geometry::{RayKernel, Triangle};
 use crate::math::{Bounds, Ray};
 use node::{Node, packed};
 
-/// No tree is deeper, so that the stack of a walk has a fixed size.
-const MAX_DEPTH: u32 = 60;
+/// No tree has more planes above a leaf, so that the stack of a walk has a fixed size.
+const MAX_DEPTH: u32 = 48;
 
 /// Blocks and nodes are counted in 30 bits; there are at most twice as many nodes as references.
 const MAX_REFERENCES: usize = 1 << 29;
 
 /// What the builder assumes and how far it may go. Costs are relative to each other.
+///
+/// The default costs gave the fastest rays (camera, shadow and bounce, on smooth meshes and soups of 28,000 to 82,000
+/// triangles) among `intersection_cost` 0.5 to 4, `empty_bonus` 0 to 0.8 and `min_gain` 0 to 0.1; the optimum is flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KdParameters {
     /// Cost of deciding at one plane which way to go.
     pub traversal_cost: f64,
     /// Cost of testing one block of up to eight triangles.
     pub intersection_cost: f64,
-    /// Share by which a split counts as cheaper when one side of it is empty. Cutting off empty space early pays more than
-    /// the heuristic knows (Hurley et al. 2002; pbrt uses 0.5).
+    /// Share by which the children of a split count as cheaper when one of them is empty, as cutting off empty space early
+    /// pays more than the heuristic knows. Source: Hurley, Kapustin, Reshetov, Soupikov, Fast Ray Tracing for Modern
+    /// General Purpose CPU, 2002.
     pub empty_bonus: f64,
-    /// Depth limit; by default `8 + 1.3 log2 n`, as in Havran's thesis and pbrt. Never more than 60.
+    /// Depth limit; by default `8 + 1.3 log2 n`. Never more than 48, which that reaches at 2³⁰ triangles.
+    /// Source: Pharr et al., Physically Based Rendering (3rd ed.), 4.4, after Havran.
     pub max_depth: Option<u32>,
-    /// Share of the cost of a leaf that a split must save, or else it counts as bad.
+    /// Share of the cost of a leaf that a split must save.
     pub min_gain: f64,
-    /// Bad splits allowed between the root and any leaf: the next split may make up for one (pbrt allows 3).
-    pub bad_splits: u32,
-    /// References allowed per triangle. Ordinary scenes need 1 to 3; it stops those where many triangles overlap.
+    /// References allowed per triangle. Ordinary scenes need one to three; it stops those where many triangles overlap.
     pub reference_budget: f64,
     /// Cells with up to this many references try every plane; larger ones try 63 per axis.
     pub exact_limit: usize,
@@ -50,11 +53,10 @@ impl Default for KdParameters {
     fn default() -> Self {
         Self {
             traversal_cost: 1.0,
-            intersection_cost: 2.0,
-            empty_bonus: 0.5,
+            intersection_cost: 1.5,
+            empty_bonus: 0.15,
             max_depth: None,
-            min_gain: 0.02,
-            bad_splits: 2,
+            min_gain: 0.05,
             reference_budget: 8.0,
             exact_limit: 1024,
         }
@@ -129,8 +131,8 @@ impl KdTree {
         let mut best: Option<Hit> = None;
         self.walk(ray, t_max, |blocks| {
             for block in blocks {
-                for (lane, may_hit) in filter.may_hit(block).into_iter().enumerate() {
-                    if may_hit && let Some(new) = kernel.intersect(&block.triangle(lane), t_max) {
+                for lane in filter.may_hit(block) {
+                    if let Some(new) = kernel.intersect(&block.triangle(lane), t_max) {
                         best = Some(Hit::nearer(best, block.ids[lane], new));
                     }
                 }
@@ -148,10 +150,8 @@ impl KdTree {
         let mut occluded = false;
         self.walk(ray, t_max, |blocks| {
             occluded = blocks.iter().any(|block| {
-                let lanes = filter.may_hit(block).into_iter().enumerate();
-                lanes
-                    .filter(|&(_, may_hit)| may_hit)
-                    .any(|(lane, _)| kernel.intersect(&block.triangle(lane), t_max).is_some())
+                let hit = |lane| kernel.intersect(&block.triangle(lane), t_max).is_some();
+                filter.may_hit(block).any(hit)
             });
             if occluded { -1.0 } else { t_max }
         });

@@ -4,13 +4,15 @@ use super::node::NodeKind;
 use super::{KdTree, MAX_DEPTH};
 use crate::accel::block::TriangleBlock;
 use crate::math::Ray;
+use crate::math::robust::gamma;
 
-/// Bound on the relative error of a computed distance to a plane: a difference, a reciprocal, a product and the product
-/// with this bound, at half an [`f64::EPSILON`] each, doubled.
+/// By how much a distance that bounds a stretch of the ray is moved outwards, relative to itself.
 ///
-/// Cells are walked as if each plane were this much thicker, so no hit near a plane falls between two cells.
-/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013, for boxes; here for planes, and in `f64`.
-const PLANE_ERROR: f64 = 4.0 * f64::EPSILON;
+/// A computed distance to a plane is a difference, a reciprocal and a product, so it is off by a factor of at most
+/// 1 ± γ₃, and the exact one lies within 1 ± 2 γ₃ of it. A bound is moved once for the plane it came from and once for the
+/// plane it will be compared with. So no hit near a plane can fall between two cells.
+/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013, which does this for boxes.
+const MARGIN: f32 = 4.0 * gamma(3);
 
 impl KdTree {
     /// Visits the leaves whose cells `ray` passes in `0 < t < t_max`, nearest first, until they begin beyond the `t` that
@@ -24,21 +26,19 @@ impl KdTree {
         t_max: f32,
         mut visit: impl FnMut(&[TriangleBlock]) -> f32,
     ) {
-        let origin = ray.origin.as_dvec3().to_array();
-        let direction = ray.direction.as_dvec3().to_array();
-        let inverse = direction.map(f64::recip);
+        let origin = ray.origin.to_array();
+        let direction = ray.direction.to_array();
+        let inverse = direction.map(reciprocal);
         let backward = direction.map(|d| usize::from(d.is_sign_negative()));
 
         // The part of the ray inside the box of the scene.
         let mut enter = 0.0;
-        let mut exit = not_before(t_max);
+        let mut exit = later(t_max.next_up());
         for axis in 0..3 {
             let ends = [self.bounds.min[axis], self.bounds.max[axis]]
-                .map(|end| (f64::from(end) - origin[axis]) * inverse[axis]);
-            let first = ends[backward[axis]] * (1.0 - PLANE_ERROR);
-            let last = ends[1 - backward[axis]] * (1.0 + PLANE_ERROR);
-            enter = if first > enter { first } else { enter };
-            exit = if last < exit { last } else { exit };
+                .map(|end| (end - origin[axis]) * inverse[axis]);
+            enter = larger(earlier(ends[backward[axis]]), enter);
+            exit = smaller(later(ends[1 - backward[axis]]), exit);
         }
         if enter > exit {
             return;
@@ -54,24 +54,24 @@ impl KdTree {
                     position,
                     children,
                 } => {
-                    let t = (f64::from(position) - origin[axis]) * inverse[axis];
-                    let (first, last) = (t * (1.0 - PLANE_ERROR), t * (1.0 + PLANE_ERROR));
+                    let t = (position - origin[axis]) * inverse[axis];
                     let near = children + backward[axis];
                     let far = children + 1 - backward[axis];
-                    // The plane lies behind the cell's stretch of the ray, beyond it, or within it.
-                    if last < enter {
+                    // The plane lies before the cell's stretch of the ray, beyond it, or within it.
+                    if t < enter {
                         index = far;
-                    } else if first > exit {
+                    } else if t > exit {
                         index = near;
                     } else {
-                        stack[waiting] = (far, if first > enter { first } else { enter }, exit);
+                        stack[waiting] = (far, larger(earlier(t), enter), exit);
                         waiting += 1;
-                        exit = if last < exit { last } else { exit };
+                        exit = smaller(later(t), exit);
                         index = near;
                     }
                 }
                 NodeKind::Leaf { blocks } => {
-                    let limit = not_before(visit(&self.blocks[blocks]));
+                    // The exact distance of a hit is less than one place from the rounded one.
+                    let limit = visit(&self.blocks[blocks]).next_up();
                     loop {
                         if waiting == 0 {
                             return;
@@ -88,7 +88,36 @@ impl KdTree {
     }
 }
 
-/// A bound on the exact distance of a hit whose rounded distance is `t`; see [`crate::geometry::RayKernel::intersect`].
-fn not_before(t: f32) -> f64 {
-    f64::from(t.next_up())
+/// `1 / d`; infinite for zeros. NaN, which visits both sides of every plane, where the result would lack digits.
+fn reciprocal(d: f32) -> f32 {
+    let inverse = d.recip();
+    if inverse.is_normal() || d == 0.0 {
+        inverse
+    } else {
+        f32::NAN
+    }
+}
+
+/// A bound that no hit at `t` or after it comes before. The smallest normal number stands in for digits lost below it.
+#[inline]
+fn earlier(t: f32) -> f32 {
+    t * (1.0 - MARGIN) - f32::MIN_POSITIVE
+}
+
+/// A bound that no hit at `t` or before it comes after.
+#[inline]
+fn later(t: f32) -> f32 {
+    t * (1.0 + MARGIN) + f32::MIN_POSITIVE
+}
+
+/// The smaller number; `old` if `new` is NaN.
+#[inline]
+fn smaller(new: f32, old: f32) -> f32 {
+    if new < old { new } else { old }
+}
+
+/// The larger number; `old` if `new` is NaN.
+#[inline]
+fn larger(new: f32, old: f32) -> f32 {
+    if new > old { new } else { old }
 }

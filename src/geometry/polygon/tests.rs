@@ -13,6 +13,15 @@ impl Random {
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "below the bound"
+    )]
+    fn below(&mut self, bound: usize) -> usize {
+        (self.unit() * bound as f64) as usize
+    }
 }
 
 /// Points of a plane as corners in space: on all three axes' planes and tilted, from both sides.
@@ -293,6 +302,65 @@ fn repeated_points_and_lines_give_triangles_without_area() {
         .collect();
     assert_eq!(triangulate(&line).triangles.len(), 7);
     assert_eq!(triangulate(&[DVec3::ONE; 6]).triangles.len(), 4);
+}
+
+/// The outer border of a random figure of unit squares, with every grid point on it, counter-clockwise.
+///
+/// Many figures touch themselves in corners, where the border keeps to its square or crosses over to the next.
+fn polyomino(squares: usize, random: &mut Random, keeps_left: bool) -> Vec<DVec2> {
+    let directions = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+    let mut figure = vec![(0, 0)];
+    while figure.len() < squares {
+        let (x, y) = figure[random.below(figure.len())];
+        let (dx, dy) = directions[random.below(4)];
+        if !figure.contains(&(x + dx, y + dy)) {
+            figure.push((x + dx, y + dy));
+        }
+    }
+    let is_in = |x: i32, y: i32| figure.contains(&(x, y));
+    // The square to the left of the edge that leaves a grid point in a direction is in, the one to the right is not.
+    let is_border = |(x, y): (i32, i32), direction: usize| match direction {
+        0 => is_in(x, y) && !is_in(x, y - 1),
+        1 => is_in(x - 1, y) && !is_in(x, y),
+        2 => is_in(x - 1, y - 1) && !is_in(x - 1, y),
+        _ => is_in(x, y - 1) && !is_in(x - 1, y - 1),
+    };
+    let start = *figure.iter().min().expect("at least one square");
+    let (mut point, mut direction) = (start, 0);
+    let mut border = Vec::new();
+    loop {
+        border.push(DVec2::new(f64::from(point.0), f64::from(point.1)));
+        let (dx, dy) = directions[direction];
+        point = (point.0 + dx, point.1 + dy);
+        let turns = if keeps_left { [1, 0, 3] } else { [3, 0, 1] };
+        let mut next = turns.iter().map(|turn| (direction + turn) % 4);
+        direction = next
+            .find(|&next| is_border(point, next))
+            .expect("a border is closed");
+        if (point, direction) == (start, 0) {
+            return border;
+        }
+    }
+}
+
+#[test]
+fn figures_of_squares_are_covered_even_where_they_touch_themselves() {
+    let mut random = Random(9);
+    for round in 0..600 {
+        let border = polyomino(1 + round % 60, &mut random, round % 2 == 0);
+        let mut places: Vec<_> = border
+            .iter()
+            .map(|p| (p.x.to_bits(), p.y.to_bits()))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        if places.len() == border.len() {
+            assert_tiled(&border);
+        } else {
+            let corners: Vec<DVec3> = border.iter().map(|p| p.extend(1.0)).collect();
+            assert_covered(&corners);
+        }
+    }
 }
 
 #[test]

@@ -70,8 +70,12 @@ impl Expansion {
         const UPPER: u64 = !((1 << 27) - 1);
         let product = f64::from(q) * f64::from(r);
         let upper = f64::from_bits(product.to_bits() & UPPER);
-        self.add(f64::from(p) * (product - upper));
-        self.add(f64::from(p) * upper);
+        for part in [product - upper, upper] {
+            let value = f64::from(p) * part;
+            if value != 0.0 {
+                self.add(value);
+            }
+        }
     }
 
     /// Shewchuk's Grow-Expansion, leaving out terms that are 0.

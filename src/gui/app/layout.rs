@@ -1,0 +1,301 @@
+//! Where everything is drawn.
+
+use egui::{CentralPanel, Color32, Frame, Margin, Panel, Rect, RichText, Ui};
+
+use super::App;
+use crate::gui::commands::Command;
+use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
+use crate::gui::dialogs::{
+    Dialog, buttons_ui, files::FilePurpose, modal_ui, question, shortcuts_ui,
+};
+use crate::gui::jobs::Lane;
+use crate::gui::panels::{self, PanelState};
+use crate::gui::picture::Picture;
+use crate::gui::selection::Selection;
+use crate::gui::status_bar::{self, Activity};
+use crate::gui::theme;
+use crate::gui::top_bar::{self, View};
+use crate::gui::viewport::{self, Viewport, ViewportScene};
+use crate::gui::worker::Event;
+use crate::math::DBounds;
+
+impl App {
+    /// Draws the window; returns what was asked for.
+    pub(super) fn window_ui(&mut self, ui: &mut Ui) -> Vec<Command> {
+        let fill = ui.visuals().panel_fill;
+        let bar = |x, y| {
+            Frame::new()
+                .fill(fill)
+                .inner_margin(Margin::symmetric(x, y))
+        };
+        let state = self.top_bar_state();
+        let name = self.document.name();
+        let commands = Panel::top("top bar")
+            .frame(bar(10, 6))
+            .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
+            .inner;
+        Panel::bottom("status bar")
+            .frame(bar(12, 1))
+            .show(ui, |ui| self.status_ui(ui));
+        let mut open = self.panel_open;
+        Panel::right("side panel")
+            .frame(bar(0, 0))
+            .default_size(theme::PANEL_WIDTH)
+            .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
+            .show_collapsible(ui, &mut open, |ui| self.panels_ui(ui));
+        self.panel_open = open;
+        CentralPanel::default()
+            .frame(Frame::new())
+            .show(ui, |ui| self.central_ui(ui));
+        commands
+    }
+
+    fn status_ui(&self, ui: &mut Ui) {
+        let activity = if let Some(loading) = &self.loading {
+            Activity::Loading {
+                what: &loading.what,
+                share: loading.progress.fraction(),
+            }
+        } else if self.waiting_render.is_some() {
+            Activity::Preparing
+        } else if let Some(picture) = &self.picture {
+            Activity::Picture {
+                picture,
+                outdated: self.picture_is_outdated(),
+            }
+        } else {
+            Activity::Idle
+        };
+        let scene = &self.document.scene;
+        let shown = (!scene.objects.is_empty()).then_some(scene);
+        status_bar::status_bar_ui(ui, &activity, self.messages.last_news(), shown);
+    }
+
+    fn panels_ui(&mut self, ui: &mut Ui) {
+        let bounds = self.bounds();
+        egui::ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| {
+                Frame::new()
+                    .inner_margin(Margin {
+                        left: 12,
+                        right: 14,
+                        top: 6,
+                        bottom: 12,
+                    })
+                    .show(ui, |ui| {
+                        let mut state = PanelState {
+                            scene: &mut self.document.scene,
+                            selection: &mut self.selection,
+                            threads: &mut self.threads,
+                            bounds,
+                        };
+                        panels::panels_ui(ui, &mut state);
+                    });
+            });
+    }
+
+    fn central_ui(&mut self, ui: &mut Ui) {
+        self.messages.banners_ui(ui);
+        if let Some(problem) = &self.problem {
+            problem_ui(ui, problem);
+        }
+        let area = ui.available_rect_before_wrap();
+        let frame = viewport::frame_in(
+            area,
+            &self.document.scene.render,
+            ui.ctx().pixels_per_point(),
+        );
+        viewport::backdrop_ui(ui, area, frame);
+        if self.document.scene.objects.is_empty() {
+            self.empty_ui(ui, area);
+            return;
+        }
+        let showing_picture = self.view == View::Picture && self.picture.is_some();
+        self.preview_ui(ui, frame, showing_picture);
+        if showing_picture {
+            self.picture_ui(ui, frame);
+        }
+        self.interact_ui(ui, frame);
+        if !showing_picture {
+            Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
+            viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
+        }
+    }
+
+    /// Draws the preview; under a picture that is not whole, that picture's own view, dimmed.
+    fn preview_ui(&mut self, ui: &Ui, frame: Rect, under_picture: bool) {
+        let Some(preview) = &mut self.preview else {
+            no_gpu_ui(ui, frame);
+            return;
+        };
+        let Some(state) = &self.prepared else { return };
+        let Some(triangles) = &state.prepared.triangles else {
+            return;
+        };
+        let picture = self.picture.as_ref().filter(|_| under_picture);
+        let mut scene = picture.map_or(&self.document.scene, |picture| &picture.scene);
+        // While an edit that adds or removes objects is prepared, the triangles are still those of the scene before.
+        let stale;
+        if scene.objects.len() != state.scene.objects.len() {
+            stale = crate::scene::Scene {
+                objects: state.scene.objects.clone(),
+                ..scene.clone()
+            };
+            scene = &stale;
+        }
+        let scale = ui.ctx().pixels_per_point();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "sides of a rectangle on the screen"
+        )]
+        let size = [frame.width(), frame.height()].map(|side| (side * scale).round() as u32);
+        let tint = if under_picture {
+            Color32::from_gray(70)
+        } else {
+            Color32::WHITE
+        };
+        if let Some(texture) = preview.show(scene, triangles, size) {
+            image_ui(ui, texture, frame, tint);
+        }
+    }
+
+    fn picture_ui(&self, ui: &Ui, frame: Rect) {
+        if let Some(texture) = self.picture.as_ref().and_then(Picture::texture) {
+            image_ui(ui, texture, frame, Color32::WHITE);
+        }
+    }
+
+    /// Lets the mouse work on the scene. Moving the camera brings the preview back.
+    fn interact_ui(&mut self, ui: &Ui, frame: Rect) {
+        let bounds = self.bounds();
+        let geometry = self
+            .prepared
+            .as_ref()
+            .map(|state| state.prepared.scene.geometry().as_ref());
+        let mut view = ViewportScene {
+            scene: &mut self.document.scene,
+            selection: &mut self.selection,
+            geometry,
+            bounds,
+        };
+        if self.viewport.interact_ui(ui, frame, &mut view) {
+            self.view = View::Preview;
+        }
+    }
+
+    /// What to do where there is nothing to see.
+    fn empty_ui(&mut self, ui: &mut Ui, area: Rect) {
+        let text = match &self.loading {
+            Some(loading) => format!("Loading {}…", loading.what),
+            None => "Drop a mesh or a scene here, or press Ctrl+O".to_owned(),
+        };
+        ui.put(
+            area,
+            egui::Label::new(RichText::new(text).size(16.0).weak()),
+        );
+    }
+
+    /// The world box of the selected object.
+    fn selected_bounds(&self) -> DBounds {
+        match (&self.selection, &self.prepared) {
+            (Selection::Object(index), Some(state)) => state
+                .prepared
+                .object_bounds
+                .get(*index)
+                .copied()
+                .unwrap_or(DBounds::EMPTY),
+            _ => DBounds::EMPTY,
+        }
+    }
+
+    pub(super) fn dialogs_ui(&mut self, ctx: &egui::Context) {
+        // Taken out while it shows, so that what it leads to may put another one in its place.
+        match self.dialog.take() {
+            None => {}
+            Some(Dialog::Shortcuts) => self.dialog = shortcuts_ui(ctx).then_some(Dialog::Shortcuts),
+            Some(Dialog::Unsaved(intent)) => {
+                let name = self.document.name().to_owned();
+                let can_add = Self::can_add(&intent);
+                let decision = question::unsaved_ui(ctx, &name, &intent, can_add);
+                self.decide(ctx, intent, decision);
+            }
+            Some(Dialog::Waiting(purpose)) => self.waiting_ui(ctx, purpose),
+            Some(Dialog::Path(mut field)) => match field.show_ui(ctx) {
+                PathOutcome::Cancelled => self.after_saving = None,
+                PathOutcome::Chosen(path) => self.use_paths(field.purpose, vec![path]),
+                outcome => {
+                    if let PathOutcome::List(text) = outcome
+                        && !self.jobs.is_busy(Lane::List)
+                    {
+                        let purpose = field.purpose;
+                        self.jobs.start(Lane::List, move |job| {
+                            job.send(Event::Listed(path_field::list(text, purpose)));
+                        });
+                    }
+                    self.dialog = Some(Dialog::Path(field));
+                }
+            },
+        }
+    }
+
+    /// While the desktop's dialog is open, typing a path is always the other way.
+    fn waiting_ui(&mut self, ctx: &egui::Context, purpose: FilePurpose) {
+        let response = modal_ui(ctx, "waiting", 380.0, |ui| {
+            ui.heading(purpose.title());
+            ui.add_space(4.0);
+            let text = "The desktop shows its file dialog in a window of its own.";
+            ui.label(RichText::new(text).weak());
+            buttons_ui(ui, |ui| {
+                let cancel = ui.button("Cancel").clicked();
+                let type_path = ui.button("Type a path instead").clicked();
+                (type_path, cancel)
+            })
+        });
+        let (type_path, cancel) = response.inner;
+        if type_path {
+            self.type_path(purpose, None);
+        } else if cancel {
+            self.jobs.cancel(Lane::Dialog);
+            self.after_saving = None;
+        } else if self.jobs.is_busy(Lane::Dialog) {
+            self.dialog = Some(Dialog::Waiting(purpose));
+        }
+    }
+}
+
+fn image_ui(ui: &Ui, texture: egui::TextureId, frame: Rect, tint: Color32) {
+    let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+    ui.painter().image(texture, frame, whole, tint);
+}
+
+/// Why the scene as it is cannot be rendered; it goes when the reason does.
+fn problem_ui(ui: &mut Ui, problem: &str) {
+    let color = ui.visuals().warn_fg_color;
+    Frame::new()
+        .fill(ui.visuals().panel_fill.lerp_to_gamma(color, 0.16))
+        .inner_margin(Margin::symmetric(12, 8))
+        .show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            ui.label(
+                RichText::new("This scene cannot be rendered as it is")
+                    .strong()
+                    .color(color),
+            );
+            ui.label(problem);
+        });
+}
+
+/// Where the preview would be.
+fn no_gpu_ui(ui: &Ui, frame: Rect) {
+    let text = "No preview: there is no GPU adapter.\nOn Debian the package mesa-vulkan-drivers brings \
+                one that works in software.\nRendering works without: press Render.";
+    ui.painter().text(
+        frame.center(),
+        egui::Align2::CENTER_CENTER,
+        text,
+        egui::FontId::proportional(15.0),
+        ui.visuals().weak_text_color(),
+    );
+}

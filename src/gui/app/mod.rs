@@ -1,0 +1,373 @@
+//! The window's state and the order of one frame.
+//!
+//! A frame takes in what background jobs have to say ([`App::take_news`]), draws bars, panels and the central area, which
+//! edit the scene in place or name a [`Command`], carries the commands out, and last looks at what changed: new geometry
+//! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. Everything slow is a job;
+//! see [`super::jobs`] for how jobs and window talk.
+//!
+//! - `opening`: scenes and meshes from files
+//! - `saving`: scenes and pictures to files, and questions about unsaved work
+//! - `rendering`: preparing, rendering, showing the picture
+//! - `layout`: where everything is drawn
+
+mod layout;
+mod opening;
+mod rendering;
+mod saving;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::commands::Command;
+use super::dialogs::{Dialog, Intent};
+use super::document::Document;
+use super::jobs::{Jobs, Lane, News};
+use super::messages::Messages;
+use super::orbit;
+use super::picture::Picture;
+use super::preview_image::PreviewImage;
+use super::selection::Selection;
+use super::theme;
+use super::top_bar::{Phase, TopBarState, View};
+use super::viewport::Viewport;
+use super::worker::{Event, Prepared};
+use crate::control::Progress;
+use crate::math::DBounds;
+use crate::scene::Scene;
+
+/// How the window starts.
+#[derive(Clone, Debug, Default)]
+pub struct AppOptions {
+    /// Files to open; the demo when there are none.
+    pub paths: Vec<PathBuf>,
+    /// Where file paths come from.
+    pub file_dialogs: FileDialogs,
+}
+
+/// Where file paths come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum FileDialogs {
+    /// The desktop's dialog; the path field where there is none.
+    #[default]
+    Desktop,
+    /// Always the path field.
+    PathField,
+}
+
+/// The window.
+#[derive(Debug)]
+pub struct App {
+    document: Document,
+    selection: Selection,
+    view: View,
+    viewport: Viewport,
+    preview: Option<PreviewImage>,
+    prepared: Option<PreparedState>,
+    /// The scene that was last handed over to prepare.
+    preparing: Option<Scene>,
+    /// Why the scene as it is cannot be rendered.
+    problem: Option<String>,
+    picture: Option<Picture>,
+    /// A render was asked for at this time and waits for its geometry.
+    waiting_render: Option<Instant>,
+    loading: Option<Loading>,
+    jobs: Jobs<Event>,
+    messages: Messages,
+    dialog: Option<Dialog>,
+    file_dialogs: FileDialogs,
+    after_saving: Option<Intent>,
+    may_close: bool,
+    panel_open: bool,
+    threads: usize,
+    title: String,
+}
+
+/// What was prepared, and from what.
+#[derive(Debug)]
+struct PreparedState {
+    prepared: Prepared,
+    scene: Scene,
+    bounds: DBounds,
+}
+
+/// Files being read.
+#[derive(Debug)]
+struct Loading {
+    what: String,
+    progress: Progress,
+}
+
+impl App {
+    /// The window on what `options` names. Without `wgpu_render_state` there is no preview, and everything else works.
+    #[must_use]
+    pub fn new(creation: &eframe::CreationContext<'_>, options: AppOptions) -> Self {
+        theme::install(&creation.egui_ctx);
+        let mut app = Self {
+            document: Document::new(Scene::default(), "RayMini".to_owned(), None),
+            selection: Selection::Camera,
+            view: View::Preview,
+            viewport: Viewport::default(),
+            preview: creation.wgpu_render_state.as_ref().map(PreviewImage::new),
+            prepared: None,
+            preparing: None,
+            problem: None,
+            picture: None,
+            waiting_render: None,
+            loading: None,
+            jobs: Jobs::new(creation.egui_ctx.clone()),
+            messages: Messages::default(),
+            dialog: None,
+            file_dialogs: options.file_dialogs,
+            after_saving: None,
+            may_close: false,
+            panel_open: true,
+            threads: 0,
+            title: String::new(),
+        };
+        app.load(options.paths);
+        app
+    }
+
+    /// The scene being edited.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The last render, running or ended.
+    #[must_use]
+    pub fn picture(&self) -> Option<&Picture> {
+        self.picture.as_ref()
+    }
+
+    /// The banners and the last news.
+    #[must_use]
+    pub fn messages(&self) -> &Messages {
+        &self.messages
+    }
+
+    /// What shows over the window.
+    #[must_use]
+    pub fn dialog(&self) -> Option<&Dialog> {
+        self.dialog.as_ref()
+    }
+
+    /// What the central area shows.
+    #[must_use]
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// Whether files are read, or the scene as it is has not been prepared yet.
+    #[must_use]
+    pub fn is_settling(&self) -> bool {
+        self.loading.is_some() || self.jobs.is_busy(Lane::Prepare) || !self.is_prepared()
+    }
+
+    /// Threads that still work on renders, cancelled ones included.
+    #[must_use]
+    pub fn render_threads(&self) -> usize {
+        self.jobs.running_threads(Lane::Render)
+    }
+
+    /// What the top bar shows, which is also what commands may be given.
+    fn top_bar_state(&self) -> TopBarState {
+        TopBarState {
+            view: self.view,
+            phase: if self.is_rendering() {
+                Phase::Rendering
+            } else if self.document.scene.objects.is_empty() {
+                Phase::Empty
+            } else {
+                Phase::Ready
+            },
+            has_picture: self.picture.as_ref().is_some_and(|p| p.texture().is_some()),
+            panel_open: self.panel_open,
+            modified: self.document.is_modified(),
+        }
+    }
+
+    /// Takes in what background jobs have to say, for a few milliseconds at most.
+    fn take_news(&mut self, ctx: &egui::Context) {
+        const BUDGET_SECONDS: f64 = 0.004;
+        let started = Instant::now();
+        while let Some(news) = self.jobs.next_event() {
+            match news {
+                News::Event(event) => self.take_event(ctx, event),
+                News::Panicked(lane, message) => self.job_failed(lane, &message),
+            }
+            if started.elapsed().as_secs_f64() > BUDGET_SECONDS {
+                ctx.request_repaint();
+                return;
+            }
+        }
+        if !self.jobs.is_busy(Lane::Load) {
+            self.loading = None;
+        }
+    }
+
+    fn take_event(&mut self, ctx: &egui::Context, event: Event) {
+        match event {
+            Event::SceneLoaded { paths, result } => self.scene_loaded(&paths, result),
+            Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
+            Event::Prepared(result) => self.prepared(result),
+            Event::Tile(tile) => {
+                if let Some(picture) = &mut self.picture {
+                    picture.show_tile(ctx, tile);
+                }
+            }
+            Event::Rendered { hash, stats } => self.rendered(hash, stats),
+            Event::RenderFailed(text) => self.render_failed(&text),
+            Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
+            Event::PictureSaved { path, result } => self.picture_saved(&path, result),
+            Event::PathsChosen(answer) => self.paths_chosen(answer),
+            Event::Listed(listing) => {
+                if let Some(Dialog::Path(field)) = &mut self.dialog {
+                    field.set_listing(listing);
+                }
+            }
+        }
+    }
+
+    /// A job ended by a fault of the program.
+    fn job_failed(&mut self, lane: Lane, message: &str) {
+        match lane {
+            Lane::Load => self.loading = None,
+            Lane::Render => self.end_picture(super::picture::Outcome::Failed),
+            Lane::SaveScene => self.after_saving = None,
+            _ => {}
+        }
+        let text =
+            format!("This is a fault of the program, and your scene is still here: {message}");
+        self.messages.error("Something went wrong", text);
+    }
+
+    /// Carries out what the user asked for.
+    fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
+        if !self.top_bar_state().allows(command) && command != Command::Cancel {
+            return;
+        }
+        match command {
+            Command::Open => self.ask_for_path(super::dialogs::files::FilePurpose::Open),
+            Command::AddMesh => self.ask_for_path(super::dialogs::files::FilePurpose::AddMesh),
+            Command::SaveScene => self.save_scene(),
+            Command::SaveSceneAs => {
+                self.ask_for_path(super::dialogs::files::FilePurpose::SaveScene);
+            }
+            Command::SavePicture => {
+                self.ask_for_path(super::dialogs::files::FilePurpose::SavePicture);
+            }
+            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            Command::FrameAll => self.frame_all(),
+            Command::ResetCamera => {
+                self.document.scene.camera = self.document.home;
+                self.view = View::Preview;
+            }
+            Command::ShowPreview => self.view = View::Preview,
+            Command::ShowPicture => self.view = View::Picture,
+            Command::TogglePanel => self.panel_open = !self.panel_open,
+            Command::Render => self.ask_for_render(),
+            Command::Cancel => self.cancel(),
+            Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
+        }
+    }
+
+    fn frame_all(&mut self) {
+        let bounds = self.bounds();
+        let scene = &mut self.document.scene;
+        let size = super::preview::uniforms::picture_size(scene);
+        scene.camera = orbit::frame_all(&scene.camera, size, &bounds);
+        self.view = View::Preview;
+    }
+
+    /// Stops what runs: a render first, else loading.
+    fn cancel(&mut self) {
+        if self.is_rendering() {
+            self.cancel_render();
+        } else if self.loading.take().is_some() {
+            self.jobs.cancel(Lane::Load);
+            self.messages.news("Loading cancelled");
+        }
+    }
+
+    /// The world box of the objects, as last prepared.
+    fn bounds(&self) -> DBounds {
+        self.prepared
+            .as_ref()
+            .map_or(DBounds::EMPTY, |state| state.bounds)
+    }
+
+    /// Keeps the window's title what it should be; while rendering it says how far, for the task bar.
+    fn update_title(&mut self, ctx: &egui::Context) {
+        let dot = if self.document.is_modified() {
+            " •"
+        } else {
+            ""
+        };
+        let running = self.picture.as_ref().filter(|picture| picture.is_running());
+        let progress = running.map_or_else(String::new, |picture| {
+            let percent = (picture.progress.samples.fraction() * 100.0).floor();
+            format!("{percent} % – ")
+        });
+        let title = format!("{progress}{}{dot} – RayMini", self.document.name());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// Files dropped on the window are opened.
+    fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        let paths: Vec<PathBuf> = dropped.iter().map(|f| f.path().to_owned()).collect();
+        if !paths.is_empty() {
+            self.open(paths);
+        }
+    }
+
+    /// Closing the window waits for unsaved work to be decided about and for files to be written.
+    fn take_close_request(&mut self, ctx: &egui::Context) {
+        if !ctx.input(|input| input.viewport().close_requested()) || self.may_close {
+            return;
+        }
+        if self.document.is_modified() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.dialog = Some(Dialog::Unsaved(Intent::Close));
+        } else if self.is_saving() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.after_saving = Some(Intent::Close);
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.take_news(ctx);
+        self.update_background_work();
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.take_dropped_files(&ctx);
+        self.take_close_request(&ctx);
+
+        let mut commands = if self.dialog.is_none() {
+            Command::pressed(&ctx)
+        } else {
+            Vec::new()
+        };
+        let render_before = self.document.scene.display;
+        commands.extend(self.window_ui(ui));
+        self.dialogs_ui(&ctx);
+        for command in commands {
+            self.carry_out(&ctx, command);
+        }
+
+        self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
+        if self.document.scene.display != render_before {
+            self.show_picture_with(self.document.scene.display);
+        }
+        self.update_background_work();
+        self.update_title(&ctx);
+    }
+}

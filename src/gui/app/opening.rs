@@ -1,0 +1,218 @@
+//! Scenes and meshes from files. The present scene stays until the new one is whole.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{App, Loading};
+use crate::control::Progress;
+use crate::gui::app::FileDialogs;
+use crate::gui::dialogs::files::{self, Answer, FilePurpose};
+use crate::gui::dialogs::path_field::PathField;
+use crate::gui::dialogs::{Dialog, Intent};
+use crate::gui::document::{Document, free_name, name_of};
+use crate::gui::jobs::Lane;
+use crate::gui::selection::Selection;
+use crate::gui::top_bar::View;
+use crate::gui::worker;
+use crate::io::{self, LoadedScene, MeshFile};
+use crate::scene::{Object, presets};
+
+impl App {
+    /// Opens `paths` in place of the scene, once unsaved work is decided about.
+    pub(super) fn open(&mut self, paths: Vec<PathBuf>) {
+        if self.document.is_modified() {
+            self.dialog = Some(Dialog::Unsaved(Intent::Open(paths)));
+        } else {
+            self.load(paths);
+        }
+    }
+
+    /// Loads `paths`, or the demo when there are none.
+    pub(super) fn load(&mut self, paths: Vec<PathBuf>) {
+        let progress = self.begin_loading(what(&paths));
+        self.jobs.start(Lane::Load, move |job| {
+            worker::load_scene(job, paths, &progress);
+        });
+    }
+
+    /// Adds the meshes to the scene, one after the other.
+    pub(super) fn add_meshes(&mut self, paths: Vec<PathBuf>) {
+        let progress = self.begin_loading(what(&paths));
+        self.jobs.start(Lane::Load, move |job| {
+            for path in paths {
+                worker::load_mesh(job, path, &progress);
+            }
+        });
+    }
+
+    fn begin_loading(&mut self, what: String) -> Progress {
+        let progress = Progress::new();
+        self.loading = Some(Loading {
+            what,
+            progress: progress.clone(),
+        });
+        progress
+    }
+
+    pub(super) fn scene_loaded(&mut self, paths: &[PathBuf], result: Result<LoadedScene, String>) {
+        self.loading = None;
+        let loaded = match result {
+            Ok(loaded) => loaded,
+            Err(error) => {
+                let text = format!("{error}\nThe scene you had is still here.");
+                self.messages
+                    .error(format!("Cannot open {}", what(paths)), text);
+                return;
+            }
+        };
+        self.jobs.cancel(Lane::Prepare);
+        self.jobs.cancel(Lane::Render);
+        self.jobs.cancel(Lane::Encode);
+        self.messages.clear();
+        self.messages.news("");
+        if !loaded.warnings.is_empty() {
+            let title = format!("Opened {} with remarks", what(paths));
+            self.messages.warning(title, loaded.warnings.join("\n"));
+        }
+        let file = match paths {
+            [path] if io::is_scene_file(path) => Some(path.clone()),
+            _ => None,
+        };
+        let name = match paths {
+            [] => "Demo".to_owned(),
+            [first, ..] => name_of(first),
+        };
+        self.document = Document::new(loaded.scene, name, file);
+        self.selection = Selection::Camera;
+        self.view = View::Preview;
+        self.prepared = None;
+        self.preparing = None;
+        self.problem = None;
+        self.picture = None;
+        self.waiting_render = None;
+    }
+
+    pub(super) fn mesh_loaded(&mut self, path: &Path, result: Result<MeshFile, String>) {
+        let file = match result {
+            Ok(file) => file,
+            Err(error) => {
+                self.messages
+                    .error(format!("Cannot add {}", name_of(path)), error);
+                return;
+            }
+        };
+        let warnings = io::mesh_warnings(&path.display().to_string(), &file);
+        if !warnings.is_empty() {
+            let title = format!("Added {} with remarks", name_of(path));
+            self.messages.warning(title, warnings.join("\n"));
+        }
+        let scene = &mut self.document.scene;
+        let was_empty = scene.objects.is_empty();
+        let mesh = io::absolute_mesh(&path.to_string_lossy(), Path::new("."));
+        let name = free_name(&name_of(path), |name| {
+            scene.objects.iter().any(|object| object.name == name)
+        });
+        // The preset's own material where the scene has it, else the one used first.
+        let preset = presets::object();
+        let material = preset
+            .material
+            .filter(|name| scene.materials.contains_key(name))
+            .or_else(|| scene.materials.keys().next().cloned());
+        scene.meshes.insert(mesh.clone(), Arc::new(file.mesh));
+        scene.objects.push(Object {
+            name,
+            mesh,
+            material,
+            ..presets::object()
+        });
+        self.selection = Selection::Object(scene.objects.len() - 1);
+        if was_empty
+            && scene.lights.is_empty()
+            && let Err(error) = presets::light_and_frame(scene)
+        {
+            let title = "The scene cannot be framed and lit";
+            self.messages.error(title, error.to_string());
+        }
+        self.view = View::Preview;
+    }
+
+    /// Asks for a path: the desktop's dialog where there is one, else the path field.
+    pub(super) fn ask_for_path(&mut self, purpose: FilePurpose) {
+        match self.file_dialogs {
+            FileDialogs::Desktop => {
+                let suggestion = self.suggested_path(purpose);
+                self.dialog = Some(Dialog::Waiting(purpose));
+                self.jobs.start(Lane::Dialog, move |job| {
+                    files::ask(job, purpose, &suggestion);
+                });
+            }
+            FileDialogs::PathField => self.type_path(purpose, None),
+        }
+    }
+
+    /// Shows the path field.
+    pub(super) fn type_path(&mut self, purpose: FilePurpose, note: Option<String>) {
+        self.jobs.cancel(Lane::Dialog);
+        let field = PathField::new(purpose, &self.suggested_path(purpose), note);
+        self.dialog = Some(Dialog::Path(field));
+    }
+
+    /// The desktop's dialog has answered.
+    pub(super) fn paths_chosen(&mut self, answer: Answer) {
+        self.dialog = None;
+        if answer.nobody_saw_it {
+            let note = "This desktop offers no file dialog (no xdg-desktop-portal answers), so type \
+                        the path or click your way to it.";
+            self.file_dialogs = FileDialogs::PathField;
+            self.type_path(answer.purpose, Some(note.to_owned()));
+        } else if answer.paths.is_empty() {
+            self.after_saving = None;
+        } else {
+            self.use_paths(answer.purpose, answer.paths);
+        }
+    }
+
+    /// Does with `paths` what they were asked for.
+    pub(super) fn use_paths(&mut self, purpose: FilePurpose, paths: Vec<PathBuf>) {
+        match purpose {
+            FilePurpose::Open => self.open(paths),
+            FilePurpose::AddMesh => self.add_meshes(paths),
+            FilePurpose::SaveScene | FilePurpose::SavePicture => {
+                for path in paths.into_iter().take(1) {
+                    let path = purpose.with_extension(path);
+                    if purpose == FilePurpose::SaveScene {
+                        self.write_scene(path);
+                    } else {
+                        self.write_picture(path);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where a file dialog starts, and the name it offers.
+    fn suggested_path(&self, purpose: FilePurpose) -> PathBuf {
+        let here = std::env::current_dir().unwrap_or_default();
+        let folder = self.document.path().and_then(Path::parent).unwrap_or(&here);
+        match purpose {
+            FilePurpose::Open | FilePurpose::AddMesh => folder.join(""),
+            FilePurpose::SaveScene => folder.join(format!("{}.toml", self.document.name())),
+            FilePurpose::SavePicture => folder.join(format!("{}.png", self.document.name())),
+        }
+    }
+}
+
+/// What is being opened, in words.
+fn what(paths: &[PathBuf]) -> String {
+    let name = |path: &PathBuf| {
+        path.file_name().map_or_else(
+            || path.display().to_string(),
+            |n| n.to_string_lossy().into_owned(),
+        )
+    };
+    match paths {
+        [] => "the demo scene".to_owned(),
+        [path] => name(path),
+        [first, rest @ ..] => format!("{} and {} more", name(first), rest.len()),
+    }
+}

@@ -1,0 +1,172 @@
+//! From the edited scene to a prepared one and to a picture.
+//!
+//! One prepare job runs at a time. While it does, further edits pile up in the scene; when it ends, the newest state is
+//! prepared, if it differs. So an object that is dragged moves in the preview as often as the machine manages.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::{App, PreparedState};
+use crate::gui::document::{same_geometry, same_picture};
+use crate::gui::jobs::Lane;
+use crate::gui::pick::world_bounds;
+use crate::gui::picture::{Outcome, Picture, PictureBuffer};
+use crate::gui::top_bar::View;
+use crate::gui::worker::{self, Prepared};
+use crate::render::{RenderProgress, RenderStats};
+use crate::scene::Display;
+
+impl App {
+    /// Whether the scene's triangles, as they are now, have been prepared (or found impossible to prepare).
+    pub(super) fn is_prepared(&self) -> bool {
+        if self.document.scene.objects.is_empty() {
+            return true;
+        }
+        self.preparing
+            .as_ref()
+            .is_some_and(|scene| same_geometry(scene, &self.document.scene))
+            && !self.jobs.is_busy(Lane::Prepare)
+    }
+
+    /// Whether a render runs or waits for its geometry.
+    pub(super) fn is_rendering(&self) -> bool {
+        self.waiting_render.is_some() || self.picture.as_ref().is_some_and(Picture::is_running)
+    }
+
+    /// Starts what the scene's newest state needs.
+    pub(super) fn update_background_work(&mut self) {
+        if self.document.scene.objects.is_empty() {
+            self.prepared = None;
+            self.preparing = None;
+            self.problem = None;
+            self.waiting_render = None;
+            return;
+        }
+        if self.jobs.is_busy(Lane::Prepare) {
+            return;
+        }
+        if !self.is_prepared() {
+            let scene = self.document.scene.clone();
+            self.preparing = Some(scene.clone());
+            let previous = self.prepared.as_ref().map(|state| state.prepared.clone());
+            let device = self
+                .preview
+                .as_ref()
+                .map(|preview| preview.device().clone());
+            self.jobs.start(Lane::Prepare, move |job| {
+                worker::prepare(job, &scene, previous, device.as_ref());
+            });
+        } else if let Some(asked) = self.waiting_render.take() {
+            self.start_render(asked);
+        }
+    }
+
+    pub(super) fn prepared(&mut self, result: Result<Prepared, String>) {
+        match result {
+            Ok(prepared) => {
+                self.problem = None;
+                let bounds = world_bounds(prepared.scene.geometry());
+                let scene = self.preparing.clone().unwrap_or_default();
+                self.prepared = Some(PreparedState {
+                    prepared,
+                    scene,
+                    bounds,
+                });
+            }
+            Err(problem) => {
+                self.problem = Some(problem);
+                self.waiting_render = None;
+            }
+        }
+    }
+
+    /// Starts a render as soon as its geometry is there; one that runs is given up.
+    pub(super) fn ask_for_render(&mut self) {
+        if self.picture.as_ref().is_some_and(Picture::is_running) {
+            self.cancel_render();
+        }
+        self.messages.news("");
+        self.waiting_render = Some(Instant::now());
+        self.update_background_work();
+    }
+
+    fn start_render(&mut self, asked: Instant) {
+        let scene = self.document.scene.clone();
+        let largest = self.preview.as_ref().map_or(2048, |preview| {
+            preview.device().limits().max_texture_dimension_2d
+        });
+        let size = &scene.render;
+        let buffer = PictureBuffer::new(size.width, size.height, scene.display, largest);
+        let Some(buffer) = buffer.map(Arc::new) else {
+            let text = format!(
+                "A picture of {} × {} pixels does not fit into memory. Make it smaller.",
+                size.width, size.height
+            );
+            self.messages.error("Cannot render", text);
+            return;
+        };
+        let progress = RenderProgress::default();
+        self.picture = Some(Picture::new(
+            scene.clone(),
+            Arc::clone(&buffer),
+            progress.clone(),
+            asked,
+        ));
+        self.view = View::Picture;
+
+        let previous = self
+            .prepared
+            .as_ref()
+            .map(|state| state.prepared.scene.clone());
+        let threads = self.threads;
+        self.jobs.cancel(Lane::Encode);
+        self.jobs.start(Lane::Render, move |job| {
+            worker::render(job, &scene, previous.as_ref(), threads, &buffer, &progress);
+        });
+    }
+
+    pub(super) fn rendered(&mut self, hash: String, stats: RenderStats) {
+        self.end_picture(Outcome::Finished { hash, stats });
+    }
+
+    pub(super) fn render_failed(&mut self, text: &str) {
+        self.messages.error("Cannot render", text);
+        self.end_picture(Outcome::Failed);
+        if self.picture.as_ref().is_some_and(|p| p.texture().is_none()) {
+            self.view = View::Preview;
+        }
+    }
+
+    pub(super) fn cancel_render(&mut self) {
+        self.waiting_render = None;
+        self.jobs.cancel(Lane::Render);
+        self.end_picture(Outcome::Cancelled);
+    }
+
+    pub(super) fn end_picture(&mut self, outcome: Outcome) {
+        if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
+            picture.end(outcome);
+        }
+    }
+
+    /// Shows the picture with other display settings: they change no radiance.
+    pub(super) fn show_picture_with(&mut self, display: Display) {
+        let Some(picture) = &mut self.picture else {
+            return;
+        };
+        picture.scene.display = display;
+        picture.buffer.set_display(display);
+        if picture.texture().is_some() {
+            let buffer = Arc::clone(&picture.buffer);
+            self.jobs
+                .start(Lane::Encode, move |job| worker::encode(job, &buffer));
+        }
+    }
+
+    /// Whether the picture is of another scene than the one being edited.
+    pub(super) fn picture_is_outdated(&self) -> bool {
+        self.picture
+            .as_ref()
+            .is_some_and(|picture| !same_picture(&picture.scene, &self.document.scene))
+    }
+}

@@ -1,0 +1,129 @@
+//! Scenes and pictures to files, and what waits for unsaved work.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::App;
+use crate::gui::dialogs::files::FilePurpose;
+use crate::gui::dialogs::question::Decision;
+use crate::gui::dialogs::{Dialog, Intent};
+use crate::gui::jobs::Lane;
+use crate::gui::picture::Outcome;
+use crate::gui::worker;
+use crate::io;
+use crate::scene::Scene;
+
+impl App {
+    /// Writes the scene to its file, or asks for one.
+    pub(super) fn save_scene(&mut self) {
+        match self.document.path().map(Path::to_owned) {
+            Some(path) => self.write_scene(path),
+            None => self.ask_for_path(FilePurpose::SaveScene),
+        }
+    }
+
+    pub(super) fn write_scene(&mut self, path: PathBuf) {
+        let scene = self.document.scene.clone();
+        self.messages.news("Saving the scene…");
+        self.jobs.start(Lane::SaveScene, move |job| {
+            worker::save_scene(job, scene, path);
+        });
+    }
+
+    pub(super) fn scene_saved(
+        &mut self,
+        ctx: &egui::Context,
+        path: PathBuf,
+        result: Result<Box<Scene>, String>,
+    ) {
+        match result {
+            Ok(scene) => {
+                self.messages.news(format!("Saved {}", path.display()));
+                self.document.set_saved(*scene, path);
+                if let Some(intent) = self.after_saving.take() {
+                    self.go_on(ctx, intent);
+                }
+            }
+            Err(error) => {
+                self.after_saving = None;
+                self.messages.news("");
+                let text = format!("{error}\nThe scene is not saved. Try another folder or name.");
+                self.messages.error("Cannot save the scene", text);
+            }
+        }
+    }
+
+    pub(super) fn write_picture(&mut self, path: PathBuf) {
+        let Some(picture) = &self.picture else { return };
+        let buffer = Arc::clone(&picture.buffer);
+        let display = picture.scene.display;
+        let output = self.document.scene.output;
+        self.messages.news("Saving the picture…");
+        self.jobs.start(Lane::SavePicture, move |job| {
+            worker::save_picture(job, &buffer, &display, &output, path);
+        });
+    }
+
+    pub(super) fn picture_saved(&mut self, path: &Path, result: Result<(), String>) {
+        match result {
+            Ok(()) => {
+                let whole = self
+                    .picture
+                    .as_ref()
+                    .is_some_and(|p| matches!(p.outcome, Outcome::Finished { .. }));
+                let what = if whole {
+                    "Saved"
+                } else {
+                    "Saved what there is to"
+                };
+                self.messages.news(format!("{what} {}", path.display()));
+            }
+            Err(error) => {
+                self.messages.news("");
+                self.messages.error("Cannot save the picture", error);
+            }
+        }
+        if let Some(Intent::Close) = self.after_saving {
+            self.after_saving = None;
+            self.may_close = true;
+        }
+    }
+
+    /// Whether files are being written.
+    pub(super) fn is_saving(&self) -> bool {
+        self.jobs.is_busy(Lane::SaveScene) || self.jobs.is_busy(Lane::SavePicture)
+    }
+
+    /// Whether what is to be opened could join the scene instead.
+    pub(super) fn can_add(intent: &Intent) -> bool {
+        match intent {
+            Intent::Open(paths) => !paths.iter().any(|path| io::is_scene_file(path)),
+            Intent::Close => false,
+        }
+    }
+
+    /// Does what the user decided about unsaved work.
+    pub(super) fn decide(&mut self, ctx: &egui::Context, intent: Intent, decision: Decision) {
+        match (decision, intent) {
+            (Decision::None, intent) => self.dialog = Some(Dialog::Unsaved(intent)),
+            (Decision::Cancel, _) => {}
+            (Decision::Save, intent) => {
+                self.after_saving = Some(intent);
+                self.save_scene();
+            }
+            (Decision::Add, Intent::Open(paths)) => self.add_meshes(paths),
+            (Decision::Discard | Decision::Add, intent) => self.go_on(ctx, intent),
+        }
+    }
+
+    /// Goes on with what unsaved work held up.
+    fn go_on(&mut self, ctx: &egui::Context, intent: Intent) {
+        match intent {
+            Intent::Open(paths) => self.load(paths),
+            Intent::Close => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+    }
+}

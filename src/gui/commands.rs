@@ -1,0 +1,190 @@
+//! Everything the user can ask for that has a name: one table feeds the menus, the shortcuts and the shortcut sheet.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+/// Something the user asks for by menu, button or key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Open a scene or mesh in place of the present one.
+    Open,
+    /// Add a mesh to the scene.
+    AddMesh,
+    /// Write the scene to its file.
+    SaveScene,
+    /// Write the scene to another file.
+    SaveSceneAs,
+    /// Write the picture.
+    SavePicture,
+    /// Close the window.
+    Quit,
+    /// Move the camera to where it sees everything.
+    FrameAll,
+    /// Go back to the file's camera.
+    ResetCamera,
+    /// Show the live preview.
+    ShowPreview,
+    /// Show the rendered picture.
+    ShowPicture,
+    /// Show or hide the side panel.
+    TogglePanel,
+    /// Start rendering, in place of a running render.
+    Render,
+    /// Stop the running render.
+    Cancel,
+    /// Show the sheet of shortcuts.
+    ShowShortcuts,
+}
+
+impl Command {
+    /// All of them, by menu.
+    pub const ALL: [Self; 14] = [
+        Self::Open,
+        Self::AddMesh,
+        Self::SaveScene,
+        Self::SaveSceneAs,
+        Self::SavePicture,
+        Self::Quit,
+        Self::Render,
+        Self::Cancel,
+        Self::FrameAll,
+        Self::ResetCamera,
+        Self::ShowPreview,
+        Self::ShowPicture,
+        Self::TogglePanel,
+        Self::ShowShortcuts,
+    ];
+
+    /// Its name in menus; an ellipsis says that a question follows.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Open => "Open scene or mesh…",
+            Self::AddMesh => "Add mesh…",
+            Self::SaveScene => "Save scene",
+            Self::SaveSceneAs => "Save scene as…",
+            Self::SavePicture => "Save picture…",
+            Self::Quit => "Quit",
+            Self::FrameAll => "Frame all",
+            Self::ResetCamera => "Reset camera",
+            Self::ShowPreview => "Preview",
+            Self::ShowPicture => "Picture",
+            Self::TogglePanel => "Side panel",
+            Self::Render => "Render",
+            Self::Cancel => "Cancel",
+            Self::ShowShortcuts => "Keyboard and mouse",
+        }
+    }
+
+    /// What it does, for tooltips and the sheet.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Open => "Open a scene file or a mesh in place of the present scene",
+            Self::AddMesh => "Add a mesh to the present scene as a new object",
+            Self::SaveScene => "Write the scene to its file",
+            Self::SaveSceneAs => "Write the scene to another file",
+            Self::SavePicture => "Write the rendered picture as PNG or EXR",
+            Self::Quit => "Close the window",
+            Self::FrameAll => "Move the camera to where it sees all objects",
+            Self::ResetCamera => "Go back to the camera of the file",
+            Self::ShowPreview => "Show the live preview",
+            Self::ShowPicture => "Show the rendered picture",
+            Self::TogglePanel => "Show or hide the side panel",
+            Self::Render => "Render the picture; restarts a running render",
+            Self::Cancel => "Stop the running render or load",
+            Self::ShowShortcuts => "Show this sheet",
+        }
+    }
+
+    /// Its keys; the first is the one menus name.
+    #[must_use]
+    pub fn shortcuts(self) -> &'static [KeyboardShortcut] {
+        const fn plain(key: Key) -> KeyboardShortcut {
+            KeyboardShortcut::new(Modifiers::NONE, key)
+        }
+        const fn command(key: Key) -> KeyboardShortcut {
+            KeyboardShortcut::new(Modifiers::COMMAND, key)
+        }
+        const fn command_shift(key: Key) -> KeyboardShortcut {
+            KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+        }
+        match self {
+            Self::Open => const { &[command(Key::O)] },
+            Self::AddMesh => const { &[command_shift(Key::O)] },
+            Self::SaveScene => const { &[command(Key::S)] },
+            Self::SaveSceneAs => const { &[command_shift(Key::S)] },
+            Self::SavePicture => const { &[command(Key::E)] },
+            Self::Quit => const { &[command(Key::Q)] },
+            Self::FrameAll => const { &[plain(Key::F)] },
+            Self::ResetCamera => const { &[plain(Key::Home)] },
+            Self::ShowPreview => const { &[plain(Key::Num1)] },
+            Self::ShowPicture => const { &[plain(Key::Num2)] },
+            Self::TogglePanel => const { &[plain(Key::F9)] },
+            Self::Render => const { &[plain(Key::F5), command(Key::R)] },
+            Self::Cancel => const { &[plain(Key::Escape)] },
+            Self::ShowShortcuts => const { &[plain(Key::F1), plain(Key::Questionmark)] },
+        }
+    }
+
+    /// Its first key in words, such as "Ctrl+O".
+    #[must_use]
+    pub fn shortcut_text(self, ctx: &egui::Context) -> String {
+        self.shortcut_texts(ctx).next().unwrap_or_default()
+    }
+
+    /// Its keys in words.
+    pub fn shortcut_texts(self, ctx: &egui::Context) -> impl Iterator<Item = String> {
+        self.shortcuts().iter().map(|keys| match keys.logical_key {
+            Key::Questionmark => "?".to_owned(),
+            Key::Escape => "Esc".to_owned(),
+            _ => ctx.format_shortcut(keys),
+        })
+    }
+
+    /// Its description and keys, for a tooltip.
+    #[must_use]
+    pub fn tooltip(self, ctx: &egui::Context) -> String {
+        format!("{}  ({})", self.description(), self.shortcut_text(ctx))
+    }
+
+    /// The commands whose keys were pressed. Keys without Ctrl belong to a text field that is being typed into.
+    #[must_use]
+    pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
+        let typing = ctx.egui_wants_keyboard_input();
+        let mut candidates: Vec<(KeyboardShortcut, Self)> = Self::ALL
+            .into_iter()
+            .flat_map(|command| command.shortcuts().iter().map(move |&keys| (keys, command)))
+            .filter(|(keys, _)| {
+                let is_function_key = matches!(keys.logical_key, Key::F1 | Key::F5 | Key::F9);
+                !typing || keys.modifiers.command || is_function_key
+            })
+            .collect();
+        // Ctrl+Shift+S also matches a pressed Ctrl+S pattern: ask for the longer one first.
+        candidates.sort_by_key(|(keys, _)| !keys.modifiers.shift);
+        ctx.input_mut(|input| {
+            candidates
+                .into_iter()
+                .filter(|(keys, _)| input.consume_shortcut(keys))
+                .map(|(_, command)| command)
+                .collect()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_commands_share_a_key_or_a_name() {
+        for (index, a) in Command::ALL.iter().enumerate() {
+            assert!(!a.label().is_empty() && !a.description().is_empty());
+            for b in &Command::ALL[..index] {
+                assert_ne!(a.label(), b.label());
+                for keys in a.shortcuts() {
+                    assert!(!b.shortcuts().contains(keys), "{a:?} and {b:?}");
+                }
+            }
+        }
+    }
+}

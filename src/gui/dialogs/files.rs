@@ -1,0 +1,134 @@
+//! The desktop's own file dialog, asked for on a thread of its own.
+//!
+//! The desktop answers through a portal. Where there is none, the dialog reports the same as when the user cancels it,
+//! only at once: no user is that quick, so a quick answer means that the path must be typed.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::gui::jobs::Job;
+use crate::gui::worker::Event;
+use crate::io::READABLE_EXTENSIONS;
+
+/// An answer faster than this is no user's.
+const NO_USER_IS_FASTER: Duration = Duration::from_millis(150);
+
+/// What a path is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilePurpose {
+    /// A scene or meshes to open.
+    Open,
+    /// A mesh to add.
+    AddMesh,
+    /// A scene file to write.
+    SaveScene,
+    /// A picture to write.
+    SavePicture,
+}
+
+impl FilePurpose {
+    /// What the dialog is called.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Open => "Open scene or mesh",
+            Self::AddMesh => "Add mesh",
+            Self::SaveScene => "Save scene",
+            Self::SavePicture => "Save picture",
+        }
+    }
+
+    /// What its button does.
+    #[must_use]
+    pub fn verb(self) -> &'static str {
+        match self {
+            Self::Open => "Open",
+            Self::AddMesh => "Add",
+            Self::SaveScene | Self::SavePicture => "Save",
+        }
+    }
+
+    /// Whether a file is going to be written.
+    #[must_use]
+    pub fn is_save(self) -> bool {
+        matches!(self, Self::SaveScene | Self::SavePicture)
+    }
+
+    /// Extensions of files that fit, without dot.
+    #[must_use]
+    pub fn extensions(self) -> Vec<&'static str> {
+        match self {
+            Self::Open => [&["toml"], READABLE_EXTENSIONS].concat(),
+            Self::AddMesh => READABLE_EXTENSIONS.to_vec(),
+            Self::SaveScene => vec!["toml"],
+            Self::SavePicture => vec!["png", "exr"],
+        }
+    }
+
+    /// `path` with the extension that belongs to it, where it names a file to write without one.
+    #[must_use]
+    pub fn with_extension(self, path: PathBuf) -> PathBuf {
+        if self.is_save() && path.extension().is_none() && path.file_name().is_some() {
+            path.with_extension(self.extensions()[0])
+        } else {
+            path
+        }
+    }
+}
+
+/// What the desktop's dialog said.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// What it was for.
+    pub purpose: FilePurpose,
+    /// The chosen files; empty when cancelled.
+    pub paths: Vec<PathBuf>,
+    /// Whether nobody can have seen the dialog.
+    pub nobody_saw_it: bool,
+}
+
+/// Shows the desktop's dialog and sends its answer. `suggestion`: the folder to start in and the file name to offer.
+pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
+    let started = Instant::now();
+    let mut dialog = rfd::FileDialog::new().set_title(purpose.title());
+    if let Some(folder) = suggestion.parent().filter(|folder| folder.is_dir()) {
+        dialog = dialog.set_directory(folder);
+    }
+    let extensions = purpose.extensions();
+    let paths = match purpose {
+        FilePurpose::Open => dialog
+            .add_filter("Scenes and meshes", &extensions)
+            .pick_files(),
+        FilePurpose::AddMesh => dialog.add_filter("Meshes", &extensions).pick_files(),
+        FilePurpose::SaveScene | FilePurpose::SavePicture => {
+            if let Some(name) = suggestion.file_name() {
+                dialog = dialog.set_file_name(name.to_string_lossy());
+            }
+            for extension in extensions {
+                dialog = dialog.add_filter(extension.to_uppercase(), &[extension]);
+            }
+            dialog.save_file().map(|path| vec![path])
+        }
+    };
+    job.send(Event::PathsChosen(Answer {
+        purpose,
+        nobody_saw_it: paths.is_none() && started.elapsed() < NO_USER_IS_FASTER,
+        paths: paths.unwrap_or_default(),
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_to_write_get_an_extension() {
+        let picture = |name: &str| FilePurpose::SavePicture.with_extension(name.into());
+        assert_eq!(picture("ram"), Path::new("ram.png"));
+        assert_eq!(picture("ram.exr"), Path::new("ram.exr"));
+        assert_eq!(
+            FilePurpose::Open.with_extension("ram".into()),
+            Path::new("ram")
+        );
+    }
+}

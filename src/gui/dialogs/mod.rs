@@ -1,0 +1,65 @@
+//! Questions and sheets over the window. One shows at a time.
+
+pub mod files;
+pub mod path_field;
+pub mod question;
+mod shortcuts;
+
+use std::path::PathBuf;
+
+use files::FilePurpose;
+use path_field::PathField;
+
+pub use shortcuts::shortcuts_ui;
+
+/// What shows over the window.
+#[derive(Clone, Debug)]
+pub enum Dialog {
+    /// A path to type, where the desktop offers no file dialog or the user prefers typing.
+    Path(PathField),
+    /// The desktop's file dialog is open.
+    Waiting(FilePurpose),
+    /// Unsaved work is about to be lost.
+    Unsaved(Intent),
+    /// The sheet of shortcuts.
+    Shortcuts,
+}
+
+/// Shows `contents` in a box of `width` points over the dimmed window. Escape and a click outside ask it to close.
+pub(super) fn modal_ui<R>(
+    ctx: &egui::Context,
+    id: &str,
+    width: f32,
+    contents: impl FnOnce(&mut egui::Ui) -> R,
+) -> egui::ModalResponse<R> {
+    let style = ctx.global_style();
+    let frame = egui::Frame::popup(&style)
+        .inner_margin(egui::Margin::symmetric(20, 18))
+        .corner_radius(style.visuals.window_corner_radius);
+    egui::Modal::new(egui::Id::unique(id))
+        .frame(frame)
+        .show(ctx, |ui| {
+            ui.set_width(width.min(ctx.content_rect().width() - 60.0));
+            contents(ui)
+        })
+}
+
+/// The buttons at the lower right of a dialog, the first at the right.
+pub(super) fn buttons_ui<R>(ui: &mut egui::Ui, buttons: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    ui.add_space(14.0);
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.spacing_mut().interact_size = egui::vec2(84.0, 28.0);
+        ui.spacing_mut().button_padding.x = 12.0;
+        buttons(ui)
+    })
+    .inner
+}
+
+/// What the user was about to do when unsaved work stood in the way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Intent {
+    /// Open these files in place of the scene.
+    Open(Vec<PathBuf>),
+    /// Close the window.
+    Close,
+}

@@ -1,0 +1,64 @@
+use egui::{RichText, Ui};
+
+use super::{buttons_ui, modal_ui};
+use crate::gui::commands::Command;
+
+/// What the mouse does in the preview.
+const MOUSE: [(&str, &str); 7] = [
+    ("Drag", "Orbit about the target"),
+    (
+        "Shift + drag, middle or right drag",
+        "Pan: the point under the mouse follows",
+    ),
+    ("Scroll, pinch", "Zoom about the point under the mouse"),
+    ("Click", "Select the object or light"),
+    ("Double click", "Orbit about this point from now on"),
+    ("Drag a light's marker", "Move the light, at its distance"),
+    ("Drop files", "Open scenes and meshes"),
+];
+
+/// The sheet of shortcuts; returns whether it stays.
+#[must_use]
+pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
+    let response = modal_ui(ctx, "shortcuts", 590.0, |ui| {
+        ui.heading("Keyboard and mouse");
+        ui.add_space(6.0);
+        let height = (ctx.content_rect().height() - 190.0).max(120.0);
+        egui::ScrollArea::vertical()
+            .max_height(height)
+            .min_scrolled_height(height)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                ui.spacing_mut().interact_size.y = 18.0;
+                group_ui(ui, "Mouse, in the preview", |ui| {
+                    for (keys, what) in MOUSE {
+                        line_ui(ui, keys, what);
+                    }
+                });
+                group_ui(ui, "Keyboard", |ui| {
+                    for command in Command::ALL {
+                        let keys: Vec<_> = command.shortcut_texts(ctx).collect();
+                        line_ui(ui, &keys.join(",  "), command.description());
+                    }
+                });
+            });
+        buttons_ui(ui, |ui| ui.button("Close").clicked())
+    });
+    !(response.inner || response.should_close())
+}
+
+fn group_ui(ui: &mut Ui, title: &str, lines: impl FnOnce(&mut Ui)) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(title).weak());
+    egui::Grid::new(title)
+        .num_columns(2)
+        .min_col_width(200.0)
+        .spacing([18.0, 4.0])
+        .show(ui, lines);
+}
+
+fn line_ui(ui: &mut Ui, keys: &str, what: &str) {
+    ui.label(RichText::new(keys).strong());
+    ui.label(what);
+    ui.end_row();
+}

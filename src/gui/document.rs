@@ -1,0 +1,221 @@
+//! The scene being edited: what it was when it was last on disk, and whether it has changed since.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::geometry::TriangleMesh;
+use crate::scene::{Camera, Scene};
+
+/// A scene, the file it belongs to, and its last saved state.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// What the window shows and edits.
+    pub scene: Scene,
+    /// The camera to go back to: the file's own.
+    pub home: Camera,
+    name: String,
+    path: Option<PathBuf>,
+    saved: Scene,
+}
+
+impl Document {
+    /// An unchanged document. `path`: the scene file that saving writes to; `None` for the demo and for bare meshes.
+    #[must_use]
+    pub fn new(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
+        Self {
+            home: scene.camera,
+            saved: scene.clone(),
+            scene,
+            name,
+            path,
+        }
+    }
+
+    /// What people call it: the file's name without extension.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The scene file, if it has one.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// Whether closing it would lose work.
+    ///
+    /// Looking around is work where there is a scene file, whose camera it is. The demo and bare meshes are merely looked
+    /// at until something else changes.
+    #[must_use]
+    pub fn is_modified(&self) -> bool {
+        let camera_counts = self.path.is_some();
+        !same_but_camera(&self.scene, &self.saved)
+            || (camera_counts && self.scene.camera != self.saved.camera)
+    }
+
+    /// Takes note that `scene` is what `path` now holds. Edits made since it was handed to the writer stay unsaved.
+    pub fn set_saved(&mut self, scene: Scene, path: PathBuf) {
+        self.name = name_of(&path);
+        self.path = Some(path);
+        self.home = scene.camera;
+        self.saved = scene;
+    }
+}
+
+/// Whether two scenes make the same picture, shown the same way. Meshes are compared by identity, which is quick.
+#[must_use]
+pub fn same_scene(a: &Scene, b: &Scene) -> bool {
+    a.camera == b.camera && same_but_camera(a, b)
+}
+
+/// [`same_scene`], wherever the camera is.
+#[must_use]
+pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
+    a.background == b.background
+        && a.materials == b.materials
+        && a.objects == b.objects
+        && a.lights == b.lights
+        && a.render == b.render
+        && a.display == b.display
+        && a.output == b.output
+        && same_meshes(&a.meshes, &b.meshes)
+}
+
+/// Whether two scenes make the same linear picture: display and file format do not count.
+#[must_use]
+pub fn same_picture(a: &Scene, b: &Scene) -> bool {
+    a.camera == b.camera
+        && a.background == b.background
+        && a.materials == b.materials
+        && a.objects == b.objects
+        && a.lights == b.lights
+        && a.render == b.render
+        && same_meshes(&a.meshes, &b.meshes)
+}
+
+/// Whether two scenes have the same triangles in the same structure.
+#[must_use]
+pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
+    let shape = |scene: &Scene, index: usize| {
+        let object = &scene.objects[index];
+        (
+            object.placement(),
+            object.copies,
+            object.smooth.then_some(object.crease_angle),
+        )
+    };
+    a.objects.len() == b.objects.len()
+        && a.render.accelerator == b.render.accelerator
+        && a.objects
+            .iter()
+            .zip(&b.objects)
+            .all(|(x, y)| x.mesh == y.mesh)
+        && (0..a.objects.len()).all(|index| shape(a, index) == shape(b, index))
+        && same_meshes(&a.meshes, &b.meshes)
+}
+
+fn same_meshes(
+    a: &BTreeMap<String, Arc<TriangleMesh>>,
+    b: &BTreeMap<String, Arc<TriangleMesh>>,
+) -> bool {
+    a.len() == b.len()
+        && a.iter()
+            .zip(b)
+            .all(|((a_name, a), (b_name, b))| a_name == b_name && Arc::ptr_eq(a, b))
+}
+
+/// What people call a file: its name without extension.
+#[must_use]
+pub fn name_of(path: &Path) -> String {
+    path.file_stem().map_or_else(
+        || "untitled".to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+/// `base`, or `base 2`, `base 3`, …: the first that `is_taken` does not hold for.
+#[must_use]
+pub fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if !is_taken(base) {
+        return base.to_owned();
+    }
+    (2..u32::MAX)
+        .map(|number| format!("{base} {number}"))
+        .find(|name| !is_taken(name))
+        .unwrap_or_else(|| base.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+    use crate::scene::{Light, Object};
+
+    fn scene() -> Scene {
+        Scene {
+            objects: vec![Object {
+                mesh: "a".into(),
+                ..Object::default()
+            }],
+            meshes: [("a".to_owned(), Arc::new(TriangleMesh::default()))].into(),
+            ..Scene::default()
+        }
+    }
+
+    fn light() -> Light {
+        Light::Point {
+            position: DVec3::ONE,
+            intensity: DVec3::ONE,
+        }
+    }
+
+    #[test]
+    fn looking_at_a_bare_mesh_is_not_an_edit_but_moving_a_files_camera_is() {
+        let mut bare = Document::new(scene(), "bunny".into(), None);
+        let mut file = Document::new(scene(), "room".into(), Some("room.toml".into()));
+        for document in [&mut bare, &mut file] {
+            assert!(!document.is_modified());
+            document.scene.camera.eye.x += 1.0;
+        }
+        assert!(!bare.is_modified());
+        assert!(file.is_modified());
+        bare.scene.lights.push(light());
+        assert!(bare.is_modified());
+    }
+
+    #[test]
+    fn edits_made_while_saving_stay_unsaved() {
+        let mut document = Document::new(scene(), "bunny".into(), None);
+        document.scene.lights.push(light());
+        let handed_over = document.scene.clone();
+        document.scene.lights.push(light());
+        document.set_saved(handed_over, "scenes/two lights.toml".into());
+        assert!(document.is_modified());
+        assert_eq!(document.name(), "two lights");
+        document.scene.lights.pop();
+        assert!(!document.is_modified());
+    }
+
+    #[test]
+    fn materials_and_lights_change_the_picture_but_not_the_geometry() {
+        let before = scene();
+        let mut after = before.clone();
+        after.lights.push(light());
+        after.objects[0].material = Some("clay".into());
+        assert!(same_geometry(&before, &after) && !same_picture(&before, &after));
+        after.objects[0].scale = 2.0;
+        assert!(!same_geometry(&before, &after));
+        let mut brighter = before.clone();
+        brighter.display.exposure = 1.0;
+        assert!(same_picture(&before, &brighter) && !same_scene(&before, &brighter));
+    }
+
+    #[test]
+    fn free_names_count_up() {
+        let taken = ["clay", "clay 2"];
+        assert_eq!(free_name("clay", |name| taken.contains(&name)), "clay 3");
+        assert_eq!(free_name("chrome", |name| taken.contains(&name)), "chrome");
+    }
+}

@@ -1,0 +1,281 @@
+//! Background work: one lane per kind of work, one running job per lane, results by channel.
+//!
+//! ```text
+//! window ──start(lane, work)──▶ thread ──send(event)──▶ channel ──next_event()──▶ window
+//!            cancels the lane's     wakes the window         drops what an older
+//!            older job              (request_repaint)        generation still says
+//! ```
+//!
+//! The window thread never waits for a job. Starting a job in a lane, or cancelling the lane, raises the lane's
+//! generation: whatever an older job still sends is dropped, so the window never shows a result it no longer wants. A
+//! job that panics is reported in words like any other failure; the window and its scene go on.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use crate::control::CancelToken;
+
+/// A kind of background work. Work in different lanes runs at the same time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lane {
+    /// Reading scenes and meshes.
+    Load,
+    /// Placing triangles, building their tree, uploading them for the preview.
+    Prepare,
+    /// Rendering the picture.
+    Render,
+    /// Converting a finished picture for the screen after a display setting changed.
+    Encode,
+    /// Writing the scene.
+    SaveScene,
+    /// Writing the picture.
+    SavePicture,
+    /// Waiting for the desktop's file dialog.
+    Dialog,
+    /// Reading a folder for the path field.
+    List,
+}
+
+const LANES: usize = 8;
+
+/// What the window holds of its background work. `E` is what jobs have to say.
+#[derive(Debug)]
+pub struct Jobs<E> {
+    wake: egui::Context,
+    sender: Sender<Message<E>>,
+    receiver: Receiver<Message<E>>,
+    lanes: [LaneState; LANES],
+}
+
+#[derive(Debug, Default)]
+struct LaneState {
+    generation: u64,
+    cancel: CancelToken,
+    /// Whether the job of the present generation runs.
+    busy: bool,
+    /// Threads of this lane that have not ended, cancelled ones included.
+    threads: Arc<AtomicUsize>,
+}
+
+#[derive(Debug)]
+struct Message<E> {
+    lane: Lane,
+    generation: u64,
+    content: Content<E>,
+}
+
+#[derive(Debug)]
+enum Content<E> {
+    Event(E),
+    Ended,
+    Panicked(String),
+}
+
+/// What the window learns from its jobs.
+#[derive(Debug, PartialEq)]
+pub enum News<E> {
+    /// A running job has something to say.
+    Event(E),
+    /// A job ended by a fault of the program, with this message.
+    Panicked(Lane, String),
+}
+
+/// What a job holds of the window.
+#[derive(Debug)]
+pub struct Job<E> {
+    /// Set when the window no longer wants the job's result.
+    pub cancel: CancelToken,
+    lane: Lane,
+    generation: u64,
+    sender: Sender<Message<E>>,
+    wake: egui::Context,
+}
+
+impl<E> Job<E> {
+    /// Tells the window, and wakes it.
+    pub fn send(&self, event: E) {
+        self.send_content(Content::Event(event));
+    }
+
+    fn send_content(&self, content: Content<E>) {
+        let message = Message {
+            lane: self.lane,
+            generation: self.generation,
+            content,
+        };
+        // A closed window does not listen any more, which is fine.
+        if self.sender.send(message).is_ok() {
+            self.wake.request_repaint();
+        }
+    }
+}
+
+impl<E: Send + 'static> Jobs<E> {
+    /// No job yet. `wake`: the window to wake when there is news.
+    #[must_use]
+    pub fn new(wake: egui::Context) -> Self {
+        let (sender, receiver) = channel();
+        Self {
+            wake,
+            sender,
+            receiver,
+            lanes: Default::default(),
+        }
+    }
+
+    /// Runs `work` on a thread of its own, in place of what the lane was doing.
+    pub fn start(&mut self, lane: Lane, work: impl FnOnce(&Job<E>) + Send + 'static) {
+        self.cancel(lane);
+        let state = &mut self.lanes[lane as usize];
+        state.busy = true;
+        let job = Job {
+            cancel: state.cancel.clone(),
+            lane,
+            generation: state.generation,
+            sender: self.sender.clone(),
+            wake: self.wake.clone(),
+        };
+        let threads = Arc::clone(&state.threads);
+        threads.fetch_add(1, Ordering::Relaxed);
+        std::thread::spawn(move || {
+            let result = catch_unwind(AssertUnwindSafe(|| work(&job)));
+            threads.fetch_sub(1, Ordering::Relaxed);
+            job.send_content(match result {
+                Ok(()) => Content::Ended,
+                Err(payload) => Content::Panicked(panic_message(payload.as_ref())),
+            });
+        });
+    }
+
+    /// Asks the lane's job to stop, and forgets it.
+    pub fn cancel(&mut self, lane: Lane) {
+        let state = &mut self.lanes[lane as usize];
+        state.cancel.cancel();
+        state.cancel = CancelToken::new();
+        state.generation += 1;
+        state.busy = false;
+    }
+
+    /// Whether the lane has a job that was not cancelled.
+    #[must_use]
+    pub fn is_busy(&self, lane: Lane) -> bool {
+        self.lanes[lane as usize].busy
+    }
+
+    /// Threads of the lane that still run: its job, and cancelled ones that have not noticed yet.
+    #[must_use]
+    pub fn running_threads(&self, lane: Lane) -> usize {
+        self.lanes[lane as usize].threads.load(Ordering::Relaxed)
+    }
+
+    /// The next thing a job that is still wanted has to say, if there is one. Never waits.
+    pub fn next_event(&mut self) -> Option<News<E>> {
+        loop {
+            let Message {
+                lane,
+                generation,
+                content,
+            } = self.receiver.try_recv().ok()?;
+            let state = &mut self.lanes[lane as usize];
+            if generation != state.generation {
+                continue;
+            }
+            match content {
+                Content::Event(event) => return Some(News::Event(event)),
+                Content::Ended => state.busy = false,
+                Content::Panicked(message) => {
+                    state.busy = false;
+                    return Some(News::Panicked(lane, message));
+                }
+            }
+        }
+    }
+}
+
+impl<E> Drop for Jobs<E> {
+    /// Closing the window stops the work nobody will see; writing files is left to end.
+    fn drop(&mut self) {
+        for (index, state) in self.lanes.iter().enumerate() {
+            if index != Lane::SaveScene as usize && index != Lane::SavePicture as usize {
+                state.cancel.cancel();
+            }
+        }
+    }
+}
+
+/// The message of a panic.
+#[must_use]
+pub fn panic_message(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| payload.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    fn wait_for<E: Send + 'static>(jobs: &mut Jobs<E>) -> News<E> {
+        let deadline = Instant::now() + Duration::from_secs(10);
+        loop {
+            if let Some(news) = jobs.next_event() {
+                return news;
+            }
+            assert!(Instant::now() < deadline, "no news");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn results_of_a_replaced_job_are_dropped() {
+        let mut jobs = Jobs::new(egui::Context::default());
+        let (release, wait) = channel::<()>();
+        jobs.start(Lane::Load, move |job| {
+            let _ = wait.recv();
+            assert!(job.cancel.is_cancelled());
+            job.send("old");
+        });
+        jobs.start(Lane::Load, |job| job.send("new"));
+        release.send(()).unwrap();
+        assert_eq!(wait_for(&mut jobs), News::Event("new"));
+        while jobs.running_threads(Lane::Load) > 0 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // The end of a job is news to the lane alone.
+        let deadline = Instant::now() + Duration::from_secs(10);
+        while jobs.is_busy(Lane::Load) && Instant::now() < deadline {
+            assert_eq!(jobs.next_event(), None);
+        }
+        assert!(!jobs.is_busy(Lane::Load));
+    }
+
+    #[test]
+    fn a_panic_is_news_and_frees_the_lane() {
+        let mut jobs = Jobs::<()>::new(egui::Context::default());
+        jobs.start(Lane::Prepare, |_| {
+            panic!("a triangle has {} corners", 4);
+        });
+        let expected = News::Panicked(Lane::Prepare, "a triangle has 4 corners".to_owned());
+        assert_eq!(wait_for(&mut jobs), expected);
+        assert!(!jobs.is_busy(Lane::Prepare));
+    }
+
+    #[test]
+    fn lanes_do_not_disturb_each_other() {
+        let mut jobs = Jobs::new(egui::Context::default());
+        let (release, wait) = channel::<()>();
+        jobs.start(Lane::Render, move |job| {
+            let _ = wait.recv();
+            job.send("picture");
+        });
+        jobs.start(Lane::SavePicture, |job| job.send("saved"));
+        assert_eq!(wait_for(&mut jobs), News::Event("saved"));
+        assert!(jobs.is_busy(Lane::Render));
+        release.send(()).unwrap();
+        assert_eq!(wait_for(&mut jobs), News::Event("picture"));
+    }
+}

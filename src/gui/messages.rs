@@ -1,0 +1,141 @@
+//! What the window has to tell: failures and warnings as banners that stay until they are dismissed, good news as one line
+//! in the status bar.
+
+use egui::{Align, Frame, Layout, Margin, RichText, Ui};
+
+/// How serious a banner is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// Something the user asked for did not happen.
+    Error,
+    /// It happened, but not wholly.
+    Warning,
+}
+
+/// A banner.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// How serious it is.
+    pub severity: Severity,
+    /// What happened, in a few words.
+    pub title: String,
+    /// Why, and what to do.
+    pub text: String,
+}
+
+/// The banners that have not been dismissed, and the last good news.
+#[derive(Clone, Debug, Default)]
+pub struct Messages {
+    banners: Vec<Message>,
+    news: String,
+}
+
+/// Banners shown at once; older ones go first.
+const MOST_BANNERS: usize = 3;
+
+impl Messages {
+    /// Says that something failed.
+    pub fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        self.push(Severity::Error, title.into(), text.into());
+    }
+
+    /// Says that something is not wholly as asked for.
+    pub fn warning(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        self.push(Severity::Warning, title.into(), text.into());
+    }
+
+    /// Good news for the status bar.
+    pub fn news(&mut self, text: impl Into<String>) {
+        self.news = text.into();
+    }
+
+    /// The last good news; empty when there is none.
+    #[must_use]
+    pub fn last_news(&self) -> &str {
+        &self.news
+    }
+
+    /// The banners, oldest first.
+    #[must_use]
+    pub fn banners(&self) -> &[Message] {
+        &self.banners
+    }
+
+    /// Removes all banners: what they were about is gone.
+    pub fn clear(&mut self) {
+        self.banners.clear();
+    }
+
+    fn push(&mut self, severity: Severity, title: String, text: String) {
+        let message = Message {
+            severity,
+            title,
+            text,
+        };
+        self.banners.retain(|banner| *banner != message);
+        self.banners.push(message);
+        let surplus = self.banners.len().saturating_sub(MOST_BANNERS);
+        self.banners.drain(..surplus);
+    }
+
+    /// Draws the banners over the full width.
+    pub fn banners_ui(&mut self, ui: &mut Ui) {
+        let mut dismissed = None;
+        for (index, message) in self.banners.iter().enumerate() {
+            if banner_ui(ui, message) {
+                dismissed = Some(index);
+            }
+        }
+        if let Some(index) = dismissed {
+            self.banners.remove(index);
+        }
+    }
+}
+
+/// Draws a banner; returns whether it is to go.
+fn banner_ui(ui: &mut Ui, message: &Message) -> bool {
+    let visuals = ui.visuals();
+    let color = match message.severity {
+        Severity::Error => visuals.error_fg_color,
+        Severity::Warning => visuals.warn_fg_color,
+    };
+    Frame::new()
+        .fill(visuals.panel_fill.lerp_to_gamma(color, 0.16))
+        .inner_margin(Margin::symmetric(12, 8))
+        .show(ui, |ui| {
+            ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+                let dismiss = ui
+                    .button("Dismiss")
+                    .on_hover_text("Remove this message")
+                    .clicked();
+                ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                    ui.label(RichText::new(&message.title).strong().color(color));
+                    egui::ScrollArea::vertical()
+                        .max_height(96.0)
+                        .id_salt(&message.text)
+                        .show(ui, |ui| {
+                            ui.set_width(ui.available_width());
+                            ui.add(egui::Label::new(&message.text).wrap().selectable(true));
+                        });
+                });
+                dismiss
+            })
+            .inner
+        })
+        .inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_messages_stay_and_none_is_doubled() {
+        let mut messages = Messages::default();
+        for name in ["a", "b", "a", "c", "d"] {
+            messages.error("cannot open", name);
+        }
+        let texts: Vec<_> = messages.banners().iter().map(|m| m.text.as_str()).collect();
+        assert_eq!(texts, ["a", "c", "d"]);
+    }
+}

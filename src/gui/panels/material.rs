@@ -1,0 +1,158 @@
+use egui::{RichText, Ui};
+
+use super::PanelState;
+use crate::gui::document::free_name;
+use crate::gui::selection::Selection;
+use crate::gui::widgets::{Number, color_row_ui, number_row_ui, row_ui};
+use crate::scene::{Material, Scene};
+
+/// Largest exponent the window offers; files may hold more.
+const MOST_SHININESS: f64 = 1e7;
+
+/// A named material's properties.
+pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
+    if let Some(new_name) = name_ui(ui, state.scene, name) {
+        rename(state.scene, name, &new_name);
+        *state.selection = Selection::Material(new_name);
+        return;
+    }
+    let Some(material) = state.scene.materials.get_mut(name) else {
+        return;
+    };
+    reflectance_ui(ui, material);
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        if ui
+            .button("Duplicate material")
+            .on_hover_text("Make a copy of this material under another name")
+            .clicked()
+        {
+            let copy = new_material(state.scene, Some(name));
+            *state.selection = Selection::Material(copy);
+        }
+        let used = state
+            .scene
+            .objects
+            .iter()
+            .any(|object| object.material.as_deref() == Some(name));
+        let remove = ui
+            .add_enabled(!used, egui::Button::new("Remove material"))
+            .on_hover_text("Take this material out of the scene")
+            .on_disabled_hover_text(
+                "An object uses this material; give the object another one first",
+            );
+        if remove.clicked() {
+            state.scene.materials.remove(name);
+            *state.selection = Selection::Camera;
+        }
+    });
+}
+
+/// How the surface reflects.
+pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
+    let Material::Phong {
+        diffuse,
+        specular,
+        shininess,
+    } = material;
+    color_row_ui(
+        ui,
+        "Diffuse",
+        "Share of the light that leaves in all directions, per channel (linear, 0 to 1)",
+        diffuse,
+    );
+    color_row_ui(
+        ui,
+        "Specular",
+        "Share of the light that leaves in the highlight, per channel (linear, 0 to 1)",
+        specular,
+    );
+    number_row_ui(
+        ui,
+        "Shininess",
+        "Exponent of the highlight: larger is smaller and sharper",
+        shininess,
+        &Number::within(0.0..=MOST_SHININESS, (*shininess * 0.01).max(0.1)),
+    );
+    let total = (*diffuse + *specular).max_element();
+    if total > 1.0 + 1e-6 {
+        ui.label(
+            RichText::new("Diffuse and specular together reflect more light than arrives.")
+                .small()
+                .color(ui.visuals().warn_fg_color),
+        );
+    }
+}
+
+/// The name as a text field; returns a new one that was confirmed and is free.
+fn name_ui(ui: &mut Ui, scene: &Scene, name: &str) -> Option<String> {
+    let id = ui.scope_id().with(("material name", name));
+    let mut text = ui
+        .data(|data| data.get_temp::<String>(id))
+        .unwrap_or_else(|| name.to_owned());
+    let response = row_ui(ui, "Name", "What objects call this material", |ui| {
+        ui.add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY))
+    });
+    let wanted = text.trim().to_owned();
+    let is_free = wanted == name || !scene.materials.contains_key(&wanted);
+    if !is_free {
+        let warning = "Another material has this name.";
+        ui.label(
+            RichText::new(warning)
+                .small()
+                .color(ui.visuals().warn_fg_color),
+        );
+    }
+    if response.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(id));
+        return (is_free && !wanted.is_empty() && wanted != name).then_some(wanted);
+    }
+    if response.changed() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+    }
+    None
+}
+
+/// Calls the material `from` `to`, in the objects too.
+fn rename(scene: &mut Scene, from: &str, to: &str) {
+    if let Some(material) = scene.materials.remove(from) {
+        scene.materials.insert(to.to_owned(), material);
+    }
+    for object in &mut scene.objects {
+        if object.material.as_deref() == Some(from) {
+            object.material = Some(to.to_owned());
+        }
+    }
+}
+
+/// Adds a material, a copy of the one called `like` or the default one, and returns its name.
+pub fn new_material(scene: &mut Scene, like: Option<&str>) -> String {
+    let base = like.unwrap_or("material");
+    let material = like
+        .and_then(|name| scene.materials.get(name).cloned())
+        .unwrap_or_default();
+    let name = free_name(base, |name| scene.materials.contains_key(name));
+    scene.materials.insert(name.clone(), material);
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Object;
+
+    #[test]
+    fn renaming_a_material_keeps_its_objects() {
+        let mut scene = Scene::default();
+        let clay = new_material(&mut scene, None);
+        scene.objects.push(Object {
+            material: Some(clay.clone()),
+            ..Object::default()
+        });
+        rename(&mut scene, &clay, "terracotta");
+        assert_eq!(scene.objects[0].material.as_deref(), Some("terracotta"));
+        assert!(scene.material_of(&scene.objects[0]).is_ok());
+        assert!(!scene.materials.contains_key(&clay));
+        assert_eq!(new_material(&mut scene, Some("terracotta")), "terracotta 2");
+    }
+}

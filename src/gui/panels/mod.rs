@@ -1,0 +1,76 @@
+//! The side panel: the scene's parts, the properties of the selected one, and the settings of the picture. Panels edit
+//! the scene in place; the app notices what changed.
+
+mod background;
+mod camera;
+mod light;
+mod material;
+mod object;
+mod settings;
+mod tree;
+
+use egui::Ui;
+
+use super::selection::Selection;
+use super::widgets::section_ui;
+use crate::math::DBounds;
+use crate::scene::Scene;
+
+/// What the panels edit.
+#[derive(Debug)]
+pub struct PanelState<'a> {
+    /// The scene.
+    pub scene: &'a mut Scene,
+    /// The part whose properties show.
+    pub selection: &'a mut Selection,
+    /// Render threads; 0 is one per core.
+    pub threads: &'a mut usize,
+    /// The world box of the objects, as last prepared.
+    pub bounds: DBounds,
+}
+
+impl PanelState<'_> {
+    /// Change of a length per point of dragging: a five-hundredth of the scene.
+    fn length_speed(&self) -> f64 {
+        let diagonal = self.bounds.diagonal();
+        if diagonal > 0.0 && diagonal.is_finite() {
+            diagonal / 500.0
+        } else {
+            0.01
+        }
+    }
+}
+
+/// Draws all panels, one below the other.
+pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    section_ui(ui, "Scene", true, |ui| tree::tree_ui(ui, state));
+    let title = match state.selection {
+        Selection::Camera => "Camera",
+        Selection::Background => "Background",
+        Selection::Object(_) => "Object",
+        Selection::Light(_) => "Light",
+        Selection::Material(_) => "Material",
+    };
+    section_ui(ui, title, true, |ui| properties_ui(ui, state));
+    section_ui(ui, "Image", true, |ui| {
+        settings::image_ui(ui, &mut state.scene.render, state.threads);
+    });
+    section_ui(ui, "Effects", true, |ui| {
+        settings::effects_ui(ui, &mut state.scene.render);
+    });
+    section_ui(ui, "Display", true, |ui| {
+        settings::display_ui(ui, state.scene);
+    });
+}
+
+/// The properties of the selected part.
+fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let speed = state.length_speed();
+    match state.selection.clone() {
+        Selection::Camera => camera::camera_ui(ui, &mut state.scene.camera, speed),
+        Selection::Background => background::background_ui(ui, state.scene),
+        Selection::Object(index) => object::object_ui(ui, state, index),
+        Selection::Light(index) => light::light_ui(ui, state, index),
+        Selection::Material(name) => material::material_ui(ui, state, &name),
+    }
+}

@@ -1,0 +1,192 @@
+use egui::{RichText, Ui};
+
+use crate::gui::widgets::{
+    Number, choice_row_ui, combo_row_ui, integer_row_ui, number_row_ui, row_ui, switch_row_ui,
+};
+use crate::scene::{Choice, Mode, PhongModel, PngBits, RenderSettings, Scene, Shadows, ToneCurve};
+
+/// Picture sizes on offer.
+const SIZES: [(u32, u32, &str); 7] = [
+    (320, 240, "Draft"),
+    (640, 480, "VGA"),
+    (960, 540, "Quarter HD"),
+    (1280, 720, "HD"),
+    (1920, 1080, "Full HD"),
+    (3840, 2160, "4K"),
+    (1024, 1024, "Square"),
+];
+
+/// Size, samples, and how to run.
+pub fn image_ui(ui: &mut Ui, settings: &mut RenderSettings, threads: &mut usize) {
+    combo_row_ui(
+        ui,
+        "Shows",
+        "What a pixel of the picture holds",
+        &mut settings.mode,
+        &Mode::ALL
+            .iter()
+            .map(|(mode, _)| (*mode, mode_name(*mode).to_owned()))
+            .collect::<Vec<_>>(),
+    );
+    size_ui(ui, settings);
+    integer_row_ui(
+        ui,
+        "Samples",
+        "Camera rays per pixel: more give smoother edges and take longer",
+        &mut settings.samples_per_pixel,
+        1..=RenderSettings::MAX_SAMPLES,
+        0.2,
+    );
+    integer_row_ui(
+        ui,
+        "Seed",
+        "Start of the random numbers: the same seed gives the same picture, bit for bit",
+        &mut settings.seed,
+        0..=RenderSettings::MAX_SEED,
+        0.1,
+    );
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut choices = vec![(0, format!("All cores ({cores})"))];
+    choices.extend((1..=cores).map(|count| (count, count.to_string())));
+    combo_row_ui(
+        ui,
+        "Threads",
+        "Processor cores that render; the picture does not depend on it",
+        threads,
+        &choices,
+    );
+}
+
+fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    let size = (settings.width, settings.height);
+    let name = SIZES
+        .iter()
+        .find(|(width, height, _)| (*width, *height) == size)
+        .map_or("Custom", |(_, _, name)| name);
+    row_ui(ui, "Preset", "Usual picture sizes, in pixels", |ui| {
+        egui::ComboBox::from_id_salt("picture size")
+            .selected_text(name)
+            .width(ui.available_width())
+            .show_ui(ui, |ui| {
+                for (width, height, name) in SIZES {
+                    let text = format!("{name}  {width} × {height}");
+                    if ui.selectable_label((width, height) == size, text).clicked() {
+                        (settings.width, settings.height) = (width, height);
+                    }
+                }
+            })
+            .response
+    });
+    let before = (settings.width, settings.height);
+    let sides = 1..=RenderSettings::MAX_SIDE;
+    let pixels = |ui: &mut Ui, label, tooltip, side: &mut u32| {
+        integer_row_ui(ui, label, tooltip, side, sides.clone(), 1.0);
+    };
+    pixels(ui, "Width", "Picture width, in pixels", &mut settings.width);
+    pixels(
+        ui,
+        "Height",
+        "Picture height, in pixels",
+        &mut settings.height,
+    );
+    if settings.pixel_count() > RenderSettings::MAX_PIXELS {
+        (settings.width, settings.height) = before;
+    }
+}
+
+/// What the picture leaves out or adds, each a switch of its own.
+pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    let lights_count = settings.mode == Mode::Direct;
+    ui.add_enabled_ui(lights_count, |ui| {
+        // Soft shadows come from lights that have a size; a scene of points has hard ones either way.
+        let mut shadows = settings.shadows != Shadows::Off;
+        let response = switch_row_ui(
+            ui,
+            "Shadows",
+            "Whether things in the way keep the light off; point lights cast sharp shadows",
+            &mut shadows,
+        );
+        if response.changed() {
+            settings.shadows = if shadows {
+                Shadows::default()
+            } else {
+                Shadows::Off
+            };
+        }
+        choice_row_ui(
+            ui,
+            "Phong model",
+            "Which formula shades highlights",
+            &mut settings.phong,
+            |model| match model {
+                PhongModel::Modified => (
+                    "Modified",
+                    "Physically based: reflects no more light than arrives",
+                ),
+                PhongModel::Classic => (
+                    "Classic",
+                    "The formula of 2011, brighter by a factor of about 3",
+                ),
+            },
+        );
+    });
+    switch_row_ui(
+        ui,
+        "Anti-aliasing",
+        "Spread the samples over each pixel for smooth edges; off puts all at its centre",
+        &mut settings.antialiasing,
+    );
+    if !lights_count {
+        let note = format!(
+            "Shadows and highlights do not matter while the picture shows {}.",
+            mode_name(settings.mode).to_lowercase()
+        );
+        ui.label(RichText::new(note).weak().small());
+    }
+}
+
+/// From radiance to the screen. It changes no radiance and needs no new render.
+pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
+    number_row_ui(
+        ui,
+        "Exposure",
+        "Brightness on the screen and in PNG files, in stops: each doubles it",
+        &mut scene.display.exposure,
+        &Number {
+            decimals: 2,
+            ..Number::within(-20.0..=20.0, 0.02).with_suffix(" stops")
+        },
+    );
+    choice_row_ui(
+        ui,
+        "Tone curve",
+        "How values brighter than the screen are shown",
+        &mut scene.display.tone_curve,
+        |curve| match curve {
+            ToneCurve::None => ("Clip", "Brighter values are white"),
+            ToneCurve::Aces => ("ACES", "Bright values roll off as in film"),
+        },
+    );
+    combo_row_ui(
+        ui,
+        "PNG depth",
+        "Bits per channel of saved PNG files",
+        &mut scene.output.png_bits,
+        &[
+            (PngBits::Eight, "8 bits".to_owned()),
+            (PngBits::Sixteen, "16 bits".to_owned()),
+        ],
+    );
+}
+
+/// What a mode is called on screen.
+fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Direct => "Direct light",
+        Mode::Normals => "Surface normals",
+        Mode::Depth => "Distance from the eye",
+        Mode::Albedo => "Reflectance",
+        Mode::Facing => "Front and back sides",
+        Mode::Object => "Objects by colour",
+    }
+}

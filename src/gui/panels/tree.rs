@@ -1,0 +1,172 @@
+use egui::{Align, Color32, Layout, RichText, Ui, Vec2};
+
+use super::PanelState;
+use super::light::new_light;
+use super::material::new_material;
+use crate::gui::icons::{self, Icon, color_of, hue_of};
+use crate::gui::selection::Selection;
+use crate::gui::widgets::{counted, grouped};
+use crate::scene::{Background, Light, Material, Scene};
+
+/// Most points of height the tree takes before it scrolls.
+const MOST_HEIGHT: f32 = 320.0;
+
+/// The scene's parts: a click selects.
+pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    egui::ScrollArea::vertical()
+        .id_salt("scene tree")
+        .max_height(MOST_HEIGHT)
+        .auto_shrink([false, true])
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            part_ui(ui, state, Selection::Camera, Icon::Camera, "Camera", "");
+            let background = background_icon(&state.scene.background);
+            part_ui(
+                ui,
+                state,
+                Selection::Background,
+                background,
+                "Background",
+                "",
+            );
+            group_ui(ui, "Objects", state.scene.objects.len(), true, None, |ui| {
+                objects_ui(ui, state);
+            });
+            let count = state.scene.lights.len();
+            if group_ui(ui, "Lights", count, true, Some("Add light"), |ui| {
+                lights_ui(ui, state);
+            }) {
+                let light = new_light(state.scene, &state.bounds);
+                state.scene.lights.push(light);
+                *state.selection = Selection::Light(state.scene.lights.len() - 1);
+            }
+            let count = state.scene.materials.len();
+            if group_ui(ui, "Materials", count, false, Some("Add material"), |ui| {
+                materials_ui(ui, state);
+            }) {
+                let name = new_material(state.scene, None);
+                *state.selection = Selection::Material(name);
+            }
+        });
+}
+
+fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    for index in 0..state.scene.objects.len() {
+        let object = &state.scene.objects[index];
+        let triangles = state.scene.meshes.get(&object.mesh).map_or(0, |mesh| {
+            (mesh.triangles.len() as u64).saturating_mul(object.copies.total())
+        });
+        let name = if object.name.is_empty() {
+            format!("Object {}", index + 1)
+        } else {
+            object.name.clone()
+        };
+        let material = state.scene.material_of(object).unwrap_or_default();
+        let icon = Icon::Object(material_color(&material));
+        let detail = format!("{} triangles", grouped(triangles));
+        part_ui(ui, state, Selection::Object(index), icon, &name, &detail);
+    }
+}
+
+fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    for index in 0..state.scene.lights.len() {
+        let name = format!("Light {}", index + 1);
+        let Light::Point { intensity, .. } = state.scene.lights[index];
+        let icon = Icon::Light(hue_of(intensity));
+        part_ui(ui, state, Selection::Light(index), icon, &name, "point");
+    }
+}
+
+fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let names: Vec<String> = state.scene.materials.keys().cloned().collect();
+    for name in names {
+        let detail = match users(state.scene, &name) {
+            0 => "unused".to_owned(),
+            users => counted(users, "object", "objects"),
+        };
+        let icon = Icon::Material(material_color(&state.scene.materials[&name]));
+        let part = Selection::Material(name.clone());
+        part_ui(ui, state, part, icon, &name, &detail);
+    }
+}
+
+/// How many objects use the material called `name`.
+fn users(scene: &Scene, name: &str) -> usize {
+    let uses = |object: &&crate::scene::Object| object.material.as_deref() == Some(name);
+    scene.objects.iter().filter(uses).count()
+}
+
+/// A group of parts that folds. `add`: what its button to add one is called. Returns whether one is to be added.
+fn group_ui(
+    ui: &mut Ui,
+    title: &str,
+    count: usize,
+    open: bool,
+    add: Option<&str>,
+    parts: impl FnOnce(&mut Ui),
+) -> bool {
+    ui.add_space(3.0);
+    let id = ui.make_persistent_id(("group", title));
+    let state =
+        egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, open);
+    let (_, header, _) = state
+        .show_header(ui, |ui| {
+            ui.label(RichText::new(format!("{title}  {count}")).weak());
+            let Some(add) = add else { return false };
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.add(egui::Button::new(RichText::new("+ Add").small()).small())
+                    .accessible_name(add)
+                    .on_hover_text(add)
+                    .clicked()
+            })
+            .inner
+        })
+        .body_unindented(parts);
+    header.inner
+}
+
+/// A row that selects a part of the scene.
+fn part_ui(
+    ui: &mut Ui,
+    state: &mut PanelState<'_>,
+    part: Selection,
+    icon: Icon,
+    name: &str,
+    detail: &str,
+) {
+    let is_selected = *state.selection == part;
+    let width = ui.available_width();
+    // Room for the icon, which is painted over it.
+    let room = egui::AtomExt::atom_size("", Vec2::splat(icons::SIDE));
+    let button = egui::Button::selectable(is_selected, (room, name))
+        .right_text(RichText::new(detail).weak().small())
+        .truncate()
+        .min_size(Vec2::new(width, 22.0));
+    let response = ui.add(button).accessible_name(format!("Select {name}"));
+    let ink = ui.style().interact_selectable(&response, is_selected);
+    let center = response.rect.left_center() + Vec2::new(8.0 + icons::SIDE / 2.0, 0.0);
+    icon.paint(ui.painter(), center, ink.text_color());
+    if response.clicked() {
+        *state.selection = part;
+    }
+}
+
+fn material_color(material: &Material) -> Color32 {
+    let Material::Phong {
+        diffuse, specular, ..
+    } = material;
+    color_of(*diffuse + *specular)
+}
+
+fn background_icon(background: &Background) -> Icon {
+    match *background {
+        Background::Constant { radiance } => Icon::Background {
+            sky: color_of(radiance),
+            ground: color_of(radiance),
+        },
+        Background::Gradient { zenith, ground, .. } => Icon::Background {
+            sky: color_of(zenith),
+            ground: color_of(ground),
+        },
+    }
+}

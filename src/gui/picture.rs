@@ -1,0 +1,384 @@
+//! The picture that a render fills in, as the window shows it.
+//!
+//! The render's threads put linear tiles into a [`PictureBuffer`] and encode them for the screen there, so the window's
+//! thread only copies finished bytes into a texture. A picture wider or higher than a texture may be is shown at a whole
+//! fraction of its size, one pixel of every block; nothing but the showing is reduced.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
+
+use crate::control::CancelToken;
+use crate::render::{Image, RenderProgress, RenderStats, TilePixels, display};
+use crate::scene::{Display, Scene};
+
+/// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
+/// copied within a frame.
+const LARGEST_TEXTURE: u32 = 4096;
+/// Rows of one piece of a picture that is encoded anew.
+const ROWS_PER_BAND: u32 = 64;
+
+/// Sharp pixels when enlarged, smooth when reduced.
+const TEXTURE_OPTIONS: TextureOptions = TextureOptions {
+    magnification: TextureFilter::Nearest,
+    minification: TextureFilter::Linear,
+    ..TextureOptions::NEAREST
+};
+
+/// A piece of the picture as the screen shows it, in texels of the texture.
+#[derive(Clone, Debug)]
+pub struct EncodedTile {
+    /// Left and top edge.
+    pub position: [usize; 2],
+    /// Size and colours.
+    pub pixels: ColorImage,
+}
+
+/// The linear picture so far, shared by the threads that fill it and those that show or save it.
+#[derive(Debug)]
+pub struct PictureBuffer {
+    width: u32,
+    height: u32,
+    /// Picture pixels per texel along each axis.
+    step: u32,
+    state: Mutex<BufferState>,
+}
+
+#[derive(Debug)]
+struct BufferState {
+    image: Image,
+    display: Display,
+}
+
+impl PictureBuffer {
+    /// A black picture, shown with `display` on textures of at most `largest_texture` texels a side. `None` when it does
+    /// not fit into memory.
+    #[must_use]
+    pub fn new(width: u32, height: u32, display: Display, largest_texture: u32) -> Option<Self> {
+        let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
+        let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
+        // Ask first: the allocation below ends the program where there is no room. It takes zeroed pages, which cost
+        // nothing until they are used.
+        Vec::<[f32; 3]>::new().try_reserve_exact(count).ok()?;
+        let pixels = vec![[0.0; 3]; count];
+        let image = Image {
+            width,
+            height,
+            pixels,
+        };
+        Some(Self {
+            width,
+            height,
+            step: width.max(height).div_ceil(largest).max(1),
+            state: Mutex::new(BufferState { image, display }),
+        })
+    }
+
+    /// Picture pixels per texel along each axis: 1 unless the picture is too large for a texture.
+    #[must_use]
+    pub fn step(&self) -> u32 {
+        self.step
+    }
+
+    /// Width and height of the texture.
+    #[must_use]
+    pub fn texture_size(&self) -> [usize; 2] {
+        [self.width, self.height].map(|side| side.div_ceil(self.step) as usize)
+    }
+
+    /// The picture so far.
+    #[must_use]
+    pub fn image(&self) -> Image {
+        self.lock().image.clone()
+    }
+
+    /// Shows the picture with `display` from now on; tiles already shown need [`PictureBuffer::encode_all`].
+    pub fn set_display(&self, display: Display) {
+        self.lock().display = display;
+    }
+
+    /// Takes in a tile of the render and returns what to show; `None` where the reduced picture has no pixel of it.
+    #[must_use]
+    pub fn accept(&self, tile: &TilePixels<'_>) -> Option<EncodedTile> {
+        let display = {
+            let mut state = self.lock();
+            tile.copy_to(&mut state.image);
+            state.display
+        };
+        let region = tile.region;
+        let encode = |x: u32, y: u32| {
+            let index = (y - region.y) as usize * region.width as usize + (x - region.x) as usize;
+            color(tile.rgb[index], &display)
+        };
+        self.encode(
+            region.x..region.x + region.width,
+            region.y..region.y + region.height,
+            encode,
+        )
+    }
+
+    /// Encodes the whole picture anew, band by band.
+    pub fn encode_all(&self, cancel: &CancelToken, mut show: impl FnMut(EncodedTile)) {
+        for top in (0..self.height).step_by((ROWS_PER_BAND * self.step) as usize) {
+            if cancel.is_cancelled() {
+                return;
+            }
+            let rows = top..(top + ROWS_PER_BAND * self.step).min(self.height);
+            let (band, display) = {
+                let state = self.lock();
+                let row = self.width as usize;
+                let range = rows.start as usize * row..rows.end as usize * row;
+                (state.image.pixels[range].to_vec(), state.display)
+            };
+            let encode = |x: u32, y: u32| {
+                let index = (y - rows.start) as usize * self.width as usize + x as usize;
+                color(band[index], &display)
+            };
+            if let Some(tile) = self.encode(0..self.width, rows.clone(), encode) {
+                show(tile);
+            }
+        }
+    }
+
+    /// The texels whose pixel lies in the given columns and rows.
+    fn encode(
+        &self,
+        columns: std::ops::Range<u32>,
+        rows: std::ops::Range<u32>,
+        color: impl Fn(u32, u32) -> Color32,
+    ) -> Option<EncodedTile> {
+        let texels = |range: &std::ops::Range<u32>| {
+            range.start.div_ceil(self.step)..range.end.div_ceil(self.step)
+        };
+        let (columns, rows) = (texels(&columns), texels(&rows));
+        if columns.is_empty() || rows.is_empty() {
+            return None;
+        }
+        let size = [columns.len(), rows.len()];
+        let position = [columns.start as usize, rows.start as usize];
+        let pixels = rows
+            .flat_map(|row| columns.clone().map(move |column| (column, row)))
+            .map(|(column, row)| color(column * self.step, row * self.step))
+            .collect();
+        Some(EncodedTile {
+            position,
+            pixels: ColorImage::new(size, pixels),
+        })
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BufferState> {
+        // Pixels are plain numbers: one that panicked half-way leaves nothing broken.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn color(rgb: [f32; 3], display: &Display) -> Color32 {
+    let [r, g, b] = display::encode_8(rgb, display);
+    Color32::from_rgb(r, g, b)
+}
+
+/// How a render ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// Still running.
+    Running,
+    /// All samples are in.
+    Finished {
+        /// SHA-256 of the linear picture, see [`Image::hash`].
+        hash: String,
+        /// What it took.
+        stats: RenderStats,
+    },
+    /// Stopped by the user; the tiles so far stay.
+    Cancelled,
+    /// Ended by a fault of the program.
+    Failed,
+}
+
+/// A render and what the window shows of it.
+pub struct Picture {
+    /// The scene as it was when the render started.
+    pub scene: Scene,
+    /// Its pixels.
+    pub buffer: Arc<PictureBuffer>,
+    /// How far it is.
+    pub progress: RenderProgress,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// From the click to the first tile on its way to the screen.
+    pub first_tile: Option<Duration>,
+    started: Instant,
+    elapsed: Option<Duration>,
+    texture: Option<TextureHandle>,
+}
+
+impl Picture {
+    /// A picture whose render was asked for at `started`.
+    #[must_use]
+    pub fn new(
+        scene: Scene,
+        buffer: Arc<PictureBuffer>,
+        progress: RenderProgress,
+        started: Instant,
+    ) -> Self {
+        Self {
+            scene,
+            buffer,
+            progress,
+            outcome: Outcome::Running,
+            first_tile: None,
+            started,
+            elapsed: None,
+            texture: None,
+        }
+    }
+
+    /// Puts a tile on the screen.
+    pub fn show_tile(&mut self, ctx: &egui::Context, tile: EncodedTile) {
+        if self.first_tile.is_none() {
+            self.first_tile = Some(self.started.elapsed());
+        }
+        let size = self.buffer.texture_size();
+        let texture = self.texture.get_or_insert_with(|| {
+            let empty = ColorImage::filled(size, Color32::TRANSPARENT);
+            ctx.load_texture("picture", empty, TEXTURE_OPTIONS)
+        });
+        texture.set_partial(tile.position, tile.pixels, TEXTURE_OPTIONS);
+    }
+
+    /// What there is to show; `None` before the first tile.
+    #[must_use]
+    pub fn texture(&self) -> Option<egui::TextureId> {
+        self.texture.as_ref().map(TextureHandle::id)
+    }
+
+    /// Ends the picture.
+    pub fn end(&mut self, outcome: Outcome) {
+        self.outcome = outcome;
+        self.elapsed = Some(self.started.elapsed());
+    }
+
+    /// Whether the render runs.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.outcome == Outcome::Running
+    }
+
+    /// Time since the render was asked for, up to its end.
+    #[must_use]
+    pub fn elapsed(&self) -> Duration {
+        self.elapsed.unwrap_or_else(|| self.started.elapsed())
+    }
+
+    /// Time the rest takes at the pace so far; `None` while that is a guess.
+    #[must_use]
+    pub fn remaining(&self) -> Option<Duration> {
+        let done = self.progress.samples.fraction();
+        let elapsed = self.elapsed().as_secs_f64();
+        let known = done > 0.01 && elapsed > 0.2;
+        known
+            .then(|| Duration::try_from_secs_f64(elapsed * (1.0 - done) / done).ok())
+            .flatten()
+    }
+
+    /// Million rays per second so far.
+    #[must_use]
+    pub fn mrays_per_second(&self) -> f64 {
+        self.progress.rays() as f64 / self.elapsed().as_secs_f64().max(1e-9) / 1e6
+    }
+}
+
+impl std::fmt::Debug for Picture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Picture")
+            .field("outcome", &self.outcome)
+            .field("elapsed", &self.elapsed())
+            .finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Region;
+
+    fn tile(region: Region, value: f32) -> (Region, Vec<[f32; 3]>) {
+        (region, vec![[value; 3]; region.pixel_count()])
+    }
+
+    #[test]
+    fn tiles_are_shown_where_they_belong() {
+        let buffer = PictureBuffer::new(70, 40, Display::default(), 8192).unwrap();
+        let region = Region {
+            x: 32,
+            y: 8,
+            width: 38,
+            height: 16,
+        };
+        let (region, rgb) = tile(region, 1.0);
+        let encoded = buffer.accept(&TilePixels { region, rgb: &rgb }).unwrap();
+        assert_eq!(encoded.position, [32, 8]);
+        assert_eq!(encoded.pixels.size, [38, 16]);
+        assert!(encoded.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
+        assert_eq!(buffer.image().pixel(32, 8), [1.0; 3]);
+        assert_eq!(buffer.image().pixel(31, 8), [0.0; 3]);
+    }
+
+    #[test]
+    fn a_picture_too_large_for_a_texture_is_reduced_without_gaps() {
+        let buffer = PictureBuffer::new(100, 37, Display::default(), 30).unwrap();
+        assert_eq!(buffer.step(), 4);
+        let [width, height] = buffer.texture_size();
+        assert!(width <= 30 && height <= 30);
+        let mut covered = vec![0; width * height];
+        let full = Region::full(100, 37);
+        // Tiles whose edges are not multiples of the step.
+        for y in (0..full.height).step_by(7) {
+            for x in (0..full.width).step_by(9) {
+                let region = Region {
+                    x,
+                    y,
+                    width: 9.min(full.width - x),
+                    height: 7.min(full.height - y),
+                };
+                let (region, rgb) = tile(region, 0.5);
+                let Some(shown) = buffer.accept(&TilePixels { region, rgb: &rgb }) else {
+                    continue;
+                };
+                for row in 0..shown.pixels.height() {
+                    for column in 0..shown.pixels.width() {
+                        covered[(shown.position[1] + row) * width + shown.position[0] + column] +=
+                            1;
+                    }
+                }
+            }
+        }
+        assert!(covered.iter().all(|&count| count == 1));
+    }
+
+    #[test]
+    fn encoding_anew_shows_the_new_exposure_everywhere() {
+        let buffer = PictureBuffer::new(33, 150, Display::default(), 8192).unwrap();
+        let (region, rgb) = tile(Region::full(33, 150), 0.25);
+        let before = buffer.accept(&TilePixels { region, rgb: &rgb }).unwrap();
+        buffer.set_display(Display {
+            exposure: 2.0,
+            ..Display::default()
+        });
+        let mut rows = 0;
+        buffer.encode_all(&CancelToken::new(), |band| {
+            rows += band.pixels.height();
+            assert!(band.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
+        });
+        assert_eq!(rows, 150);
+        assert_ne!(before.pixels.pixels[0], Color32::WHITE);
+    }
+
+    #[test]
+    fn a_picture_no_memory_holds_is_refused() {
+        if usize::BITS == 64 {
+            assert!(PictureBuffer::new(u32::MAX, u32::MAX, Display::default(), 8192).is_none());
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! The preview: the scene's triangles drawn by the GPU into a texture of its own, with the very frame of the picture.
+//!
+//! It draws the `f32` triangles of the prepared scene, so what it shows is what is rendered, and a camera built in `f64`.
+//! It leaves out shadows and everything that needs more than one ray. It knows nothing of the window: tests run it
+//! without one. Depth runs from 0 (infinitely far) to 1 (near plane); pixel (0, 0) is top left, as in pictures.
+//!
+//! - [`geometry`]: triangles, packed and uploaded by a worker when they change
+//! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
+//! - `pipeline`, `target`: programs and textures
+
+pub mod geometry;
+mod pipeline;
+mod target;
+pub mod uniforms;
+
+use std::sync::Arc;
+
+use eframe::wgpu;
+
+use crate::math::DVec3;
+use crate::scene::Scene;
+use geometry::GpuGeometry;
+use pipeline::Pipelines;
+use target::{IdTarget, Target};
+use uniforms::{ObjectInstance, ViewUniform};
+
+/// Samples per pixel on a real GPU. Software adapters use one: they pay for each.
+const SAMPLES: u32 = 4;
+
+/// Draws scenes into a texture.
+#[derive(Debug)]
+pub struct Preview {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    samples: u32,
+    pipelines: Pipelines,
+    instances: Option<wgpu::Buffer>,
+    target: Option<Target>,
+    drawn: Option<Drawn>,
+}
+
+/// Everything a drawn picture depends on.
+#[derive(Clone, Debug)]
+struct Drawn {
+    geometry: Arc<GpuGeometry>,
+    view: Box<ViewUniform>,
+    instances: Vec<ObjectInstance>,
+}
+
+impl PartialEq for Drawn {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.geometry, &other.geometry)
+            && self.view == other.view
+            && self.instances == other.instances
+    }
+}
+
+impl Preview {
+    /// A preview on `device`; `software`: whether the CPU plays the GPU.
+    #[must_use]
+    pub fn new(device: wgpu::Device, queue: wgpu::Queue, software: bool) -> Self {
+        let samples = if software { 1 } else { SAMPLES };
+        Self {
+            pipelines: Pipelines::new(&device, samples),
+            device,
+            queue,
+            samples,
+            instances: None,
+            target: None,
+            drawn: None,
+        }
+    }
+
+    /// Draws `scene` with the triangles of `geometry` as a picture of `size` pixels, unless it already shows just that.
+    /// The frame is the one of `scene.render`'s picture, stretched where `size` has another ratio.
+    ///
+    /// Returns the texture, and whether it is a new one (the first, or one of another size). `None` where the camera is
+    /// none (eye on target, for instance).
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        geometry: &Arc<GpuGeometry>,
+        size: [u32; 2],
+    ) -> Option<(&wgpu::TextureView, bool)> {
+        let size = self.clamped(size);
+        let wanted = Drawn::of(scene, geometry)?;
+        let is_new = self
+            .target
+            .as_ref()
+            .is_none_or(|target| target.size != size);
+        if is_new {
+            self.target = Some(Target::new(&self.device, size, self.samples));
+        }
+        if is_new || self.drawn.as_ref() != Some(&wanted) {
+            self.upload(&wanted);
+            self.submit_color(&wanted.geometry);
+            self.drawn = Some(wanted);
+        }
+        Some((&self.target.as_ref()?.color_view, is_new))
+    }
+
+    /// The drawn picture in sRGB, rows from the top. It waits for the GPU: for tests.
+    ///
+    /// # Errors
+    /// What the GPU says, or that nothing has been drawn.
+    pub fn read_color(&self) -> Result<Vec<[u8; 4]>, String> {
+        let target = self.target.as_ref().ok_or("nothing has been drawn")?;
+        target::read_back(&self.device, &self.queue, &target.color)
+    }
+
+    /// For every pixel of a picture of `size`, rows from the top, the object whose surface is nearest at the pixel's
+    /// centre. It waits for the GPU: for tests.
+    ///
+    /// # Errors
+    /// What the GPU says, or that the camera is none.
+    pub fn object_ids(
+        &mut self,
+        scene: &Scene,
+        geometry: &Arc<GpuGeometry>,
+        size: [u32; 2],
+    ) -> Result<Vec<Option<usize>>, String> {
+        let wanted = Drawn::of(scene, geometry).ok_or("the camera has no direction")?;
+        self.upload(&wanted);
+        self.drawn = None;
+        let target = IdTarget::new(&self.device, size);
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = begin_pass(
+                &mut encoder,
+                &target.ids_view,
+                None,
+                &target.depth,
+                wgpu::Color::TRANSPARENT,
+            );
+            self.draw_objects(&mut pass, &self.pipelines.object_ids, geometry);
+        }
+        self.queue.submit([encoder.finish()]);
+        let ids = target::read_back(&self.device, &self.queue, &target.ids)?;
+        Ok(ids
+            .into_iter()
+            .map(|bytes| (u32::from_le_bytes(bytes) as usize).checked_sub(1))
+            .collect())
+    }
+
+    /// A size this GPU can draw, with the same ratio as far as possible.
+    fn clamped(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        let most = self.device.limits().max_texture_dimension_2d;
+        [width.clamp(1, most), height.clamp(1, most)]
+    }
+
+    /// Hands the GPU everything but the triangles.
+    fn upload(&mut self, wanted: &Drawn) {
+        let view: &ViewUniform = &wanted.view;
+        self.queue
+            .write_buffer(&self.pipelines.view, 0, bytemuck::bytes_of(view));
+        let bytes: &[u8] = bytemuck::cast_slice(&wanted.instances);
+        let needed = bytes.len().max(size_of::<ObjectInstance>()) as u64;
+        if self.instances.as_ref().is_none_or(|b| b.size() < needed) {
+            self.instances = Some(self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("preview objects"),
+                size: needed.next_power_of_two(),
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        if let Some(buffer) = &self.instances {
+            self.queue.write_buffer(buffer, 0, bytes);
+        }
+    }
+
+    /// Draws sky and objects into the target.
+    fn submit_color(&self, geometry: &GpuGeometry) {
+        let Some(target) = &self.target else { return };
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let (view, resolve) = match &target.samples {
+                Some(samples) => (samples, Some(&target.color_view)),
+                None => (&target.color_view, None),
+            };
+            let mut pass = begin_pass(
+                &mut encoder,
+                view,
+                resolve,
+                &target.depth,
+                wgpu::Color::BLACK,
+            );
+            pass.set_pipeline(&self.pipelines.sky);
+            pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
+            pass.draw(0..3, 0..1);
+            self.draw_objects(&mut pass, &self.pipelines.objects, geometry);
+        }
+        self.queue.submit([encoder.finish()]);
+    }
+
+    fn draw_objects(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        geometry: &GpuGeometry,
+    ) {
+        let Some(instances) = &self.instances else {
+            return;
+        };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
+        pass.set_vertex_buffer(1, instances.slice(..));
+        geometry.draw(pass);
+    }
+}
+
+impl Drawn {
+    fn of(scene: &Scene, geometry: &Arc<GpuGeometry>) -> Option<Self> {
+        let view = ViewUniform::new(scene, &geometry.frame, &geometry.bounds)?;
+        let mut instances = ObjectInstance::of_scene(scene);
+        // While an edit that removes an object is being prepared, the geometry still has it.
+        instances.resize(
+            instances.len().max(geometry.object_count),
+            ObjectInstance::unknown(),
+        );
+        Some(Self {
+            geometry: Arc::clone(geometry),
+            view: Box::new(view),
+            instances,
+        })
+    }
+}
+
+/// A pass that clears its target to `clear` and its depth to infinitely far.
+fn begin_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    view: &wgpu::TextureView,
+    resolve_target: Option<&wgpu::TextureView>,
+    depth: &wgpu::TextureView,
+    clear: wgpu::Color,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("preview"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(clear),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store: wgpu::StoreOp::Discard,
+            }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
+}
+
+/// The colour that tells object `index` from the others.
+#[must_use]
+pub fn object_color(index: usize) -> DVec3 {
+    // Golden-angle hues keep neighbours apart.
+    let hue = (index as f64 * 0.618_033_988_749_895).fract() * 6.0;
+    let channel = |offset: f64| {
+        let x = (hue + offset).rem_euclid(6.0);
+        ((x - 3.0).abs() - 1.0).clamp(0.0, 1.0) * 0.7 + 0.2
+    };
+    DVec3::new(channel(0.0), channel(4.0), channel(2.0))
+}

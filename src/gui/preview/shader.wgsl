@@ -1,0 +1,212 @@
+// The preview's shading: direct light without shadows, in the units of the prepared scene.
+//
+// Positions are taken relative to the eye before anything is multiplied, and the eye comes in two parts, so that a vertex
+// close to the eye keeps all its digits. Two passes share the vertex stage: colour for the screen, and object ids.
+
+const MAX_LIGHTS: u32 = 256u;
+
+const MODE_DIRECT: u32 = 0u;
+const MODE_NORMALS: u32 = 1u;
+const MODE_DEPTH: u32 = 2u;
+const MODE_ALBEDO: u32 = 3u;
+const MODE_FACING: u32 = 4u;
+const MODE_OBJECT: u32 = 5u;
+
+const TONE_ACES: u32 = 1u;
+const PHONG_CLASSIC: u32 = 1u;
+
+const PI: f32 = 3.14159265;
+
+struct Light {
+    // Relative to the eye.
+    position: vec4f,
+    // Already scaled to squared prepared units.
+    intensity: vec4f,
+}
+
+struct View {
+    // The camera's axes, divided by the picture's half extent at distance 1. `right.w`: distance of the near plane.
+    right: vec4f,
+    up: vec4f,
+    // `forward.w`: world units per prepared unit.
+    forward: vec4f,
+    eye_high: vec4f,
+    eye_low: vec4f,
+    // The axes times the half extent; `ray_right.w`: factor of the exposure.
+    ray_right: vec4f,
+    ray_up: vec4f,
+    zenith: vec4f,
+    horizon: vec4f,
+    ground: vec4f,
+    sky_up: vec4f,
+    // Mode, tone curve, Phong model, number of lights.
+    choices: vec4u,
+    lights: array<Light, MAX_LIGHTS>,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+struct VertexInput {
+    @location(0) position: vec3f,
+    @location(1) normal: vec4f,
+    // Of the object, one per instance.
+    @location(2) diffuse: vec4f,
+    // `w`: shininess.
+    @location(3) specular: vec4f,
+    @location(4) id_color: vec4f,
+    @location(5) object_id: u32,
+}
+
+struct Fragment {
+    @builtin(position) clip: vec4f,
+    // Relative to the eye.
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) @interpolate(flat) diffuse: vec3f,
+    @location(3) @interpolate(flat) specular: vec4f,
+    @location(4) @interpolate(flat) id_color: vec3f,
+    @location(5) @interpolate(flat) object_id: u32,
+}
+
+@vertex
+fn vertex(in: VertexInput) -> Fragment {
+    let position = (in.position - view.eye_high.xyz) - view.eye_low.xyz;
+    var out: Fragment;
+    // Reverse depth without a far plane: near / distance.
+    out.clip = vec4f(
+        dot(position, view.right.xyz),
+        dot(position, view.up.xyz),
+        view.right.w,
+        dot(position, view.forward.xyz),
+    );
+    out.position = position;
+    out.normal = in.normal.xyz;
+    out.diffuse = in.diffuse.rgb;
+    out.specular = in.specular;
+    out.id_color = in.id_color.rgb;
+    out.object_id = in.object_id;
+    return out;
+}
+
+// Radiance of the background in a unit direction.
+fn background(direction: vec3f) -> vec3f {
+    let t = dot(direction, view.sky_up.xyz);
+    return mix(view.horizon.rgb, select(view.ground.rgb, view.zenith.rgb, t >= 0.0), abs(t));
+}
+
+// Mean of max(0, ω · axis) over the hemisphere of `n`, weighted by cosine, with c = n · axis:
+// 2/(3π) · (sin γ + (π − γ) cos γ). This is the background's gradient seen by a matt surface, in closed form.
+fn mean_towards(c: f32) -> f32 {
+    let angle = acos(clamp(c, -1.0, 1.0));
+    return 2.0 / (3.0 * PI) * (sin(angle) + (PI - angle) * c);
+}
+
+// What a white matt surface with normal `n` sends back of the background, nothing in the way.
+fn background_light(n: vec3f) -> vec3f {
+    let c = dot(n, view.sky_up.xyz);
+    return view.horizon.rgb
+        + (view.zenith.rgb - view.horizon.rgb) * mean_towards(c)
+        + (view.ground.rgb - view.horizon.rgb) * mean_towards(-c);
+}
+
+// All lights, without shadows. `n`, `geometric`: shading and geometric normal on the side of `wo`, the unit vector to the
+// eye.
+fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
+    let shininess = in.specular.w;
+    let mirrored = reflect(-wo, n);
+    var radiance = background_light(n) * in.diffuse;
+    for (var i = 0u; i < min(view.choices.w, MAX_LIGHTS); i++) {
+        let to_light = view.lights[i].position.xyz - in.position;
+        let squared = dot(to_light, to_light);
+        let wi = to_light * inverseSqrt(squared);
+        let cosine = dot(n, wi);
+        if cosine <= 0.0 || squared <= 0.0 || dot(geometric, wi) <= 0.0 {
+            continue;
+        }
+        let lobe = pow(max(dot(mirrored, wi), 0.0), shininess);
+        var scattered: vec3f;
+        if view.choices.z == PHONG_CLASSIC {
+            scattered = in.diffuse * cosine + in.specular.rgb * lobe;
+        } else {
+            let peak = (shininess + 2.0) / (2.0 * PI);
+            scattered = (in.diffuse / PI + in.specular.rgb * (peak * lobe)) * cosine;
+        }
+        radiance += view.lights[i].intensity.rgb / squared * scattered;
+    }
+    return radiance;
+}
+
+// The fit of Narkowicz (2015) to the ACES reference rendering.
+fn aces(x: vec3f) -> vec3f {
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
+// From radiance to the sRGB values of the screen.
+fn displayed(radiance: vec3f) -> vec4f {
+    var x = radiance * view.ray_right.w;
+    if view.choices.y == TONE_ACES {
+        x = aces(x);
+    }
+    x = clamp(x, vec3f(0.0), vec3f(1.0));
+    let encoded = select(1.055 * pow(x, vec3f(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3f(0.0031308));
+    return vec4f(encoded, 1.0);
+}
+
+@fragment
+fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let wo = normalize(-in.position);
+    let across = normalize(cross(dpdx(in.position), dpdy(in.position)));
+    let geometric = select(-across, across, dot(across, wo) >= 0.0);
+    let interpolated = normalize(in.normal);
+    let n = select(-interpolated, interpolated, dot(interpolated, geometric) >= 0.0);
+    switch view.choices.x {
+        case MODE_NORMALS: {
+            return displayed(n * 0.5 + 0.5);
+        }
+        case MODE_DEPTH: {
+            return displayed(vec3f(length(in.position) * view.forward.w));
+        }
+        case MODE_ALBEDO: {
+            return displayed(in.diffuse + in.specular.rgb);
+        }
+        case MODE_FACING: {
+            let cosine = abs(dot(n, wo));
+            return displayed(select(vec3f(cosine, 0.0, 0.0), vec3f(0.0, cosine, 0.0), front));
+        }
+        case MODE_OBJECT: {
+            return displayed(in.id_color);
+        }
+        default: {
+            return displayed(direct(in, n, geometric, wo));
+        }
+    }
+}
+
+// Object ids for tests and picking: 0 where nothing is, else the object's index + 1.
+@fragment
+fn object_id(in: Fragment) -> @location(0) u32 {
+    return in.object_id + 1u;
+}
+
+struct Sky {
+    @builtin(position) clip: vec4f,
+    @location(0) direction: vec3f,
+}
+
+// One triangle over the whole picture, infinitely far away.
+@vertex
+fn sky_vertex(@builtin(vertex_index) index: u32) -> Sky {
+    let corner = vec2f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0);
+    var out: Sky;
+    out.clip = vec4f(corner, 0.0, 1.0);
+    out.direction = view.forward.xyz + view.ray_right.xyz * corner.x + view.ray_up.xyz * corner.y;
+    return out;
+}
+
+@fragment
+fn sky_color(in: Sky) -> @location(0) vec4f {
+    if view.choices.x != MODE_DIRECT {
+        return displayed(vec3f(0.0));
+    }
+    return displayed(background(normalize(in.direction)));
+}

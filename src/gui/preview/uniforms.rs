@@ -1,0 +1,189 @@
+//! What the shader is told besides triangles: camera, lights, background and materials, computed in `f64` and narrowed
+//! last. The layouts mirror `shader.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::object_color;
+use crate::gui::orbit::PictureSize;
+use crate::math::{Bounds, DVec3, SceneFrame};
+use crate::scene::{Background, Light, Material, Mode, PhongModel, Scene, ToneCurve};
+
+/// Most lights the preview shows; a picture has no such limit.
+pub const MAX_LIGHTS: usize = 256;
+
+/// Nearest distance at which anything is drawn, in prepared units, where the eye is among the objects.
+const NEAREST: f64 = 1e-4;
+
+/// The shader's `View`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct ViewUniform {
+    right: [f32; 4],
+    up: [f32; 4],
+    forward: [f32; 4],
+    eye_high: [f32; 4],
+    eye_low: [f32; 4],
+    ray_right: [f32; 4],
+    ray_up: [f32; 4],
+    zenith: [f32; 4],
+    horizon: [f32; 4],
+    ground: [f32; 4],
+    sky_up: [f32; 4],
+    choices: [u32; 4],
+    lights: [[[f32; 4]; 2]; MAX_LIGHTS],
+}
+
+impl ViewUniform {
+    /// The uniform of `scene` seen by its camera, or `None` where the camera is none.
+    ///
+    /// `bounds`: box of the triangles in the prepared scene.
+    pub(super) fn new(scene: &Scene, frame: &SceneFrame, bounds: &Bounds) -> Option<Self> {
+        let camera = &scene.camera;
+        let axes = camera.axes()?;
+        let half_height = (camera.vertical_fov.radians() * 0.5).tan();
+        let half_width =
+            half_height * f64::from(scene.render.width) / f64::from(scene.render.height);
+
+        let eye = frame.prepared_from_world(camera.eye);
+        let eye_high = eye.as_vec3();
+        let eye_low = eye - eye_high.as_dvec3();
+        let target_distance = camera.eye.distance(camera.target) * frame.scale();
+        let near = near_distance(eye, bounds, target_distance);
+
+        let mut lights = [[[0.0; 4]; 2]; MAX_LIGHTS];
+        for (slot, light) in lights.iter_mut().zip(&scene.lights) {
+            let Light::Point {
+                position,
+                intensity,
+            } = light;
+            let position = frame.prepared_from_world(*position) - eye;
+            // Irradiance is intensity per squared distance, and distances shrink by the frame's scale.
+            let intensity = *intensity * frame.scale() * frame.scale();
+            *slot = [vec4(position, 0.0), vec4(intensity, 0.0)];
+        }
+        let light_count = scene.lights.len().min(MAX_LIGHTS);
+        let (zenith, horizon, ground, sky_up) = sky(&scene.background);
+
+        Some(Self {
+            right: vec4(axes.right / half_width, near),
+            up: vec4(axes.up / half_height, 0.0),
+            forward: vec4(axes.forward, 1.0 / frame.scale()),
+            eye_high: vec4(eye_high.as_dvec3(), 0.0),
+            eye_low: vec4(eye_low, 0.0),
+            ray_right: vec4(axes.right * half_width, scene.display.exposure.exp2()),
+            ray_up: vec4(axes.up * half_height, 0.0),
+            zenith: vec4(zenith, 0.0),
+            horizon: vec4(horizon, 0.0),
+            ground: vec4(ground, 0.0),
+            sky_up: vec4(sky_up, 0.0),
+            choices: [
+                mode_number(scene.render.mode),
+                match scene.display.tone_curve {
+                    ToneCurve::None => 0,
+                    ToneCurve::Aces => 1,
+                },
+                match scene.render.phong {
+                    PhongModel::Modified => 0,
+                    PhongModel::Classic => 1,
+                },
+                u32::try_from(light_count).unwrap_or(0),
+            ],
+            lights,
+        })
+    }
+}
+
+/// An object's material: one instance per object.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct ObjectInstance {
+    diffuse: [f32; 4],
+    specular: [f32; 4],
+    id_color: [f32; 4],
+    object: [u32; 4],
+}
+
+impl ObjectInstance {
+    /// The instance of an object whose material is not known.
+    pub(super) fn unknown() -> Self {
+        Self::new(&Material::default(), 0)
+    }
+
+    /// The instances of all objects. An object that names no existing material gets the default one.
+    pub(super) fn of_scene(scene: &Scene) -> Vec<Self> {
+        scene
+            .objects
+            .iter()
+            .enumerate()
+            .map(|(index, object)| Self::new(&scene.material_of(object).unwrap_or_default(), index))
+            .collect()
+    }
+
+    fn new(material: &Material, object: usize) -> Self {
+        let Material::Phong {
+            diffuse,
+            specular,
+            shininess,
+        } = *material;
+        Self {
+            diffuse: vec4(diffuse, 0.0),
+            specular: vec4(specular, shininess),
+            id_color: vec4(object_color(object), 0.0),
+            object: [u32::try_from(object).unwrap_or(u32::MAX), 0, 0, 0],
+        }
+    }
+}
+
+/// Size of the picture whose frame the preview shows.
+pub(crate) fn picture_size(scene: &Scene) -> PictureSize {
+    PictureSize {
+        width: f64::from(scene.render.width.max(1)),
+        height: f64::from(scene.render.height.max(1)),
+    }
+}
+
+/// A distance before which nothing is, as large as possible: it decides how finely depths are told apart.
+fn near_distance(eye: DVec3, bounds: &Bounds, target_distance: f64) -> f64 {
+    let closest = if bounds.is_empty() {
+        DVec3::ZERO
+    } else {
+        eye.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3())
+    };
+    // Distance along the view axis is less than the straight one towards the picture's corners; this is enough for
+    // fields of view of up to 178°.
+    let outside = eye.distance(closest) * 0.01;
+    outside
+        .max(NEAREST.min(target_distance * 0.01))
+        .clamp(1e-12, 1e12)
+}
+
+/// Zenith, horizon, ground and up of a background.
+fn sky(background: &Background) -> (DVec3, DVec3, DVec3, DVec3) {
+    match *background {
+        Background::Constant { radiance } => (radiance, radiance, radiance, DVec3::Z),
+        Background::Gradient {
+            zenith,
+            horizon,
+            ground,
+            up,
+        } => (zenith, horizon, ground, up.normalize_or(DVec3::Z)),
+    }
+}
+
+/// The number of a mode in the shader.
+fn mode_number(mode: Mode) -> u32 {
+    match mode {
+        Mode::Direct => 0,
+        Mode::Normals => 1,
+        Mode::Depth => 2,
+        Mode::Albedo => 3,
+        Mode::Facing => 4,
+        Mode::Object => 5,
+    }
+}
+
+/// Three numbers and a fourth, narrowed.
+#[expect(clippy::cast_possible_truncation, reason = "narrowing is the purpose")]
+fn vec4(v: DVec3, w: f64) -> [f32; 4] {
+    [v.x as f32, v.y as f32, v.z as f32, w as f32]
+}

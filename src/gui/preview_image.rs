@@ -1,0 +1,70 @@
+//! The preview's texture as egui shows it.
+
+use std::sync::Arc;
+
+use eframe::{egui_wgpu, wgpu};
+
+use super::preview::Preview;
+use super::preview::geometry::GpuGeometry;
+use crate::scene::Scene;
+
+/// A preview and its place among egui's textures.
+pub struct PreviewImage {
+    preview: Preview,
+    render_state: egui_wgpu::RenderState,
+    texture: Option<egui::TextureId>,
+}
+
+impl PreviewImage {
+    /// A preview on the GPU that draws the window.
+    #[must_use]
+    pub fn new(render_state: &egui_wgpu::RenderState) -> Self {
+        let software = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let (device, queue) = (render_state.device.clone(), render_state.queue.clone());
+        Self {
+            preview: Preview::new(device, queue, software),
+            render_state: render_state.clone(),
+            texture: None,
+        }
+    }
+
+    /// The device, for workers that upload triangles.
+    #[must_use]
+    pub fn device(&self) -> &wgpu::Device {
+        &self.render_state.device
+    }
+
+    /// The texture that shows `scene` in `size` pixels; `None` where its camera is none.
+    pub fn show(
+        &mut self,
+        scene: &Scene,
+        geometry: &Arc<GpuGeometry>,
+        size: [u32; 2],
+    ) -> Option<egui::TextureId> {
+        let (view, is_new) = self.preview.draw(scene, geometry, size)?;
+        let device = &self.render_state.device;
+        let filter = wgpu::FilterMode::Linear;
+        match self.texture {
+            Some(id) if is_new => self
+                .render_state
+                .renderer
+                .write()
+                .update_egui_texture_from_wgpu_texture(device, view, filter, id),
+            Some(_) => {}
+            None => {
+                let mut renderer = self.render_state.renderer.write();
+                self.texture = Some(renderer.register_native_texture(device, view, filter));
+            }
+        }
+        self.texture
+    }
+}
+
+impl std::fmt::Debug for PreviewImage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("PreviewImage")
+            .field("preview", &self.preview)
+            .field("texture", &self.texture)
+            .finish_non_exhaustive()
+    }
+}

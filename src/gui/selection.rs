@@ -1,0 +1,33 @@
+//! What the panels show the properties of.
+
+use crate::scene::Scene;
+
+/// A part of the scene.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub enum Selection {
+    /// The camera.
+    #[default]
+    Camera,
+    /// What is behind everything.
+    Background,
+    /// The object at this place in the scene.
+    Object(usize),
+    /// The light at this place in the scene.
+    Light(usize),
+    /// The material of this name.
+    Material(String),
+}
+
+impl Selection {
+    /// The same part if `scene` has it, else the camera.
+    #[must_use]
+    pub fn within(self, scene: &Scene) -> Self {
+        let exists = match &self {
+            Self::Camera | Self::Background => true,
+            Self::Object(index) => *index < scene.objects.len(),
+            Self::Light(index) => *index < scene.lights.len(),
+            Self::Material(name) => scene.materials.contains_key(name),
+        };
+        if exists { self } else { Self::Camera }
+    }
+}

@@ -1,0 +1,204 @@
+//! The bar at the top: menus, what the central area shows, and the one button that matters.
+
+use egui::{Align, Button, Layout, RichText, Ui, Vec2};
+
+use super::commands::Command;
+use super::theme;
+use super::widgets::primary_button;
+
+/// Width of the menus, in points.
+const MENUS_WIDTH: f32 = 168.0;
+
+/// What the central area shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum View {
+    /// The live preview.
+    #[default]
+    Preview,
+    /// The rendered picture.
+    Picture,
+}
+
+/// Where the work stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// There is no scene to render.
+    Empty,
+    /// There is one.
+    Ready,
+    /// It is being rendered, or about to.
+    Rendering,
+}
+
+/// What the bar needs to know.
+#[derive(Clone, Copy, Debug)]
+pub struct TopBarState {
+    /// What the central area shows.
+    pub view: View,
+    /// What Render would do.
+    pub phase: Phase,
+    /// Whether there is a picture to look at and save.
+    pub has_picture: bool,
+    /// Whether the side panel shows.
+    pub panel_open: bool,
+    /// Whether the scene has unsaved changes.
+    pub modified: bool,
+}
+
+impl TopBarState {
+    /// Whether `command` can be asked for now.
+    #[must_use]
+    pub fn allows(self, command: Command) -> bool {
+        match command {
+            Command::SavePicture | Command::ShowPicture => self.has_picture,
+            Command::Cancel => self.phase == Phase::Rendering,
+            Command::Render => self.phase != Phase::Empty,
+            _ => true,
+        }
+    }
+}
+
+/// Draws the bar over the scene called `name`; returns what was asked for.
+pub fn top_bar_ui(ui: &mut Ui, state: TopBarState, name: &str) -> Vec<Command> {
+    let mut asked = Vec::new();
+    ui.horizontal(|ui| {
+        ui.set_min_height(theme::BAR_BUTTON_HEIGHT);
+        ui.spacing_mut().interact_size.y = theme::BAR_BUTTON_HEIGHT;
+        // A menu bar takes all the width it is given.
+        let size = Vec2::new(MENUS_WIDTH, theme::BAR_BUTTON_HEIGHT);
+        ui.allocate_ui(size, |ui| menus_ui(ui, state, &mut asked));
+        ui.add_space(10.0);
+        view_switch_ui(ui, state, &mut asked);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            render_button_ui(ui, state, &mut asked);
+            ui.add_space(8.0);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add_space(14.0);
+                name_ui(ui, name, state.modified);
+            });
+        });
+    });
+    asked
+}
+
+/// What the scene is called, and whether it has unsaved changes.
+fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
+    ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+    if modified {
+        ui.label(RichText::new("• not saved").weak())
+            .on_hover_text("The scene has changed since it was opened or saved");
+    }
+}
+
+fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+    egui::MenuBar::new().ui(ui, |ui| {
+        ui.spacing_mut().button_padding = Vec2::new(10.0, 4.0);
+        ui.menu_button("File", |ui| {
+            for command in [Command::Open, Command::AddMesh] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            for command in [Command::SaveScene, Command::SaveSceneAs] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            menu_item_ui(ui, state, Command::SavePicture, asked);
+            ui.separator();
+            menu_item_ui(ui, state, Command::Quit, asked);
+        });
+        ui.menu_button("View", |ui| {
+            for command in [Command::FrameAll, Command::ResetCamera] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            for command in [
+                Command::ShowPreview,
+                Command::ShowPicture,
+                Command::TogglePanel,
+            ] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            theme_ui(ui);
+        });
+        ui.menu_button("Help", |ui| {
+            menu_item_ui(ui, state, Command::ShowShortcuts, asked);
+            ui.separator();
+            ui.label(RichText::new(concat!("RayMini ", env!("CARGO_PKG_VERSION"))).weak());
+        });
+    });
+}
+
+fn menu_item_ui(ui: &mut Ui, state: TopBarState, command: Command, asked: &mut Vec<Command>) {
+    let shown = match command {
+        Command::ShowPreview => state.view == View::Preview,
+        Command::ShowPicture => state.view == View::Picture,
+        Command::TogglePanel => state.panel_open,
+        _ => false,
+    };
+    let button = Button::new(command.label())
+        .shortcut_text(command.shortcut_text(ui.ctx()))
+        .selected(shown);
+    let response = ui
+        .add_enabled(state.allows(command), button)
+        .on_hover_text(command.description())
+        .on_disabled_hover_text("There is no picture yet: press Render");
+    if response.clicked() {
+        asked.push(command);
+        ui.close();
+    }
+}
+
+fn theme_ui(ui: &mut Ui) {
+    let mut preference = ui.ctx().options(|options| options.theme_preference);
+    let before = preference;
+    for (value, name) in [
+        (egui::ThemePreference::System, "Colours of the desktop"),
+        (egui::ThemePreference::Dark, "Dark"),
+        (egui::ThemePreference::Light, "Light"),
+    ] {
+        ui.radio_value(&mut preference, value, name);
+    }
+    if preference != before {
+        ui.ctx().set_theme(preference);
+    }
+}
+
+/// Preview or picture.
+fn view_switch_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    for (view, command) in [
+        (View::Preview, Command::ShowPreview),
+        (View::Picture, Command::ShowPicture),
+    ] {
+        let button = Button::new(command.label())
+            .selected(state.view == view)
+            .min_size(Vec2::new(76.0, theme::BAR_BUTTON_HEIGHT));
+        let response = ui
+            .add_enabled(state.allows(command), button)
+            .on_hover_text(command.tooltip(ui.ctx()))
+            .on_disabled_hover_text("There is no picture yet: press Render");
+        if response.clicked() {
+            asked.push(command);
+        }
+    }
+}
+
+/// Render, or Cancel while rendering.
+fn render_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+    let size = Vec2::new(116.0, theme::BAR_BUTTON_HEIGHT);
+    let (command, button) = if state.phase == Phase::Rendering {
+        let text = RichText::new("Cancel").strong().color(theme::ON_ACCENT);
+        (Command::Cancel, Button::new(text).fill(theme::STOP))
+    } else {
+        (Command::Render, primary_button("▶  Render"))
+    };
+    let response = ui
+        .add_enabled(state.allows(command), button.min_size(size))
+        .accessible_name(command.label())
+        .on_hover_text(command.tooltip(ui.ctx()))
+        .on_disabled_hover_text("The scene is still loading");
+    if response.clicked() {
+        asked.push(command);
+    }
+}

@@ -1,0 +1,352 @@
+//! The central area: the picture's frame, the mouse that moves the camera in it, and the markers of lights.
+//!
+//! The frame has the ratio of the picture and lies on whole pixels of the screen. Positions in it are given in points from
+//! its top left corner.
+
+use egui::{Color32, CornerRadius, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+
+use super::icons;
+use super::orbit::{self, DistanceLimits, PictureSize};
+use super::pick::{self, Picked};
+use super::selection::Selection;
+use super::theme;
+use crate::math::{DBounds, DVec2, DVec3};
+use crate::render::PreparedGeometry;
+use crate::scene::{Light, RenderSettings, Scene};
+
+/// Room around the frame, in points.
+const MARGIN: f32 = 14.0;
+/// Half turns for dragging over the full height of the frame.
+const HALF_TURNS_PER_HEIGHT: f64 = 1.0;
+/// How much nearer one point of scrolling comes.
+const ZOOM_PER_POINT: f64 = 0.0025;
+/// Radius within which a marker is hit, in points.
+const MARKER_REACH: f32 = 11.0;
+
+/// What a drag does, decided when it starts.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+enum Drag {
+    #[default]
+    None,
+    Orbit,
+    /// The depth of the point that follows the mouse.
+    Pan {
+        depth: f64,
+    },
+    /// A light, kept at its depth.
+    Light {
+        index: usize,
+        depth: f64,
+    },
+}
+
+/// What the central area remembers from frame to frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Viewport {
+    drag: Drag,
+}
+
+/// What the central area works on.
+#[derive(Debug)]
+pub struct ViewportScene<'a> {
+    /// The scene being edited.
+    pub scene: &'a mut Scene,
+    /// The selected part.
+    pub selection: &'a mut Selection,
+    /// For picking; `None` until the scene is prepared.
+    pub geometry: Option<&'a PreparedGeometry>,
+    /// The world box of the objects.
+    pub bounds: DBounds,
+}
+
+/// The largest rectangle with the picture's ratio inside `area`, on whole pixels of the screen.
+#[must_use]
+pub fn frame_in(area: Rect, settings: &RenderSettings, pixels_per_point: f32) -> Rect {
+    let inside = area.shrink(MARGIN);
+    let ratio = settings.width.max(1) as f32 / settings.height.max(1) as f32;
+    let available = inside.size().max(Vec2::splat(1.0));
+    let width = available.x.min(available.y * ratio);
+    let size = Vec2::new(width, width / ratio);
+    let snap = |points: f32| (points * pixels_per_point).round() / pixels_per_point;
+    let min = inside.center() - size / 2.0;
+    Rect::from_min_size(
+        Pos2::new(snap(min.x), snap(min.y)),
+        Vec2::new(snap(size.x), snap(size.y)).max(Vec2::splat(1.0 / pixels_per_point)),
+    )
+}
+
+/// Draws the ground around the frame and an edge.
+pub fn backdrop_ui(ui: &Ui, area: Rect, frame: Rect) {
+    let visuals = ui.visuals();
+    ui.painter()
+        .rect_filled(area, CornerRadius::ZERO, theme::backdrop(visuals));
+    ui.painter().rect_stroke(
+        frame,
+        CornerRadius::ZERO,
+        Stroke::new(1.0, visuals.widgets.noninteractive.bg_stroke.color),
+        egui::StrokeKind::Outside,
+    );
+}
+
+impl Viewport {
+    /// Lets the mouse move camera and lights and select things. Returns whether the camera moved.
+    pub fn interact_ui(&mut self, ui: &Ui, frame: Rect, view: &mut ViewportScene<'_>) -> bool {
+        let response = ui
+            .interact(
+                frame,
+                ui.scope_id().with("viewport"),
+                Sense::click_and_drag(),
+            )
+            .accessible_name("Viewport");
+        let before = view.scene.camera;
+        self.drag_ui(ui, &response, frame, view);
+        click(&response, frame, view);
+        scroll(ui, &response, frame, view);
+        view.scene.camera != before
+    }
+
+    fn drag_ui(&mut self, ui: &Ui, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
+        let size = picture_size(frame);
+        if response.drag_started()
+            && let Some(start) = ui.input(|input| input.pointer.press_origin())
+        {
+            let shift = ui.input(|input| input.modifiers.shift);
+            let primary = response.drag_started_by(PointerButton::Primary);
+            self.drag = match marker_at(view.scene, frame, start).filter(|_| primary && !shift) {
+                Some((index, depth)) => {
+                    *view.selection = Selection::Light(index);
+                    Drag::Light { index, depth }
+                }
+                None if primary && !shift => Drag::Orbit,
+                None => Drag::Pan {
+                    depth: depth_under(view, size, in_frame(frame, start)),
+                },
+            };
+        }
+        if !response.dragged() {
+            self.drag = Drag::None;
+            return;
+        }
+        let Some(position) = response.interact_pointer_pos() else {
+            return;
+        };
+        let delta = response.drag_delta();
+        let to = in_frame(frame, position);
+        let from = in_frame(frame, position - delta);
+        match self.drag {
+            Drag::None => {}
+            Drag::Orbit => {
+                let radians =
+                    HALF_TURNS_PER_HEIGHT * std::f64::consts::PI / f64::from(frame.height());
+                let turn = DVec2::new(-f64::from(delta.x), f64::from(delta.y)) * radians;
+                view.scene.camera = orbit::orbit(&view.scene.camera, turn);
+            }
+            Drag::Pan { depth } => {
+                view.scene.camera = orbit::pan(&view.scene.camera, size, from, to, depth);
+            }
+            Drag::Light { index, depth } => move_light(view.scene, size, index, depth, to),
+        }
+    }
+
+    /// Draws the markers of the lights over the preview.
+    pub fn markers_ui(ui: &Ui, frame: Rect, scene: &Scene, selection: &Selection) {
+        let painter = ui.painter().with_clip_rect(frame);
+        for (index, light) in scene.lights.iter().enumerate() {
+            let Some((position, _)) = marker_position(scene, frame, light) else {
+                continue;
+            };
+            let Light::Point { intensity, .. } = light;
+            marker(
+                &painter,
+                position,
+                *intensity,
+                *selection == Selection::Light(index),
+            );
+        }
+    }
+}
+
+/// A click selects what is under it; a double click makes it the point to orbit about.
+fn click(response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
+    if !response.clicked() && !response.double_clicked() {
+        return;
+    }
+    let Some(position) = response.interact_pointer_pos() else {
+        return;
+    };
+    if let Some((index, _)) = marker_at(view.scene, frame, position) {
+        *view.selection = Selection::Light(index);
+        return;
+    }
+    let Some(picked) = picked_at(view, picture_size(frame), in_frame(frame, position)) else {
+        return;
+    };
+    if response.double_clicked() {
+        view.scene.camera = orbit::look_at(&view.scene.camera, picked.point);
+    } else {
+        *view.selection = Selection::Object(picked.object).within(view.scene);
+    }
+}
+
+/// Scrolling and pinching come nearer to the point under the mouse.
+fn scroll(ui: &Ui, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
+    let Some(position) = response.hover_pos() else {
+        return;
+    };
+    let (scrolled, pinched) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+    let factor = (-f64::from(scrolled) * ZOOM_PER_POINT).exp() / f64::from(pinched.max(0.01));
+    if (factor - 1.0).abs() < 1e-9 {
+        return;
+    }
+    let size = picture_size(frame);
+    let position = in_frame(frame, position);
+    let depth = depth_under(view, size, position);
+    let Some(direction) = orbit::view_direction(&view.scene.camera, size, position) else {
+        return;
+    };
+    let fixed = view.scene.camera.eye + direction * depth;
+    let limits = DistanceLimits::of_scene(&view.bounds);
+    view.scene.camera = orbit::zoom(&view.scene.camera, factor, fixed, limits);
+}
+
+/// The frame as the picture that camera moves refer to.
+#[must_use]
+pub fn picture_size(frame: Rect) -> PictureSize {
+    PictureSize {
+        width: f64::from(frame.width()),
+        height: f64::from(frame.height()),
+    }
+}
+
+/// A position on the screen, from the frame's top left corner.
+fn in_frame(frame: Rect, position: Pos2) -> DVec2 {
+    let offset = position - frame.min;
+    DVec2::new(f64::from(offset.x), f64::from(offset.y))
+}
+
+fn picked_at(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> Option<Picked> {
+    let scene = &view.scene;
+    pick::pick(view.geometry?, &scene.camera, &scene.render, size, position)
+}
+
+/// Depth of what is under `position`: the surface there, else the plane through the camera's target.
+fn depth_under(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> f64 {
+    let camera = &view.scene.camera;
+    picked_at(view, size, position)
+        .and_then(|picked| orbit::depth_of(camera, picked.point))
+        .unwrap_or_else(|| camera.eye.distance(camera.target))
+}
+
+fn move_light(scene: &mut Scene, size: PictureSize, index: usize, depth: f64, to: DVec2) {
+    let eye = scene.camera.eye;
+    if let Some(direction) = orbit::view_direction(&scene.camera, size, to)
+        && let Some(Light::Point { position, .. }) = scene.lights.get_mut(index)
+    {
+        let moved = eye + direction * depth;
+        if moved.is_finite() {
+            *position = moved;
+        }
+    }
+}
+
+/// Where a light's marker is on the screen, and its depth.
+fn marker_position(scene: &Scene, frame: Rect, light: &Light) -> Option<(Pos2, f64)> {
+    let Light::Point { position, .. } = light;
+    let (position, depth) = orbit::project(&scene.camera, picture_size(frame), *position)?;
+    #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
+    let offset = Vec2::new(position.x as f32, position.y as f32);
+    let position = frame.min + offset;
+    frame.contains(position).then_some((position, depth))
+}
+
+/// The light whose marker is under `position`, and its depth; the nearest marker of several.
+fn marker_at(scene: &Scene, frame: Rect, position: Pos2) -> Option<(usize, f64)> {
+    let markers = scene
+        .lights
+        .iter()
+        .enumerate()
+        .filter_map(|(index, light)| {
+            let (marker, depth) = marker_position(scene, frame, light)?;
+            Some((index, depth, marker.distance(position)))
+        });
+    markers
+        .filter(|(_, _, distance)| *distance <= MARKER_REACH)
+        .min_by(|a, b| a.2.total_cmp(&b.2))
+        .map(|(index, depth, _)| (index, depth))
+}
+
+/// A small sun of the light's colour.
+fn marker(painter: &egui::Painter, center: Pos2, intensity: DVec3, selected: bool) {
+    let edge = if selected {
+        theme::ACCENT
+    } else {
+        Color32::from_black_alpha(170)
+    };
+    icons::sun(painter, center, 4.5, icons::hue_of(intensity), edge);
+    if selected {
+        painter.circle_stroke(center, 12.5, Stroke::new(1.6, theme::ACCENT));
+    }
+}
+
+/// Draws the edges of a world box: the selected object's.
+pub fn box_ui(ui: &Ui, frame: Rect, scene: &Scene, bounds: &DBounds) {
+    if bounds.is_empty() {
+        return;
+    }
+    let painter = ui.painter().with_clip_rect(frame);
+    let corner = |bits: usize| {
+        let pick = |axis: usize| {
+            if bits >> axis & 1 == 1 {
+                bounds.max[axis]
+            } else {
+                bounds.min[axis]
+            }
+        };
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let on_screen = |bits: usize| {
+        let (position, _) = orbit::project(&scene.camera, picture_size(frame), corner(bits))?;
+        #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
+        Some(frame.min + Vec2::new(position.x as f32, position.y as f32))
+    };
+    let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.9));
+    for from in 0..8_usize {
+        for axis in 0..3 {
+            let to = from | 1 << axis;
+            if to != from
+                && let (Some(a), Some(b)) = (on_screen(from), on_screen(to))
+            {
+                painter.line_segment([a, b], stroke);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_frame_has_the_pictures_ratio_and_lies_on_pixels() {
+        let area = Rect::from_min_size(Pos2::new(3.3, 40.7), Vec2::new(931.0, 640.0));
+        for (width, height) in [(640, 480), (333, 217), (100, 900), (65_536, 1)] {
+            let settings = RenderSettings {
+                width,
+                height,
+                ..RenderSettings::default()
+            };
+            for scale in [1.0, 1.5, 2.0] {
+                let frame = frame_in(area, &settings, scale);
+                assert!(area.contains_rect(frame));
+                for edge in [frame.min.x, frame.min.y, frame.width(), frame.height()] {
+                    let pixels = edge * scale;
+                    assert!((pixels - pixels.round()).abs() < 1e-3);
+                }
+                let wanted = width as f32 / height as f32;
+                let slack = 1.0 / (frame.height() * scale);
+                let ratio = frame.width() / frame.height();
+                assert!(wanted > 1000.0 || (ratio / wanted - 1.0).abs() < 2.0 * slack + 0.01);
+            }
+        }
+    }
+}

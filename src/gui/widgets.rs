@@ -1,0 +1,427 @@
+//! Building blocks of the panels: rows of label and control that line up, numbers with units, colours.
+//!
+//! Every control gets an accessible name and a tooltip through [`row_ui`], so a panel cannot forget them.
+
+use std::ops::RangeInclusive;
+
+use egui::{Align, Color32, DragValue, Layout, Response, RichText, Ui, Vec2};
+
+use crate::math::DVec3;
+use crate::scene::{Choice, Rgb};
+
+/// Width of the labels at the left, in points.
+const LABEL_WIDTH: f32 = 104.0;
+
+/// A part of the side panel with a heading to fold it by.
+pub fn section_ui(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
+    ui.add_space(2.0);
+    egui::CollapsingHeader::new(RichText::new(title).strong().size(13.5))
+        .id_salt(("section", title))
+        .default_open(open)
+        .show_unindented(ui, |ui| {
+            ui.add_space(2.0);
+            contents(ui);
+            ui.add_space(6.0);
+        });
+    ui.separator();
+}
+
+/// A row with `label` at the left and `control` in what is left of the width, named and explained by `tooltip`.
+pub fn row_ui(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    control: impl FnOnce(&mut Ui) -> Response,
+) -> Response {
+    ui.horizontal(|ui| {
+        let label = label_ui(ui, label, tooltip);
+        let response = ui
+            .with_layout(Layout::left_to_right(Align::Center), control)
+            .inner;
+        response.labelled_by(label.id).on_hover_text(tooltip)
+    })
+    .inner
+}
+
+/// The label of a row; the control follows.
+fn label_ui(ui: &mut Ui, label: &str, tooltip: &str) -> Response {
+    let height = ui.spacing().interact_size.y;
+    ui.allocate_ui_with_layout(
+        Vec2::new(LABEL_WIDTH, height),
+        Layout::left_to_right(Align::Center),
+        |ui| {
+            ui.set_min_width(LABEL_WIDTH);
+            ui.add(egui::Label::new(label).truncate())
+                .on_hover_text(tooltip)
+        },
+    )
+    .inner
+}
+
+/// How a number is shown and moved.
+#[derive(Clone, Debug)]
+pub struct Number {
+    /// Change per point of dragging.
+    pub speed: f64,
+    /// What it may be.
+    pub range: RangeInclusive<f64>,
+    /// Its unit, with a leading blank where one belongs.
+    pub suffix: &'static str,
+    /// Most digits after the point.
+    pub decimals: usize,
+}
+
+impl Number {
+    /// Any number, moved by `speed`.
+    #[must_use]
+    pub fn any(speed: f64) -> Self {
+        Self {
+            speed,
+            range: f64::MIN..=f64::MAX,
+            suffix: "",
+            decimals: 3,
+        }
+    }
+
+    /// A number in `range`, moved by `speed`.
+    #[must_use]
+    pub fn within(range: RangeInclusive<f64>, speed: f64) -> Self {
+        Self {
+            range,
+            ..Self::any(speed)
+        }
+    }
+
+    /// The same with a unit.
+    #[must_use]
+    pub fn with_suffix(self, suffix: &'static str) -> Self {
+        Self { suffix, ..self }
+    }
+
+    fn drag<'a>(&self, value: &'a mut f64) -> DragValue<'a> {
+        // Numbers that do not show within the decimals (tiny or huge scenes) are written in full.
+        let decimals = self.decimals;
+        DragValue::new(value)
+            .speed(self.speed)
+            .range(self.range.clone())
+            .clamp_existing_to_range(false)
+            .max_decimals(decimals)
+            .suffix(self.suffix)
+            .custom_formatter(move |number, _| format_number(number, decimals))
+    }
+}
+
+/// A number as people read it: no more than `decimals` digits after the point where it has a usual size, scientific where
+/// it has not.
+#[must_use]
+pub fn format_number(number: f64, decimals: usize) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e7).contains(&size) {
+        return format!("{number:.3e}");
+    }
+    let text = format!("{number:.decimals$}");
+    if text.contains('.') {
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        if text == "-0" { "0" } else { text }.to_owned()
+    } else {
+        text
+    }
+}
+
+/// A whole number with groups of three digits: 1,234,567.
+#[must_use]
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// `count` things, in words.
+#[must_use]
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    match count {
+        1 => format!("1 {one}"),
+        _ => format!("{} {many}", grouped(count as u64)),
+    }
+}
+
+/// A row with a number.
+pub fn number_row_ui(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    value: &mut f64,
+    number: &Number,
+) -> Response {
+    row_ui(ui, label, tooltip, |ui| {
+        let width = ui.available_width();
+        ui.add_sized([width, ui.spacing().interact_size.y], number.drag(value))
+    })
+}
+
+/// A row with a whole number.
+pub fn integer_row_ui<N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    value: &mut N,
+    range: RangeInclusive<N>,
+    speed: f64,
+) -> Response {
+    row_ui(ui, label, tooltip, |ui| {
+        let width = ui.available_width();
+        ui.add_sized(
+            [width, ui.spacing().interact_size.y],
+            DragValue::new(value).range(range).speed(speed),
+        )
+    })
+}
+
+/// A row with three numbers, X, Y and Z.
+pub fn vector_row_ui(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    value: &mut DVec3,
+    number: &Number,
+) -> Response {
+    const AXES: [(&str, Color32, Color32); 3] = [
+        (
+            "X",
+            Color32::from_rgb(0xe0, 0x6c, 0x6c),
+            Color32::from_rgb(0xb0, 0x30, 0x30),
+        ),
+        (
+            "Y",
+            Color32::from_rgb(0x7c, 0xc0, 0x6a),
+            Color32::from_rgb(0x2f, 0x78, 0x20),
+        ),
+        (
+            "Z",
+            Color32::from_rgb(0x6f, 0xa4, 0xf0),
+            Color32::from_rgb(0x28, 0x58, 0xb0),
+        ),
+    ];
+    ui.horizontal(|ui| {
+        label_ui(ui, label, tooltip);
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0;
+        let height = ui.spacing().interact_size.y;
+        let dark = ui.visuals().dark_mode;
+        let mut components = [value.x, value.y, value.z];
+        let mut whole: Option<Response> = None;
+        for ((name, on_dark, on_light), component) in AXES.into_iter().zip(&mut components) {
+            let tint = if dark { on_dark } else { on_light };
+            let response = ui
+                .scope(|ui| {
+                    ui.spacing_mut().button_padding.x = 4.0;
+                    let prefix = RichText::new(format!("{name} ")).color(tint).size(11.0);
+                    ui.add_sized([width, height], number.drag(component).prefix(prefix))
+                })
+                .inner
+                .accessible_name(format!("{label} {name}"))
+                .on_hover_text(tooltip);
+            whole = Some(match whole {
+                Some(whole) => whole.union(response),
+                None => response,
+            });
+        }
+        *value = DVec3::from_array(components);
+        whole.unwrap_or_else(|| ui.response())
+    })
+    .inner
+}
+
+/// A row with a colour whose channels lie in `0..=1`.
+pub fn color_row_ui(ui: &mut Ui, label: &str, tooltip: &str, color: &mut Rgb) -> Response {
+    row_ui(ui, label, tooltip, |ui| {
+        let response = color_button_ui(ui, color);
+        ui.label(RichText::new(in_words(*color)).weak().small());
+        response
+    })
+}
+
+/// A row with light: a colour and how much of it. `unit` belongs to the amount, the largest channel.
+pub fn light_row_ui(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    value: &mut Rgb,
+    unit: &'static str,
+) -> Response {
+    row_ui(ui, label, tooltip, |ui| {
+        let (mut color, mut amount) = color_and_amount(*value);
+        let picked = color_button_ui(ui, &mut color);
+        let width = ui.available_width();
+        let number = Number {
+            decimals: 3,
+            ..Number::within(0.0..=f64::MAX, (amount * 0.01).max(0.002)).with_suffix(unit)
+        };
+        let moved = ui
+            .add_sized(
+                [width, ui.spacing().interact_size.y],
+                number.drag(&mut amount),
+            )
+            .accessible_name(format!("{label} amount"))
+            .on_hover_text(tooltip);
+        if picked.changed() || moved.changed() {
+            *value = color * amount;
+        }
+        picked.union(moved)
+    })
+}
+
+/// A linear colour as a button that opens a picker.
+fn color_button_ui(ui: &mut Ui, color: &mut Rgb) -> Response {
+    let mut rgb = color.as_vec3().to_array();
+    let response = ui.color_edit_button_rgb(&mut rgb);
+    // Only an edit may touch the stored value: showing it would round it.
+    if response.changed() {
+        *color = DVec3::from_array(rgb.map(f64::from));
+    }
+    response
+}
+
+/// Splits light into a colour whose largest channel is 1 and the amount that gives it back.
+fn color_and_amount(value: Rgb) -> (Rgb, f64) {
+    let amount = value.max_element();
+    if amount > 0.0 && amount.is_finite() {
+        (value / amount, amount)
+    } else {
+        (Rgb::ONE, 0.0)
+    }
+}
+
+fn in_words(color: Rgb) -> String {
+    let [r, g, b] = color.to_array().map(|channel| format_number(channel, 2));
+    format!("{r}, {g}, {b}")
+}
+
+/// A row that offers every value of a choice as one strip of buttons. `name_of` says what to call them on screen.
+pub fn choice_row_ui<T: Choice>(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    value: &mut T,
+    name_of: impl Fn(T) -> (&'static str, &'static str),
+) {
+    ui.horizontal(|ui| {
+        label_ui(ui, label, tooltip);
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let width =
+            (ui.available_width() - 2.0 * (T::ALL.len() as f32 - 1.0)) / T::ALL.len() as f32;
+        for (candidate, _) in T::ALL {
+            let (name, meaning) = name_of(*candidate);
+            let button = egui::Button::new(name)
+                .selected(*value == *candidate)
+                .min_size(Vec2::new(width, ui.spacing().interact_size.y));
+            let response = ui
+                .add(button)
+                .accessible_name(format!("{label}: {name}"))
+                .on_hover_text(meaning);
+            if response.clicked() {
+                *value = *candidate;
+            }
+        }
+    });
+}
+
+/// A row with a list to choose from.
+pub fn combo_row_ui<T: PartialEq + Clone>(
+    ui: &mut Ui,
+    label: &str,
+    tooltip: &str,
+    value: &mut T,
+    choices: &[(T, String)],
+) {
+    row_ui(ui, label, tooltip, |ui| {
+        let shown = choices
+            .iter()
+            .find(|(choice, _)| choice == value)
+            .map_or("", |(_, name)| name);
+        egui::ComboBox::from_id_salt(label)
+            .selected_text(shown)
+            .width(ui.available_width())
+            .truncate()
+            .show_ui(ui, |ui| {
+                for (choice, name) in choices {
+                    ui.selectable_value(value, choice.clone(), name);
+                }
+            })
+            .response
+    });
+}
+
+/// A row with a switch.
+pub fn switch_row_ui(ui: &mut Ui, label: &str, tooltip: &str, on: &mut bool) -> Response {
+    row_ui(ui, label, tooltip, |ui| {
+        let size = Vec2::new(32.0, 18.0);
+        let (rect, mut response) = ui.allocate_exact_size(size, egui::Sense::click());
+        if response.clicked() {
+            *on = !*on;
+            response.mark_changed();
+        }
+        response.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::CheckBox, ui.is_enabled(), *on, label)
+        });
+        if ui.is_rect_visible(rect) {
+            let shift = ui.ctx().animate_bool_responsive(response.id, *on);
+            let visuals = ui.style().interact(&response);
+            let off = visuals.bg_fill;
+            let track = off.lerp_to_gamma(super::theme::ACCENT, shift);
+            let radius = rect.height() / 2.0;
+            ui.painter().rect(
+                rect,
+                radius,
+                track,
+                visuals.bg_stroke,
+                egui::StrokeKind::Inside,
+            );
+            let x = egui::lerp(rect.left() + radius..=rect.right() - radius, shift);
+            let knob = egui::pos2(x, rect.center().y);
+            ui.painter()
+                .circle_filled(knob, radius - 3.0, Color32::WHITE);
+        }
+        response
+    })
+}
+
+/// The button for the one thing to do next.
+pub fn primary_button(text: &str) -> egui::Button<'_> {
+    egui::Button::new(RichText::new(text).strong().color(super::theme::ON_ACCENT))
+        .fill(super::theme::ACCENT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well_at_every_size() {
+        let shown = |number| format_number(number, 3);
+        assert_eq!(shown(1.0), "1");
+        assert_eq!(shown(-0.25), "-0.25");
+        assert_eq!(shown(1.0 / 3.0), "0.333");
+        assert_eq!(shown(-0.0), "0");
+        assert_eq!(shown(100.0), "100");
+        assert_eq!(shown(1.5e-9), "1.500e-9");
+        assert_eq!(shown(2.5e12), "2.500e12");
+        assert_eq!(grouped(1_234_567), "1,234,567");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(counted(1, "light", "lights"), "1 light");
+    }
+
+    #[test]
+    fn light_splits_into_color_and_amount_and_back() {
+        let value = Rgb::new(20.0, 10.0, 5.0);
+        let (color, amount) = color_and_amount(value);
+        assert_eq!((color, amount), (Rgb::new(1.0, 0.5, 0.25), 20.0));
+        assert_eq!(color_and_amount(Rgb::ZERO), (Rgb::ONE, 0.0));
+    }
+}

@@ -1,0 +1,241 @@
+//! What the window has done in the background: loading, preparing, rendering, saving. Each function here is the body of
+//! one job (see [`super::jobs`]); what it finds travels back as an [`Event`].
+//!
+//! Preparing runs right after loading and after every edit of geometry, so that a render finds its tree ready and its
+//! first tile is a matter of milliseconds. A render works on its own copy of the scene: editing goes on meanwhile.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use eframe::wgpu;
+
+use super::jobs::Job;
+use super::pick;
+use super::picture::{EncodedTile, PictureBuffer};
+use super::preview::geometry::{GpuGeometry, PreviewMesh, Vertex};
+use crate::control::Progress;
+use crate::geometry::Triangle;
+use crate::io::{self, LoadedScene, MeshFile};
+use crate::math::{Bounds, DBounds, Vec3};
+use crate::render::{
+    self, PreparedGeometry, PreparedObject, PreparedScene, RenderOutcome, RenderProgress, RunConfig,
+};
+use crate::scene::{Output, Scene};
+
+/// What a job tells the window. Failures are sentences for the user.
+#[derive(Debug)]
+pub enum Event {
+    /// A scene, or meshes as a scene.
+    SceneLoaded {
+        /// The files it came from.
+        paths: Vec<PathBuf>,
+        /// The scene, or why there is none.
+        result: Result<LoadedScene, String>,
+    },
+    /// A mesh to add to the scene.
+    MeshLoaded {
+        /// Its file.
+        path: PathBuf,
+        /// The mesh, or why there is none.
+        result: Result<MeshFile, String>,
+    },
+    /// The scene is ready to render and to preview, or why it cannot be rendered.
+    Prepared(Result<Prepared, String>),
+    /// A tile of the running render.
+    Tile(EncodedTile),
+    /// The running render is done.
+    Rendered {
+        /// The picture's hash.
+        hash: String,
+        /// What it took.
+        stats: render::RenderStats,
+    },
+    /// The running render cannot go on.
+    RenderFailed(String),
+    /// The scene was written, or why not.
+    SceneSaved {
+        /// The file.
+        path: PathBuf,
+        /// What was written.
+        result: Result<Box<Scene>, String>,
+    },
+    /// The picture was written, or why not.
+    PictureSaved {
+        /// The file.
+        path: PathBuf,
+        /// Nothing, or why not.
+        result: Result<(), String>,
+    },
+    /// The desktop's file dialog is closed.
+    PathsChosen(super::dialogs::files::Answer),
+    /// What is in the folder that the path field shows.
+    Listed(super::dialogs::path_field::Listing),
+}
+
+/// A scene ready to render, and its triangles on the GPU.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// For rendering.
+    pub scene: PreparedScene,
+    /// For the preview; `None` without a GPU.
+    pub triangles: Option<Arc<GpuGeometry>>,
+    /// The world box of each object.
+    pub object_bounds: Arc<[DBounds]>,
+}
+
+/// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
+pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
+    let loaded = match paths.as_slice() {
+        [] => Ok(Some(LoadedScene {
+            scene: io::demo_scene(),
+            warnings: Vec::new(),
+        })),
+        paths => io::load_scenes(paths, &job.cancel, progress),
+    };
+    let Some(result) = unless_cancelled(loaded) else {
+        return;
+    };
+    job.send(Event::SceneLoaded { paths, result });
+}
+
+/// Loads a mesh to add to the scene.
+pub fn load_mesh(job: &Job<Event>, path: PathBuf, progress: &Progress) {
+    let Some(result) = unless_cancelled(io::load_mesh(&path, &job.cancel, progress)) else {
+        return;
+    };
+    job.send(Event::MeshLoaded { path, result });
+}
+
+/// Prepares `scene`, keeping of `previous` what is the same.
+pub fn prepare(
+    job: &Job<Event>,
+    scene: &Scene,
+    previous: Option<Prepared>,
+    device: Option<&wgpu::Device>,
+) {
+    let prepared = PreparedScene::prepare(scene, previous.as_ref().map(|p| &p.scene), &job.cancel);
+    let Some(result) = unless_cancelled(prepared) else {
+        return;
+    };
+    job.send(Event::Prepared(result.map(|scene| {
+        let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), scene.geometry()));
+        match unchanged {
+            Some(previous) => Prepared { scene, ..previous },
+            None => new_geometry(scene, device),
+        }
+    })));
+}
+
+/// Uploads the triangles of a scene whose geometry is new.
+fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared {
+    let geometry = scene.geometry();
+    let triangles = device.map(|device| {
+        let mesh = preview_mesh(geometry);
+        Arc::new(GpuGeometry::upload(device, &mesh))
+    });
+    let bounds_of = |object: &PreparedObject| {
+        let range = object.triangles.start as usize..object.triangles.end as usize;
+        let boxes = geometry.triangles()[range].iter().map(Triangle::bounds);
+        pick::to_world(geometry.frame(), &boxes.fold(Bounds::EMPTY, Bounds::union))
+    };
+    let object_bounds = geometry.objects().iter().map(bounds_of).collect();
+    Prepared {
+        scene,
+        triangles,
+        object_bounds,
+    }
+}
+
+/// Renders `scene` into `buffer`. `previous`: what was prepared last.
+pub fn render(
+    job: &Job<Event>,
+    scene: &Scene,
+    previous: Option<&PreparedScene>,
+    threads: usize,
+    buffer: &PictureBuffer,
+    progress: &RenderProgress,
+) {
+    let prepared = match PreparedScene::prepare(scene, previous, &job.cancel) {
+        Ok(Some(prepared)) => prepared,
+        Ok(None) => return,
+        Err(error) => return job.send(Event::RenderFailed(error.to_string())),
+    };
+    let run = RunConfig {
+        threads,
+        cancel: job.cancel.clone(),
+    };
+    let outcome = render::render(&prepared, None, &run, progress, &|tile| {
+        if let Some(tile) = buffer.accept(tile) {
+            job.send(Event::Tile(tile));
+        }
+    });
+    if let Some(RenderOutcome { image, stats }) = outcome {
+        let hash = image.hash();
+        job.send(Event::Rendered { hash, stats });
+    }
+}
+
+/// Shows the whole picture again, after its display settings changed.
+pub fn encode(job: &Job<Event>, buffer: &PictureBuffer) {
+    buffer.encode_all(&job.cancel, |tile| job.send(Event::Tile(tile)));
+}
+
+/// Writes a scene file.
+pub fn save_scene(job: &Job<Event>, scene: Scene, path: PathBuf) {
+    let result = io::save_scene(&scene, &path);
+    let result = result.map(|()| Box::new(scene)).map_err(|e| e.to_string());
+    job.send(Event::SceneSaved { path, result });
+}
+
+/// Writes the picture as the window shows it.
+pub fn save_picture(
+    job: &Job<Event>,
+    buffer: &PictureBuffer,
+    display: &crate::scene::Display,
+    output: &Output,
+    path: PathBuf,
+) {
+    let result = io::write_image(&buffer.image(), display, output, &path);
+    let result = result.map_err(|error| error.to_string());
+    job.send(Event::PictureSaved { path, result });
+}
+
+/// The prepared triangles as the preview draws them: every corner with its normal.
+#[must_use]
+pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
+    let triangles = geometry.triangles();
+    let mut vertices = Vec::with_capacity(triangles.len() * 3);
+    let mut objects = Vec::with_capacity(geometry.objects().len());
+    for object in geometry.objects() {
+        let start = vertices.len();
+        for id in object.triangles.clone() {
+            let corners = triangles[id as usize].corners;
+            let normals = object
+                .normal_corners(id)
+                .unwrap_or_else(|| [flat_normal(corners); 3]);
+            vertices.extend((0..3).map(|i| Vertex::new(corners[i], normals[i])));
+        }
+        objects.push(start..vertices.len());
+    }
+    PreviewMesh {
+        frame: *geometry.frame(),
+        vertices,
+        objects,
+    }
+}
+
+/// A triangle's own normal. In `f64`, so that slivers have one too.
+fn flat_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
+/// The result in words; `None` when cancelled.
+fn unless_cancelled<T, E: std::fmt::Display>(
+    result: Result<Option<T>, E>,
+) -> Option<Result<T, String>> {
+    match result {
+        Ok(value) => value.map(Ok),
+        Err(error) => Some(Err(error.to_string())),
+    }
+}

@@ -1,0 +1,284 @@
+//! The preview and the picture frame the same things, to the pixel; and the preview's colours are those of a render
+//! without shadows. Runs on software Vulkan without a display, and fails without an adapter.
+#![cfg(feature = "gui")]
+
+use std::sync::Arc;
+
+use eframe::wgpu;
+use raymini::control::CancelToken;
+use raymini::gui::preview::Preview;
+use raymini::gui::preview::geometry::GpuGeometry;
+use raymini::gui::worker::preview_mesh;
+use raymini::io;
+use raymini::math::{DVec3, Degrees};
+use raymini::render::{self, PreparedScene, RenderProgress, RunConfig, display};
+use raymini::scene::{Background, Camera, Mode, Object, PhongModel, Scene, Shadows, ToneCurve};
+
+/// How near to an edge a pixel's centre may be for preview and picture to differ there, in pixels.
+const EDGE: f64 = 1.0 / 128.0;
+
+fn gpu() -> (wgpu::Device, wgpu::Queue) {
+    pollster::block_on(async {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = instance
+            .request_adapter(&wgpu::RequestAdapterOptions::default())
+            .await
+            .expect("an adapter; on Debian: apt install mesa-vulkan-drivers");
+        adapter
+            .request_device(&wgpu::DeviceDescriptor::default())
+            .await
+            .expect("a device")
+    })
+}
+
+struct Drawn {
+    preview: Preview,
+    geometry: Arc<GpuGeometry>,
+    prepared: PreparedScene,
+}
+
+fn drawn(scene: &Scene) -> Drawn {
+    let (device, queue) = gpu();
+    let prepared = prepared(scene);
+    let mesh = preview_mesh(prepared.geometry());
+    let geometry = Arc::new(GpuGeometry::upload(&device, &mesh));
+    Drawn {
+        preview: Preview::new(device, queue, true),
+        geometry,
+        prepared,
+    }
+}
+
+fn prepared(scene: &Scene) -> PreparedScene {
+    PreparedScene::prepare(scene, None, &CancelToken::new())
+        .expect("the scene can be rendered")
+        .expect("nobody cancels")
+}
+
+/// Every pixel shows the same object in the preview as the ray through its centre finds; where rays an [`EDGE`] away
+/// disagree among themselves, the centre is on an edge and either answer is right.
+fn assert_same_frame(scene: &Scene) {
+    let mut drawn = drawn(scene);
+    let (width, height) = (scene.render.width, scene.render.height);
+    let shown = drawn
+        .preview
+        .object_ids(scene, &drawn.geometry, [width, height])
+        .expect("ids can be read back");
+    assert_eq!(shown.len(), (width * height) as usize);
+
+    let mut on_edges = 0;
+    let mut wrong = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let (cx, cy) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let traced = drawn.prepared.object_at(cx, cy);
+            let drawn_there = shown[(y * width + x) as usize];
+            if drawn_there == traced {
+                continue;
+            }
+            let mut nearby = (0..9).map(|i| {
+                let (dx, dy) = (f64::from(i % 3 - 1) * EDGE, f64::from(i / 3 - 1) * EDGE);
+                drawn.prepared.object_at(cx + dx, cy + dy)
+            });
+            if nearby.all(|object| object == traced) {
+                wrong.push((x, y, drawn_there, traced));
+            } else {
+                on_edges += 1;
+            }
+        }
+    }
+    let camera = &scene.camera;
+    assert!(
+        wrong.is_empty(),
+        "{width}×{height}, {camera:?}: {} pixels differ, such as {:?}",
+        wrong.len(),
+        &wrong[..wrong.len().min(8)]
+    );
+    let share = f64::from(on_edges) / f64::from(width * height);
+    assert!(share < 0.001, "{share} of all pixels differ on edges");
+    let objects: std::collections::BTreeSet<_> = shown.iter().flatten().collect();
+    assert!(objects.len() > 1, "{camera:?} sees {objects:?} only");
+}
+
+fn scene_at(size: (u32, u32), eye: DVec3, target: DVec3, up: DVec3, fov: f64) -> Scene {
+    let mut scene = io::demo_scene();
+    (scene.render.width, scene.render.height) = size;
+    scene.camera = Camera {
+        eye,
+        target,
+        up,
+        vertical_fov: Degrees(fov),
+    };
+    scene
+}
+
+const SIZES: [(u32, u32); 3] = [(333, 217), (320, 180), (101, 257)];
+
+#[test]
+fn the_demo_is_framed_alike_from_its_own_camera() {
+    for size in SIZES {
+        let mut scene = io::demo_scene();
+        (scene.render.width, scene.render.height) = size;
+        assert_same_frame(&scene);
+    }
+}
+
+#[test]
+fn a_narrow_view_is_framed_alike() {
+    let target = DVec3::new(0.0, 0.0, 0.5);
+    for size in SIZES {
+        let eye = DVec3::new(3.0, -14.0, 5.0);
+        assert_same_frame(&scene_at(size, eye, target, DVec3::Z, 10.0));
+    }
+}
+
+/// A wide view from among the objects: triangles reach behind the eye.
+#[test]
+fn a_wide_view_among_the_objects_is_framed_alike() {
+    for size in SIZES {
+        let eye = DVec3::new(0.7, -1.6, 0.9);
+        let target = DVec3::new(0.2, 0.0, 0.5);
+        assert_same_frame(&scene_at(size, eye, target, DVec3::Z, 120.0));
+    }
+}
+
+/// The frame follows any `up`, and a camera that looks straight down.
+#[test]
+fn tilted_and_vertical_views_are_framed_alike() {
+    let eye = DVec3::new(-1.0, -4.0, 3.0);
+    let target = DVec3::new(0.0, 0.0, 0.4);
+    assert_same_frame(&scene_at(
+        (333, 217),
+        eye,
+        target,
+        DVec3::new(0.6, 0.1, 0.7),
+        40.0,
+    ));
+    let above = DVec3::new(0.1, 0.2, 9.0);
+    assert_same_frame(&scene_at((217, 333), above, DVec3::ZERO, DVec3::Y, 40.0));
+}
+
+/// A scene far from the origin and tiny: both sides see the same narrowed triangles.
+#[test]
+fn a_tiny_scene_far_out_is_framed_alike() {
+    let mut scene = io::demo_scene();
+    let (scale, offset) = (1e-4, DVec3::new(12.0, -30.0, 7.0));
+    for object in &mut scene.objects {
+        object.scale *= scale;
+        object.translate = object.translate * scale + offset;
+    }
+    let camera = &mut scene.camera;
+    camera.eye = camera.eye * scale + offset;
+    camera.target = camera.target * scale + offset;
+    (scene.render.width, scene.render.height) = (333, 217);
+    assert_same_frame(&scene);
+}
+
+/// Without shadows and with one sample at each pixel's centre, preview and picture differ by rounding only: same shading,
+/// same background, same exposure and tone curve, in every mode.
+#[test]
+fn the_preview_looks_like_a_render_without_shadows() {
+    let mut base = io::demo_scene();
+    (base.render.width, base.render.height) = (161, 97);
+    base.render.samples_per_pixel = 1;
+    base.render.antialiasing = false;
+    base.render.shadows = Shadows::Off;
+    let gradient = Background::Gradient {
+        zenith: DVec3::new(0.1, 0.3, 0.8),
+        horizon: DVec3::new(0.6, 0.5, 0.4),
+        ground: DVec3::new(0.1, 0.2, 0.05),
+        up: DVec3::new(0.2, 0.0, 1.0),
+    };
+    let modes = [
+        Mode::Direct,
+        Mode::Normals,
+        Mode::Depth,
+        Mode::Albedo,
+        Mode::Facing,
+        Mode::Object,
+    ];
+    for mode in modes {
+        let mut scene = base.clone();
+        scene.render.mode = mode;
+        scene.background = gradient;
+        assert_same_colors(&scene);
+    }
+    let mut scene = base.clone();
+    scene.render.phong = PhongModel::Classic;
+    scene.display.exposure = -0.7;
+    scene.display.tone_curve = ToneCurve::Aces;
+    assert_same_colors(&scene);
+    let flat = |object: &Object| Object {
+        smooth: false,
+        ..object.clone()
+    };
+    base.objects = base.objects.iter().map(flat).collect();
+    base.display.exposure = 0.5;
+    assert_same_colors(&base);
+}
+
+fn assert_same_colors(scene: &Scene) {
+    let mut drawn = drawn(scene);
+    let size = [scene.render.width, scene.render.height];
+    drawn
+        .preview
+        .draw(scene, &drawn.geometry, size)
+        .expect("the camera has a direction");
+    let shown = drawn.preview.read_color().expect("pixels can be read back");
+    let outcome = render::render(
+        &drawn.prepared,
+        None,
+        &RunConfig::default(),
+        &RenderProgress::default(),
+        &|_| {},
+    )
+    .expect("nobody cancels");
+
+    // Silhouettes fall to either side; a highlight as sharp as the demo's moves with the last digit of a normal.
+    let far_off = shown
+        .iter()
+        .zip(&outcome.image.pixels)
+        .filter(|(shown, rendered)| {
+            let rendered = display::encode_8(**rendered, &scene.display);
+            (0..3).any(|channel| shown[channel].abs_diff(rendered[channel]) > 3)
+        })
+        .count();
+    let share = far_off as f64 / shown.len() as f64;
+    assert!(
+        share < 0.004,
+        "{:?} {:?}: {far_off} of {} pixels have another colour",
+        scene.render.mode,
+        scene.render.phong,
+        shown.len()
+    );
+}
+
+/// Lights beyond what the preview shows are left out there, and nothing fails.
+#[test]
+fn more_lights_than_the_preview_shows_are_drawn_without_the_rest() {
+    let mut scene = io::demo_scene();
+    (scene.render.width, scene.render.height) = (40, 30);
+    let light = scene.lights[0];
+    scene.lights = vec![light; 1000];
+    let mut drawn = drawn(&scene);
+    assert!(
+        drawn
+            .preview
+            .draw(&scene, &drawn.geometry, [40, 30])
+            .is_some()
+    );
+    assert!(drawn.preview.read_color().is_ok());
+}
+
+#[test]
+fn a_camera_without_direction_draws_nothing() {
+    let mut scene = io::demo_scene();
+    let mut drawn = drawn(&scene);
+    scene.camera.target = scene.camera.eye;
+    assert!(
+        drawn
+            .preview
+            .draw(&scene, &drawn.geometry, [40, 30])
+            .is_none()
+    );
+}

@@ -1,0 +1,180 @@
+//! The real program in a real window: started under a virtual display, driven by the keyboard, it renders and saves a PNG
+//! whose pixels are those of the command line.
+//!
+//! It needs a virtual X server, a tool that presses keys and a software Vulkan driver, and fails without them. On Debian:
+//! `apt install xvfb xdotool mesa-vulkan-drivers libxkbcommon-x11-0 libx11-xcb1 libxcursor1 libxi6`.
+#![cfg(feature = "gui")]
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const DEADLINE: Duration = Duration::from_secs(90);
+
+/// A process that ends with the test.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A virtual display of its own, at a number that is free.
+struct Display {
+    _server: Process,
+    name: String,
+}
+
+impl Display {
+    fn start() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1280x800x24",
+                "-nolisten",
+                "tcp",
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts; on Debian: apt install xvfb");
+        let mut line = String::new();
+        BufReader::new(server.stdout.take().unwrap())
+            .read_line(&mut line)
+            .unwrap();
+        let number: u32 = line.trim().parse().expect("Xvfb says its display");
+        Self {
+            _server: Process(server),
+            name: format!(":{number}"),
+        }
+    }
+
+    fn xdotool(&self, arguments: &[&str]) -> String {
+        let output = Command::new("xdotool")
+            .args(arguments)
+            .env("DISPLAY", &self.name)
+            .output()
+            .expect("xdotool runs; on Debian: apt install xdotool");
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+}
+
+/// Asks again and again until there is an answer.
+fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + DEADLINE;
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(Instant::now() < deadline, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(30));
+    }
+}
+
+/// [`wait_for`], but `None` when it takes longer than `seconds`.
+fn wait_briefly<T>(seconds: u64, mut ask: impl FnMut() -> Option<T>) -> Option<T> {
+    let deadline = Instant::now() + Duration::from_secs(seconds);
+    while Instant::now() < deadline {
+        if let Some(answer) = ask() {
+            return Some(answer);
+        }
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    None
+}
+
+fn pixels(path: &Path) -> Option<image::RgbImage> {
+    Some(image::open(path).ok()?.to_rgb8())
+}
+
+#[test]
+fn the_real_window_renders_and_saves_what_the_command_line_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let ram = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/ram.off");
+    let scene = folder.path().join("room.toml");
+    let text = format!(
+        "[camera]\neye = [1.0, -4.0, 1.5]\ntarget = [0.0, 0.0, 0.6]\n\
+         [background]\nradiance = [0.2, 0.25, 0.3]\n\
+         [[objects]]\nmesh = {:?}\nsmooth = true\n\
+         [[lights]]\nkind = \"point\"\nposition = [3.0, -3.0, 4.0]\nintensity = [40.0, 40.0, 40.0]\n\
+         [render]\nwidth = 320\nheight = 240\nsamples_per_pixel = 64\n",
+        ram.to_str().unwrap()
+    );
+    std::fs::write(&scene, text).unwrap();
+
+    let display = Display::start();
+    let program = env!("CARGO_BIN_EXE_raymini");
+    let log = std::fs::File::create(folder.path().join("log")).unwrap();
+    let mut window = Process(
+        Command::new(program)
+            .arg(&scene)
+            .current_dir(folder.path())
+            .env("DISPLAY", &display.name)
+            .env("XDG_RUNTIME_DIR", folder.path())
+            .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
+            .env_remove("WAYLAND_DISPLAY")
+            .stderr(log)
+            .spawn()
+            .expect("the program starts"),
+    );
+
+    // The title names the scene as soon as it is open.
+    let id = wait_for("the window", || {
+        assert!(
+            window.0.try_wait().unwrap().is_none(),
+            "the program ended: {}",
+            std::fs::read_to_string(folder.path().join("log")).unwrap_or_default()
+        );
+        let found = display.xdotool(&["search", "--onlyvisible", "--name", "room.*RayMini"]);
+        found.lines().next().map(str::to_owned)
+    });
+    display.xdotool(&["windowfocus", "--sync", &id]);
+    let title = || display.xdotool(&["getwindowname", &id]);
+
+    // F5 renders; the title says how far.
+    wait_for("the render to start", || {
+        display.xdotool(&["key", "F5"]);
+        wait_briefly(5, || title().contains('%').then_some(()))
+    });
+    wait_for("the render to end", || {
+        (!title().contains('%')).then_some(())
+    });
+
+    // Ctrl+E asks for a path; it is typed.
+    let saved = folder.path().join("window.png");
+    wait_for("the picture to be saved", || {
+        display.xdotool(&["key", "ctrl+e"]);
+        std::thread::sleep(Duration::from_millis(1500));
+        display.xdotool(&["key", "ctrl+a"]);
+        display.xdotool(&["type", "--delay", "20", saved.to_str().unwrap()]);
+        display.xdotool(&["key", "Return"]);
+        let picture = wait_briefly(5, || pixels(&saved));
+        if picture.is_none() {
+            display.xdotool(&["key", "Escape"]);
+        }
+        picture
+    });
+
+    let by_command = folder.path().join("command.png");
+    let status = Command::new(program)
+        .args(["render", scene.to_str().unwrap(), "-o"])
+        .arg(&by_command)
+        .stderr(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let (window_picture, command_picture) = (pixels(&saved).unwrap(), pixels(&by_command).unwrap());
+    assert_eq!(window_picture.dimensions(), (320, 240));
+    assert!(window_picture == command_picture, "the pictures differ");
+
+    // Ctrl+Q closes the window, as nothing is unsaved.
+    display.xdotool(&["key", "ctrl+q"]);
+    let status = wait_for("the program to end", || window.0.try_wait().unwrap());
+    assert!(status.success(), "{status}");
+}
