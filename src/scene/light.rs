@@ -47,6 +47,32 @@ impl Facing {
 }
 
 impl Light {
+    /// Where its middle is.
+    #[must_use]
+    pub fn position(&self) -> DVec3 {
+        match self {
+            Self::Point { position, .. } => *position,
+            Self::Disk { center, .. } => *center,
+        }
+    }
+
+    /// Puts its middle elsewhere.
+    pub fn move_to(&mut self, place: DVec3) {
+        match self {
+            Self::Point { position, .. } => *position = place,
+            Self::Disk { center, .. } => *center = place,
+        }
+    }
+
+    /// Its colour and strength, in the unit of its kind.
+    #[must_use]
+    pub fn emission(&self) -> Rgb {
+        match self {
+            Self::Point { intensity, .. } => *intensity,
+            Self::Disk { radiance, .. } => *radiance,
+        }
+    }
+
     /// A disk of radius 1 at the origin that shines down, for files that say no more.
     #[must_use]
     pub fn disk() -> Self {

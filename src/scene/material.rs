@@ -33,6 +33,19 @@ pub enum Material {
 }
 
 impl Material {
+    /// One colour to know it by: what it reflects or lets through in all, or what it emits.
+    #[must_use]
+    pub fn color(&self) -> Rgb {
+        match *self {
+            Self::Phong {
+                diffuse, specular, ..
+            } => diffuse + specular,
+            Self::Mirror { reflectance } => reflectance,
+            Self::Glass { .. } => Rgb::ONE,
+            Self::Emitter { radiance } => radiance,
+        }
+    }
+
     /// A bright mirror, for files that say no more.
     #[must_use]
     pub fn mirror() -> Self {
