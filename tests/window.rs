@@ -453,8 +453,9 @@ fn without_a_gpu_everything_but_the_preview_works() {
     assert_eq!(window.hash(), library_hash(window.scene()));
 }
 
-/// From the click to the first tile in the window, and from Cancel to idle threads, on a scene of 100,000 triangles. The
-/// bars are those of the issue with room for a loaded test machine; the figures are printed.
+/// From the click to the first tile in the window, the window's own time per frame while all cores render, and from
+/// Cancel to idle threads, on a scene of 100,000 triangles. The figures are printed; the bars are those of the product
+/// with room for a loaded test machine and an unoptimised build.
 #[test]
 fn the_first_tile_comes_at_once_and_cancel_is_obeyed() {
     let mut window = Window::start(Vec::new(), true);
@@ -465,15 +466,28 @@ fn the_first_tile_comes_at_once_and_cancel_is_obeyed() {
         app.picture().is_some_and(|p| p.first_tile.is_some())
     });
     let first_tile = window.app().picture().unwrap().first_tile.unwrap();
+
+    let mut frames: Vec<Duration> = (0..100)
+        .map(|_| {
+            let started = Instant::now();
+            window.harness.step();
+            started.elapsed()
+        })
+        .collect();
+    frames.sort();
+
     window.harness.get_by_label("Cancel").click();
-    window.harness.step();
     let asked = Instant::now();
+    window.harness.step();
     while window.app().render_threads() > 0 {
         assert!(asked.elapsed() < DEADLINE, "the render does not stop");
         std::thread::sleep(Duration::from_millis(1));
     }
     let cancelled = asked.elapsed();
-    println!("first tile after {first_tile:?}, idle {cancelled:?} after Cancel");
+    println!(
+        "first tile after {first_tile:.1?}; frames of {:.1?} (median) and {:.1?} (99 of 100); idle {cancelled:.1?} after Cancel",
+        frames[50], frames[98]
+    );
     assert!(first_tile < Duration::from_secs(2), "{first_tile:?}");
     assert!(cancelled < Duration::from_millis(500), "{cancelled:?}");
 }

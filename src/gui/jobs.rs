@@ -15,6 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Duration;
 
 use crate::control::CancelToken;
 
@@ -97,10 +98,15 @@ pub struct Job<E> {
 impl<E> Job<E> {
     /// Tells the window, and wakes it.
     pub fn send(&self, event: E) {
-        self.send_content(Content::Event(event));
+        self.send_and_wake(Content::Event(event), Duration::ZERO);
     }
 
-    fn send_content(&self, content: Content<E>) {
+    /// Tells the window, and wakes it after `delay` at the latest: news that come in crowds share a frame.
+    pub fn send_within(&self, event: E, delay: Duration) {
+        self.send_and_wake(Content::Event(event), delay);
+    }
+
+    fn send_and_wake(&self, content: Content<E>, delay: Duration) {
         let message = Message {
             lane: self.lane,
             generation: self.generation,
@@ -108,7 +114,7 @@ impl<E> Job<E> {
         };
         // A closed window does not listen any more, which is fine.
         if self.sender.send(message).is_ok() {
-            self.wake.request_repaint();
+            self.wake.request_repaint_after(delay);
         }
     }
 }
@@ -143,10 +149,11 @@ impl<E: Send + 'static> Jobs<E> {
         std::thread::spawn(move || {
             let result = catch_unwind(AssertUnwindSafe(|| work(&job)));
             threads.fetch_sub(1, Ordering::Relaxed);
-            job.send_content(match result {
+            let content = match result {
                 Ok(()) => Content::Ended,
                 Err(payload) => Content::Panicked(panic_message(payload.as_ref())),
-            });
+            };
+            job.send_and_wake(content, Duration::ZERO);
         });
     }
 
@@ -217,7 +224,7 @@ pub fn panic_message(payload: &(dyn Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::{Duration, Instant};
+    use std::time::Instant;
 
     fn wait_for<E: Send + 'static>(jobs: &mut Jobs<E>) -> News<E> {
         let deadline = Instant::now() + Duration::from_secs(10);

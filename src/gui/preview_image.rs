@@ -12,6 +12,7 @@ use crate::scene::Scene;
 pub struct PreviewImage {
     preview: Preview,
     render_state: egui_wgpu::RenderState,
+    is_software: bool,
     texture: Option<egui::TextureId>,
 }
 
@@ -19,11 +20,12 @@ impl PreviewImage {
     /// A preview on the GPU that draws the window.
     #[must_use]
     pub fn new(render_state: &egui_wgpu::RenderState) -> Self {
-        let software = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let is_software = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let (device, queue) = (render_state.device.clone(), render_state.queue.clone());
         Self {
-            preview: Preview::new(device, queue, software),
+            preview: Preview::new(device, queue, is_software),
             render_state: render_state.clone(),
+            is_software,
             texture: None,
         }
     }
@@ -32,6 +34,12 @@ impl PreviewImage {
     #[must_use]
     pub fn device(&self) -> &wgpu::Device {
         &self.render_state.device
+    }
+
+    /// Whether the processor draws the window.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.is_software
     }
 
     /// The texture that shows `scene` in `size` pixels; `None` where its camera is none.

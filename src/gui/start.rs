@@ -72,6 +72,8 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
             .with_app_id("raymini")
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([720.0, 480.0]),
+        // Pictures are shown as they are saved, without noise on top.
+        dithering: false,
         ..eframe::NativeOptions::default()
     };
     let opened = catch_unwind(AssertUnwindSafe(|| {
@@ -90,7 +92,13 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
 }
 
 fn in_words(error: &eframe::Error) -> GuiError {
-    let reason = error.to_string();
+    let text = error.to_string();
+    // Some libraries name the line of their source that failed, which helps nobody here.
+    let reason = match text.rsplit_once(".rs:") {
+        Some((_, after)) => after.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':'),
+        None => &text,
+    };
+    let reason = reason.trim().trim_end_matches('.').to_owned();
     match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
             GuiError::NoDisplay { reason }

@@ -141,8 +141,6 @@ fn progress_ui(ui: &mut Ui, share: f64) {
         .fill(theme::ACCENT)
         .text(RichText::new(format!("{:.0} %", (share * 100.0).floor())).small());
     ui.add(bar).accessible_name("Progress");
-    // The bar moves also while no tile arrives.
-    ui.ctx().request_repaint_after(Duration::from_millis(100));
 }
 
 fn line_ui(ui: &mut Ui, text: &str) {

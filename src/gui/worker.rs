@@ -6,6 +6,8 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use eframe::wgpu;
 
@@ -146,27 +148,45 @@ fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared
     }
 }
 
-/// Renders `scene` into `buffer`. `previous`: what was prepared last.
-pub fn render(
-    job: &Job<Event>,
-    scene: &Scene,
-    previous: Option<&PreparedScene>,
-    threads: usize,
-    buffer: &PictureBuffer,
-    progress: &RenderProgress,
-) {
-    let prepared = match PreparedScene::prepare(scene, previous, &job.cancel) {
+/// What a render job works with.
+#[derive(Clone, Debug)]
+pub struct RenderRequest {
+    /// The scene as it is now.
+    pub scene: Scene,
+    /// What was prepared last.
+    pub previous: Option<PreparedScene>,
+    /// Render threads; 0 is one per core.
+    pub threads: usize,
+    /// Where the picture goes.
+    pub buffer: Arc<PictureBuffer>,
+    /// What the window watches.
+    pub progress: RenderProgress,
+    /// How long tiles may wait to be shown together.
+    pub tile_delay: Duration,
+}
+
+/// Renders a scene, sending every tile.
+pub fn render(job: &Job<Event>, request: &RenderRequest) {
+    let previous = request.previous.as_ref();
+    let prepared = match PreparedScene::prepare(&request.scene, previous, &job.cancel) {
         Ok(Some(prepared)) => prepared,
         Ok(None) => return,
         Err(error) => return job.send(Event::RenderFailed(error.to_string())),
     };
     let run = RunConfig {
-        threads,
+        threads: request.threads,
         cancel: job.cancel.clone(),
     };
-    let outcome = render::render(&prepared, None, &run, progress, &|tile| {
-        if let Some(tile) = buffer.accept(tile) {
-            job.send(Event::Tile(tile));
+    let is_first = AtomicBool::new(true);
+    let outcome = render::render(&prepared, None, &run, &request.progress, &|tile| {
+        if let Some(tile) = request.buffer.accept(tile) {
+            // The first tile is what the user waits for.
+            let delay = if is_first.swap(false, Ordering::Relaxed) {
+                Duration::ZERO
+            } else {
+                request.tile_delay
+            };
+            job.send_within(Event::Tile(tile), delay);
         }
     });
     if let Some(RenderOutcome { image, stats }) = outcome {

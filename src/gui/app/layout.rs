@@ -66,6 +66,10 @@ impl App {
         } else {
             Activity::Idle
         };
+        if self.loading.is_some() || self.is_rendering() {
+            // Times and shares move also while nothing else happens.
+            ui.ctx().request_repaint_after(self.refresh_interval());
+        }
         let scene = &self.document.scene;
         let shown = (!scene.objects.is_empty()).then_some(scene);
         status_bar::status_bar_ui(ui, &activity, self.messages.last_news(), shown);

@@ -4,15 +4,16 @@
 //! prepared, if it differs. So an object that is dragged moves in the preview as often as the machine manages.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::{App, PreparedState};
 use crate::gui::document::{same_geometry, same_picture};
 use crate::gui::jobs::Lane;
 use crate::gui::pick::world_bounds;
 use crate::gui::picture::{Outcome, Picture, PictureBuffer};
+use crate::gui::preview_image::PreviewImage;
 use crate::gui::top_bar::View;
-use crate::gui::worker::{self, Prepared};
+use crate::gui::worker::{self, Prepared, RenderRequest};
 use crate::render::{RenderProgress, RenderStats};
 use crate::scene::Display;
 
@@ -114,15 +115,24 @@ impl App {
         ));
         self.view = View::Picture;
 
-        let previous = self
-            .prepared
-            .as_ref()
-            .map(|state| state.prepared.scene.clone());
-        let threads = self.threads;
+        let request = RenderRequest {
+            scene,
+            previous: self.prepared.as_ref().map(|p| p.prepared.scene.clone()),
+            threads: self.threads,
+            buffer,
+            progress,
+            tile_delay: self.refresh_interval(),
+        };
         self.jobs.cancel(Lane::Encode);
-        self.jobs.start(Lane::Render, move |job| {
-            worker::render(job, &scene, previous.as_ref(), threads, &buffer, &progress);
-        });
+        self.jobs
+            .start(Lane::Render, move |job| worker::render(job, &request));
+    }
+
+    /// Time between two frames while a render runs and the user does nothing. Where the processor draws the window, each
+    /// frame takes time from the render.
+    pub(super) fn refresh_interval(&self) -> Duration {
+        let is_software = self.preview.as_ref().is_some_and(PreviewImage::is_software);
+        Duration::from_millis(if is_software { 400 } else { 33 })
     }
 
     pub(super) fn rendered(&mut self, hash: String, stats: RenderStats) {
