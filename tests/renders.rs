@@ -510,14 +510,18 @@ fn intensities_scale_the_picture_exactly() {
 
 #[test]
 fn an_empty_scene_is_its_background() {
-    let mut scene = Scene::default();
-    scene.render = RenderSettings {
+    let settings = RenderSettings {
         width: 3,
         height: 2,
         ..RenderSettings::default()
     };
-    scene.background = Background::Constant {
+    let background = Background::Constant {
         radiance: Rgb::new(0.1, 0.2, 0.3),
+    };
+    let scene = Scene {
+        render: settings,
+        background,
+        ..Scene::default()
     };
     let outcome = run(&scene, 1);
     assert!(

@@ -19,7 +19,7 @@ use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
 use raymini::scene::Scene;
 
 /// Longest wait for anything; machines differ, tests must not hang.
-const DEADLINE: Duration = Duration::from_secs(60);
+const DEADLINE: Duration = Duration::from_mins(1);
 
 /// A mesh of two pyramids.
 const MESH: &str = "OFF\n7 10 0\n\

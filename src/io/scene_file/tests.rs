@@ -32,6 +32,7 @@ fn one_object_is_a_scene_and_takes_its_meshs_name() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn every_key_round_trips() {
     let scene = Scene {
         camera: crate::scene::Camera {
@@ -158,6 +159,7 @@ fn every_key_round_trips() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn mistakes_name_place_and_expectation() {
     let cases = [
         (
