@@ -122,6 +122,8 @@ mod tests {
                 .wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f64 / f64::from(1 << 24)
         };
+        #[expect(clippy::cast_possible_truncation, reason = "rays are f32")]
+        let narrow = |x: f64| x as f32;
         for k in [0.0, 100.0, 1e4] {
             let mut pushed = 0.0;
             let count = 20_000;
@@ -152,7 +154,7 @@ mod tests {
                     .expect("can be rendered")
                     .expect("nobody cancels");
                 let [a, b, c] = geometry.triangles()[0].corners;
-                let (u, v) = (next() as f32, next() as f32);
+                let (u, v) = (narrow(next()), narrow(next()));
                 let (u, v) = if u + v > 1.0 {
                     (1.0 - u, 1.0 - v)
                 } else {
@@ -161,9 +163,9 @@ mod tests {
                 let aim = a * (1.0 - u - v) + b * u + c * v;
                 let size = (b - a).length().max((c - a).length());
                 let away = Vec3::new(
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
                 )
                 .normalize();
                 let ray = Ray::new(aim + away * (10.0 * size), -away);
@@ -173,9 +175,9 @@ mod tests {
 
                 let surface = SurfacePoint::new(&geometry, &ray, &hit);
                 let mut wi = Vec3::new(
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
                 )
                 .normalize();
                 if wi.dot(surface.geometric_normal) < 0.0 {
