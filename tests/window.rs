@@ -13,10 +13,11 @@ use raymini::gui::dialogs::Dialog;
 use raymini::gui::messages::Severity;
 use raymini::gui::picture::Outcome;
 use raymini::gui::top_bar::View;
-use raymini::gui::{App, AppOptions, FileDialogs};
+use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
 use raymini::io;
+use raymini::math::DVec3;
 use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
-use raymini::scene::Scene;
+use raymini::scene::{Light, Scene};
 
 /// Longest wait for anything; machines differ, tests must not hang.
 const DEADLINE: Duration = Duration::from_mins(1);
@@ -86,7 +87,9 @@ impl Window {
     }
 
     fn start(paths: Vec<PathBuf>, with_gpu: bool) -> Self {
-        let builder = Harness::builder().with_size(Vec2::new(1280.0, 800.0));
+        let builder = Harness::builder()
+            .with_size(Vec2::new(1280.0, 800.0))
+            .with_step_dt(1.0 / 60.0);
         let builder = if with_gpu { builder.wgpu() } else { builder };
         let options = AppOptions {
             paths,
@@ -151,6 +154,34 @@ impl Window {
         self.harness.run_steps(2);
         self.harness.key_press(Key::Enter);
         self.harness.run_steps(3);
+    }
+
+    /// Where a world point is on the screen.
+    fn on_screen(&self, point: DVec3) -> Pos2 {
+        let frame = self.harness.get_by_label("Viewport").rect();
+        let size = viewport::picture_size(frame);
+        let (position, _) = orbit::project(&self.scene().camera, size, point).unwrap();
+        frame.min + Vec2::new(position.x as f32, position.y as f32)
+    }
+
+    fn click_at(&mut self, position: Pos2) {
+        self.clicks_at(position, 1);
+    }
+
+    /// Clicks so quickly that several clicks are one multiple click.
+    fn clicks_at(&mut self, position: Pos2, count: usize) {
+        self.harness.hover_at(position);
+        self.harness.run_steps(1);
+        for pressed in [true, false].repeat(count) {
+            self.harness.event(Event::PointerButton {
+                pos: position,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            self.harness.run_steps(1);
+        }
+        self.harness.run_steps(1);
     }
 
     fn drag(&mut self, button: PointerButton, from: Pos2, to: Pos2) {
@@ -429,6 +460,128 @@ fn framing_and_resetting_the_camera() {
     assert_ne!(framed, home);
     window.press(Modifiers::NONE, Key::Home);
     assert_eq!(window.scene().camera, home);
+}
+
+/// A click selects what is under it, scrolling comes nearer to it, a double click turns the camera to it.
+#[test]
+fn the_mouse_selects_zooms_and_aims() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let on_the_pyramid = window.on_screen(DVec3::new(0.0, -0.6, 0.6));
+    window.click_at(on_the_pyramid);
+    assert!(window.has("Scale"), "the object's properties show");
+    assert_eq!(window.scene().camera, load(&files.path("room.toml")).camera);
+
+    let before = window.scene().camera;
+    window.harness.hover_at(on_the_pyramid);
+    window.harness.event(Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: Vec2::new(0.0, 3.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    window.harness.run_steps(30);
+    let nearer = window.scene().camera;
+    assert!(nearer.eye.length() < before.eye.length() * 0.95);
+    let still_there = window.on_screen(DVec3::new(0.0, -0.6, 0.6));
+    assert!(still_there.distance(on_the_pyramid) < 8.0);
+
+    window.clicks_at(still_there, 2);
+    let aimed = window.scene().camera;
+    assert_eq!(aimed.eye, nearer.eye);
+    let target = aimed.target;
+    assert!(
+        target.distance(DVec3::new(0.0, -0.6, 0.6)) < 0.3,
+        "{target}, before {}",
+        nearer.target
+    );
+}
+
+#[test]
+fn a_lights_marker_moves_the_light() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.press(Modifiers::NONE, Key::F);
+    let scene = window.scene();
+    let camera = scene.camera;
+    let Light::Point { position, .. } = scene.lights[0];
+    // Where the marker is not in view, the camera steps back first.
+    let eye = camera.target + (camera.eye - camera.target) * 3.0;
+    window.harness.state_mut().document_mut().scene.camera.eye = eye;
+    window.harness.run_steps(2);
+    let marker = window.on_screen(position);
+    window.drag(
+        PointerButton::Primary,
+        marker,
+        marker + Vec2::new(40.0, 0.0),
+    );
+    let Light::Point {
+        position: moved, ..
+    } = window.scene().lights[0];
+    assert_ne!(moved, position);
+    assert_eq!(window.scene().camera.eye, eye, "the camera stays");
+    assert!(
+        window
+            .on_screen(moved)
+            .distance(marker + Vec2::new(40.0, 0.0))
+            < 3.0
+    );
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("the window reads by path".to_owned())
+    }
+}
+
+#[test]
+fn dropped_files_open() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let dropped = std::sync::Arc::new(Dropped(files.path("pyramid.off")));
+    window.harness.input_mut().dropped_files.push(dropped);
+    window.harness.step();
+    window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    window.settle();
+    assert_eq!(window.scene().objects.len(), 1);
+}
+
+#[test]
+fn closing_asks_about_unsaved_work() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Add light");
+    let viewport = window
+        .harness
+        .input_mut()
+        .viewports
+        .entry(egui::ViewportId::ROOT);
+    viewport
+        .or_default()
+        .events
+        .push(egui::ViewportEvent::Close);
+    window.harness.step();
+    window
+        .harness
+        .input_mut()
+        .viewports
+        .entry(egui::ViewportId::ROOT)
+        .or_default()
+        .events
+        .clear();
+    window.harness.run_steps(2);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
+    window.click("Save first");
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
 }
 
 #[test]

@@ -15,6 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::control::CancelToken;
@@ -42,6 +43,13 @@ pub enum Lane {
 
 const LANES: usize = 8;
 
+impl Lane {
+    /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.
+    fn must_end(self) -> bool {
+        matches!(self, Self::SaveScene | Self::SavePicture)
+    }
+}
+
 /// What the window holds of its background work. `E` is what jobs have to say.
 #[derive(Debug)]
 pub struct Jobs<E> {
@@ -49,6 +57,8 @@ pub struct Jobs<E> {
     sender: Sender<Message<E>>,
     receiver: Receiver<Message<E>>,
     lanes: [LaneState; LANES],
+    /// Threads that must end before the program does.
+    must_end: Vec<JoinHandle<()>>,
 }
 
 #[derive(Debug, Default)]
@@ -129,6 +139,7 @@ impl<E: Send + 'static> Jobs<E> {
             sender,
             receiver,
             lanes: Default::default(),
+            must_end: Vec::new(),
         }
     }
 
@@ -146,7 +157,7 @@ impl<E: Send + 'static> Jobs<E> {
         };
         let threads = Arc::clone(&state.threads);
         threads.fetch_add(1, Ordering::Relaxed);
-        std::thread::spawn(move || {
+        let thread = std::thread::spawn(move || {
             let result = catch_unwind(AssertUnwindSafe(|| work(&job)));
             threads.fetch_sub(1, Ordering::Relaxed);
             let content = match result {
@@ -155,6 +166,10 @@ impl<E: Send + 'static> Jobs<E> {
             };
             job.send_and_wake(content, Duration::ZERO);
         });
+        self.must_end.retain(|thread| !thread.is_finished());
+        if lane.must_end() {
+            self.must_end.push(thread);
+        }
     }
 
     /// Asks the lane's job to stop, and forgets it.
@@ -203,12 +218,14 @@ impl<E: Send + 'static> Jobs<E> {
 }
 
 impl<E> Drop for Jobs<E> {
-    /// Closing the window stops the work nobody will see; writing files is left to end.
+    /// Closing the window stops the work nobody will see, and waits for files to be written whole.
     fn drop(&mut self) {
-        for (index, state) in self.lanes.iter().enumerate() {
-            if index != Lane::SaveScene as usize && index != Lane::SavePicture as usize {
-                state.cancel.cancel();
-            }
+        for state in &self.lanes {
+            state.cancel.cancel();
+        }
+        for thread in self.must_end.drain(..) {
+            // A job catches its own panics.
+            let _ = thread.join();
         }
     }
 }
@@ -269,6 +286,19 @@ mod tests {
         let expected = News::Panicked(Lane::Prepare, "a triangle has 4 corners".to_owned());
         assert_eq!(wait_for(&mut jobs), expected);
         assert!(!jobs.is_busy(Lane::Prepare));
+    }
+
+    #[test]
+    fn closing_waits_for_files_to_be_written() {
+        let mut jobs = Jobs::<()>::new(egui::Context::default());
+        let written = Arc::new(AtomicUsize::new(0));
+        let counter = Arc::clone(&written);
+        jobs.start(Lane::SaveScene, move |_| {
+            std::thread::sleep(Duration::from_millis(30));
+            counter.fetch_add(1, Ordering::Relaxed);
+        });
+        drop(jobs);
+        assert_eq!(written.load(Ordering::Relaxed), 1);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The preview's texture as egui shows it.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::{egui_wgpu, wgpu};
 
@@ -14,12 +14,22 @@ pub struct PreviewImage {
     render_state: egui_wgpu::RenderState,
     is_software: bool,
     texture: Option<egui::TextureId>,
+    faults: Arc<Mutex<Vec<String>>>,
 }
 
 impl PreviewImage {
-    /// A preview on the GPU that draws the window.
+    /// A preview on the GPU that draws the window. From now on faults of the GPU, such as a lack of memory, do not end the
+    /// program: see [`PreviewImage::take_faults`].
     #[must_use]
     pub fn new(render_state: &egui_wgpu::RenderState) -> Self {
+        let faults = Arc::new(Mutex::new(Vec::new()));
+        let sink = Arc::clone(&faults);
+        render_state
+            .device
+            .on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+                let mut faults = sink.lock().unwrap_or_else(PoisonError::into_inner);
+                faults.push(error.to_string());
+            }));
         let is_software = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let (device, queue) = (render_state.device.clone(), render_state.queue.clone());
         Self {
@@ -27,6 +37,7 @@ impl PreviewImage {
             render_state: render_state.clone(),
             is_software,
             texture: None,
+            faults,
         }
     }
 
@@ -34,6 +45,12 @@ impl PreviewImage {
     #[must_use]
     pub fn device(&self) -> &wgpu::Device {
         &self.render_state.device
+    }
+
+    /// What the GPU has complained about since this was last asked.
+    #[must_use]
+    pub fn take_faults(&self) -> Vec<String> {
+        std::mem::take(&mut self.faults.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Whether the processor draws the window.

@@ -21,7 +21,7 @@ pub enum Activity<'a> {
         /// `0..=1`.
         share: f64,
     },
-    /// A render waits for the acceleration structure.
+    /// Triangles are placed and their acceleration structure is built.
     Preparing,
     /// A render runs or has ended.
     Picture {
@@ -65,8 +65,7 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
             line_ui(ui, &format!("Loading {what}"));
         }
         Activity::Preparing => {
-            ui.spinner();
-            line_ui(ui, "Preparing the scene");
+            line_ui(ui, "Preparing the scene…");
         }
         Activity::Picture { picture, outdated } => picture_ui(ui, picture, *outdated, news),
     }

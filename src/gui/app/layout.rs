@@ -56,7 +56,7 @@ impl App {
                 what: &loading.what,
                 share: loading.progress.fraction(),
             }
-        } else if self.waiting_render.is_some() {
+        } else if self.waiting_render.is_some() || self.prepared.is_none() && !self.is_prepared() {
             Activity::Preparing
         } else if let Some(picture) = &self.picture {
             Activity::Picture {
@@ -113,6 +113,7 @@ impl App {
         viewport::backdrop_ui(ui, area, frame);
         if self.document.scene.objects.is_empty() {
             self.empty_ui(ui, area);
+            hovered_files_ui(ui, area);
             return;
         }
         let showing_picture = self.view == View::Picture && self.picture.is_some();
@@ -125,6 +126,7 @@ impl App {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
         }
+        hovered_files_ui(ui, area);
     }
 
     /// Draws the preview; under a picture that is not whole, that picture's own view, dimmed.
@@ -272,6 +274,30 @@ impl App {
 fn image_ui(ui: &Ui, texture: egui::TextureId, frame: Rect, tint: Color32) {
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     ui.painter().image(texture, frame, whole, tint);
+}
+
+/// Says what happens to files that hang over the window.
+fn hovered_files_ui(ui: &Ui, area: Rect) {
+    let count = ui.input(|input| input.raw.hovered_files.len());
+    if count == 0 {
+        return;
+    }
+    let painter = ui.painter();
+    painter.rect_filled(area, 0.0, Color32::from_black_alpha(150));
+    let inside = area.shrink(16.0);
+    let stroke = egui::Stroke::new(2.0, theme::ACCENT);
+    painter.rect_stroke(inside, 10.0, stroke, egui::StrokeKind::Inside);
+    painter.text(
+        area.center(),
+        egui::Align2::CENTER_CENTER,
+        if count == 1 {
+            "Drop to open"
+        } else {
+            "Drop to open together"
+        },
+        egui::FontId::proportional(20.0),
+        Color32::WHITE,
+    );
 }
 
 /// Why the scene as it is cannot be rendered; it goes when the reason does.

@@ -134,6 +134,11 @@ impl App {
         &self.document
     }
 
+    /// The scene being edited, for whoever edits it from outside.
+    pub fn document_mut(&mut self) -> &mut Document {
+        &mut self.document
+    }
+
     /// The last render, running or ended.
     #[must_use]
     pub fn picture(&self) -> Option<&Picture> {
@@ -325,17 +330,20 @@ impl App {
         }
     }
 
-    /// Closing the window waits for unsaved work to be decided about and for files to be written.
+    /// Closing the window waits for unsaved work to be decided about.
     fn take_close_request(&mut self, ctx: &egui::Context) {
-        if !ctx.input(|input| input.viewport().close_requested()) || self.may_close {
-            return;
-        }
-        if self.document.is_modified() {
+        let asked = ctx.input(|input| input.viewport().close_requested());
+        if asked && !self.may_close && self.document.is_modified() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.dialog = Some(Dialog::Unsaved(Intent::Close));
-        } else if self.is_saving() {
-            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.after_saving = Some(Intent::Close);
+        }
+    }
+
+    /// What the graphics driver complains about becomes a banner; the window goes on.
+    fn take_gpu_faults(&mut self) {
+        for fault in self.preview.iter().flat_map(PreviewImage::take_faults) {
+            self.messages
+                .error("The graphics driver reports a fault", fault);
         }
     }
 }
@@ -343,6 +351,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_news(ctx);
+        self.take_gpu_faults();
         self.update_background_work();
     }
 

@@ -83,15 +83,6 @@ impl App {
                 self.messages.error("Cannot save the picture", error);
             }
         }
-        if let Some(Intent::Close) = self.after_saving {
-            self.after_saving = None;
-            self.may_close = true;
-        }
-    }
-
-    /// Whether files are being written.
-    pub(super) fn is_saving(&self) -> bool {
-        self.jobs.is_busy(Lane::SaveScene) || self.jobs.is_busy(Lane::SavePicture)
     }
 
     /// Whether what is to be opened could join the scene instead.

@@ -23,7 +23,7 @@ const SIZES: [(u32, u32, &str); 7] = [
 pub fn image_ui(ui: &mut Ui, settings: &mut RenderSettings, threads: &mut usize) {
     combo_row_ui(
         ui,
-        "Shows",
+        "Mode",
         "What a pixel of the picture holds",
         &mut settings.mode,
         &Mode::ALL

@@ -4,6 +4,7 @@ use super::PanelState;
 use super::light::new_light;
 use super::material::new_material;
 use crate::gui::icons::{self, Icon, color_of, hue_of};
+use crate::gui::preview::uniforms::MAX_LIGHTS;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{counted, grouped};
 use crate::scene::{Background, Light, Material, Scene};
@@ -69,6 +70,10 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
 }
 
 fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    if state.scene.lights.len() > MAX_LIGHTS {
+        let note = format!("The preview shows the first {MAX_LIGHTS}, the picture all.");
+        ui.label(RichText::new(note).weak().small());
+    }
     for index in 0..state.scene.lights.len() {
         let name = format!("Light {}", index + 1);
         let light = state.scene.lights[index];
