@@ -318,14 +318,13 @@ fn every_way_of_finding_light_finds_the_same() {
         })
         .collect();
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-        for pixel in 0..16 {
-            let ((ma, va), (mb, vb)) = (statistics[a][pixel], statistics[b][pixel]);
-            let z = (ma - mb) / (va + vb).sqrt().max(1e-12);
+        let pairs = statistics[a].iter().zip(&statistics[b]);
+        for (pixel, ((mean_a, variance_a), (mean_b, variance_b))) in pairs.enumerate() {
+            let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-12);
+            let ways = (WAYS[a], WAYS[b]);
             assert!(
                 z.abs() < 4.3,
-                "{:?} and {:?}, pixel {pixel}: {ma}, {mb}, z = {z}",
-                WAYS[a],
-                WAYS[b]
+                "{ways:?}, pixel {pixel}: {mean_a}, {mean_b}, z = {z}"
             );
         }
     }
