@@ -161,7 +161,9 @@ impl Window {
         let frame = self.harness.get_by_label("Viewport").rect();
         let size = viewport::picture_size(frame);
         let (position, _) = orbit::project(&self.scene().camera, size, point).unwrap();
-        frame.min + Vec2::new(position.x as f32, position.y as f32)
+        #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
+        let offset = Vec2::new(position.x as f32, position.y as f32);
+        frame.min + offset
     }
 
     fn click_at(&mut self, position: Pos2) {
@@ -460,6 +462,9 @@ fn framing_and_resetting_the_camera() {
     assert_ne!(framed, home);
     window.press(Modifiers::NONE, Key::Home);
     assert_eq!(window.scene().camera, home);
+    window.click("Select pyramid");
+    window.press(Modifiers::SHIFT, Key::F);
+    assert_eq!(window.scene().camera, framed, "the only object is all");
 }
 
 /// A click selects what is under it, scrolling comes nearer to it, a double click turns the camera to it.

@@ -1,9 +1,11 @@
 use egui::Ui;
 
 use super::PanelState;
+use crate::gui::orbit;
+use crate::gui::preview::uniforms::picture_size;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{Number, light_row_ui, vector_row_ui};
-use crate::math::{DBounds, DVec3};
+use crate::math::{DVec2, DVec3};
 use crate::scene::{Light, Rgb, Scene};
 
 /// A light's properties.
@@ -55,19 +57,20 @@ pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     });
 }
 
-/// A light that shows: above and beside the objects on the camera's side, about as bright as a lit room.
-pub fn new_light(scene: &Scene, bounds: &DBounds) -> Light {
-    let (center, size) = if bounds.is_empty() {
-        (DVec3::ZERO, 1.0)
-    } else {
-        (bounds.center(), bounds.diagonal().max(f64::MIN_POSITIVE))
-    };
-    let up = scene.camera.up.normalize_or(DVec3::Z);
-    let towards = (scene.camera.eye - center).normalize_or(DVec3::NEG_Y);
-    let offset = (towards + up).normalize_or(up) * size;
+/// A light that the camera sees, up and to the right before its target, and about as bright there as a lit room.
+pub fn new_light(scene: &Scene) -> Light {
+    const PLACE: DVec2 = DVec2::new(0.65, 0.18);
+    const DEPTH: f64 = 0.8;
+    let camera = &scene.camera;
+    let distance = camera.eye.distance(camera.target);
+    let size = picture_size(scene);
+    let place = PLACE * DVec2::new(size.width, size.height);
+    let direction = orbit::view_direction(camera, size, place).unwrap_or(DVec3::ZERO);
+    let position = camera.eye + direction * (distance * DEPTH);
+    // Irradiance 2 at the target, for a surface that faces the light.
+    let intensity = Rgb::splat(2.0 * position.distance_squared(camera.target));
     Light::Point {
-        position: center + offset,
-        // Irradiance 1 at the middle of the scene.
-        intensity: Rgb::splat(size * size),
+        position,
+        intensity,
     }
 }
