@@ -462,6 +462,9 @@ fn framing_and_resetting_the_camera() {
     assert_ne!(framed, home);
     window.press(Modifiers::NONE, Key::Home);
     assert_eq!(window.scene().camera, home);
+    window.click("Select pyramid");
+    window.press(Modifiers::SHIFT, Key::F);
+    assert_eq!(window.scene().camera, framed, "the only object is all");
 }
 
 /// A click selects what is under it, scrolling comes nearer to it, a double click turns the camera to it.

@@ -19,6 +19,8 @@ pub enum Command {
     Quit,
     /// Move the camera to where it sees everything.
     FrameAll,
+    /// Move the camera to where it sees the selected object.
+    FrameSelected,
     /// Go back to the file's camera.
     ResetCamera,
     /// Show the live preview.
@@ -37,7 +39,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Open,
         Self::AddMesh,
         Self::SaveScene,
@@ -47,6 +49,7 @@ impl Command {
         Self::Render,
         Self::Cancel,
         Self::FrameAll,
+        Self::FrameSelected,
         Self::ResetCamera,
         Self::ShowPreview,
         Self::ShowPicture,
@@ -65,6 +68,7 @@ impl Command {
             Self::SavePicture => "Save picture…",
             Self::Quit => "Quit",
             Self::FrameAll => "Frame all",
+            Self::FrameSelected => "Frame selected object",
             Self::ResetCamera => "Reset camera",
             Self::ShowPreview => "Preview",
             Self::ShowPicture => "Picture",
@@ -86,6 +90,7 @@ impl Command {
             Self::SavePicture => "Write the rendered picture as PNG or EXR",
             Self::Quit => "Close the window",
             Self::FrameAll => "Move the camera to where it sees all objects",
+            Self::FrameSelected => "Move the camera to where it sees the selected object",
             Self::ResetCamera => "Go back to the camera of the file",
             Self::ShowPreview => "Show the live preview",
             Self::ShowPicture => "Show the rendered picture",
@@ -116,6 +121,7 @@ impl Command {
             Self::SavePicture => const { &[command(Key::E)] },
             Self::Quit => const { &[command(Key::Q)] },
             Self::FrameAll => const { &[plain(Key::F)] },
+            Self::FrameSelected => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::F)] },
             Self::ResetCamera => const { &[plain(Key::Home)] },
             Self::ShowPreview => const { &[plain(Key::Num1)] },
             Self::ShowPicture => const { &[plain(Key::Num2)] },

@@ -107,7 +107,11 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
             menu_item_ui(ui, state, Command::Quit, asked);
         });
         ui.menu_button("View", |ui| {
-            for command in [Command::FrameAll, Command::ResetCamera] {
+            for command in [
+                Command::FrameAll,
+                Command::FrameSelected,
+                Command::ResetCamera,
+            ] {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();

@@ -76,7 +76,6 @@ impl App {
     }
 
     fn panels_ui(&mut self, ui: &mut Ui) {
-        let bounds = self.bounds();
         egui::ScrollArea::vertical()
             .auto_shrink(false)
             .show(ui, |ui| {
@@ -92,7 +91,6 @@ impl App {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
                             threads: &mut self.threads,
-                            bounds,
                         };
                         panels::panels_ui(ui, &mut state);
                     });
@@ -204,7 +202,7 @@ impl App {
     }
 
     /// The world box of the selected object.
-    fn selected_bounds(&self) -> DBounds {
+    pub(super) fn selected_bounds(&self) -> DBounds {
         match (&self.selection, &self.prepared) {
             (Selection::Object(index), Some(state)) => state
                 .prepared

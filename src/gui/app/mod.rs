@@ -263,7 +263,8 @@ impl App {
                 self.ask_for_path(super::dialogs::files::FilePurpose::SavePicture);
             }
             Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            Command::FrameAll => self.frame_all(),
+            Command::FrameAll => self.frame(&self.bounds()),
+            Command::FrameSelected => self.frame(&self.selected_bounds()),
             Command::ResetCamera => {
                 self.document.scene.camera = self.document.home;
                 self.view = View::Preview;
@@ -277,11 +278,11 @@ impl App {
         }
     }
 
-    fn frame_all(&mut self) {
-        let bounds = self.bounds();
+    /// Moves the camera to where it sees all of `bounds`; an empty box moves nothing.
+    fn frame(&mut self, bounds: &DBounds) {
         let scene = &mut self.document.scene;
         let size = super::preview::uniforms::picture_size(scene);
-        scene.camera = orbit::frame_all(&scene.camera, size, &bounds);
+        scene.camera = orbit::frame_all(&scene.camera, size, bounds);
         self.view = View::Preview;
     }
 

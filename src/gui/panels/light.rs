@@ -3,12 +3,14 @@ use std::f64::consts::PI;
 use egui::Ui;
 
 use super::PanelState;
+use crate::gui::orbit;
+use crate::gui::preview::uniforms::picture_size;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{
     Number, choice_row_ui, light_row_ui, number_row_ui, switch_row_ui, vector_row_ui,
 };
-use crate::math::{DBounds, DVec3};
-use crate::scene::{Choice, Facing, Light, Rgb, Scene};
+use crate::math::{DVec2, DVec3};
+use crate::scene::{Camera, Choice, Facing, Light, Rgb, Scene};
 
 /// The kinds of light on offer.
 #[derive(Clone, Copy, PartialEq)]
@@ -24,7 +26,7 @@ impl Choice for Kind {
 /// A light's properties.
 pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     let length = Number::any(state.length_speed());
-    let size = state.bounds.diagonal();
+    let camera = state.scene.camera;
     let Some(light) = state.scene.lights.get_mut(index) else {
         return;
     };
@@ -47,7 +49,7 @@ pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
         },
     );
     if kind != before {
-        *light = of_other_kind(light, size);
+        *light = of_other_kind(light, &camera);
     }
     match light {
         Light::Point {
@@ -162,24 +164,27 @@ fn facing_ui(ui: &mut Ui, center: DVec3, facing: &mut Facing, length: &Number) {
     }
 }
 
-/// The light of the other kind in the same place, about as bright from a distance. `size`: of the scene.
-fn of_other_kind(light: &Light, size: f64) -> Light {
-    let radius = if size > 0.0 { 0.1 * size } else { 1.0 };
+/// The light of the other kind in the same place, about as bright from a distance; a disk is a tenth as wide as the
+/// camera's target is away, and faces that target.
+fn of_other_kind(light: &Light, camera: &Camera) -> Light {
     match *light {
         Light::Point {
             position,
             intensity,
-        } => Light::Disk {
-            center: position,
-            facing: if position == DVec3::ZERO {
-                Facing::Normal(DVec3::NEG_Z)
-            } else {
-                Facing::Target(DVec3::ZERO)
-            },
-            radius,
-            radiance: intensity / (PI * radius * radius),
-            visible: true,
-        },
+        } => {
+            let radius = 0.05 * camera.eye.distance(camera.target);
+            let facing = match Facing::Target(camera.target) {
+                facing if facing.normal(position).is_some() => facing,
+                _ => Facing::Normal(-camera.up),
+            };
+            Light::Disk {
+                center: position,
+                facing,
+                radius,
+                radiance: intensity / (PI * radius * radius),
+                visible: true,
+            }
+        }
         Light::Disk {
             center,
             radius,
@@ -192,19 +197,20 @@ fn of_other_kind(light: &Light, size: f64) -> Light {
     }
 }
 
-/// A light that shows: above and beside the objects on the camera's side, about as bright as a lit room.
-pub fn new_light(scene: &Scene, bounds: &DBounds) -> Light {
-    let (center, size) = if bounds.is_empty() {
-        (DVec3::ZERO, 1.0)
-    } else {
-        (bounds.center(), bounds.diagonal().max(f64::MIN_POSITIVE))
-    };
-    let up = scene.camera.up.normalize_or(DVec3::Z);
-    let towards = (scene.camera.eye - center).normalize_or(DVec3::NEG_Y);
-    let offset = (towards + up).normalize_or(up) * size;
+/// A light that the camera sees, up and to the right before its target, and about as bright there as a lit room.
+pub fn new_light(scene: &Scene) -> Light {
+    const PLACE: DVec2 = DVec2::new(0.65, 0.18);
+    const DEPTH: f64 = 0.8;
+    let camera = &scene.camera;
+    let distance = camera.eye.distance(camera.target);
+    let size = picture_size(scene);
+    let place = PLACE * DVec2::new(size.width, size.height);
+    let direction = orbit::view_direction(camera, size, place).unwrap_or(DVec3::ZERO);
+    let position = camera.eye + direction * (distance * DEPTH);
+    // Irradiance 2 at the target, for a surface that faces the light.
+    let intensity = Rgb::splat(2.0 * position.distance_squared(camera.target));
     Light::Point {
-        position: center + offset,
-        // Irradiance 1 at the middle of the scene.
-        intensity: Rgb::splat(size * size),
+        position,
+        intensity,
     }
 }

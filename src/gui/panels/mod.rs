@@ -13,7 +13,6 @@ use egui::Ui;
 
 use super::selection::Selection;
 use super::widgets::section_ui;
-use crate::math::DBounds;
 use crate::scene::Scene;
 
 /// What the panels edit.
@@ -25,16 +24,14 @@ pub struct PanelState<'a> {
     pub selection: &'a mut Selection,
     /// Render threads; 0 is one per core.
     pub threads: &'a mut usize,
-    /// The world box of the objects, as last prepared.
-    pub bounds: DBounds,
 }
 
 impl PanelState<'_> {
-    /// Change of a length per point of dragging: a five-hundredth of the scene.
+    /// Change of a length per point of dragging: what the eye sees as a small step from where the camera is.
     fn length_speed(&self) -> f64 {
-        let diagonal = self.bounds.diagonal();
-        if diagonal > 0.0 && diagonal.is_finite() {
-            diagonal / 500.0
+        let distance = self.scene.camera.eye.distance(self.scene.camera.target);
+        if distance > 0.0 && distance.is_finite() {
+            distance / 500.0
         } else {
             0.01
         }

@@ -37,7 +37,7 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             if group_ui(ui, "Lights", count, true, Some("Add light"), |ui| {
                 lights_ui(ui, state);
             }) {
-                let light = new_light(state.scene, &state.bounds);
+                let light = new_light(state.scene);
                 state.scene.lights.push(light);
                 *state.selection = Selection::Light(state.scene.lights.len() - 1);
             }
