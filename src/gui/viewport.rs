@@ -152,15 +152,12 @@ impl Viewport {
     pub fn markers_ui(ui: &Ui, frame: Rect, scene: &Scene, selection: &Selection) {
         let painter = ui.painter().with_clip_rect(frame);
         for (index, light) in scene.lights.iter().enumerate() {
+            let is_selected = *selection == Selection::Light(index);
+            rim_ui(&painter, frame, scene, light, is_selected);
             let Some((position, _)) = marker_position(scene, frame, light) else {
                 continue;
             };
-            marker(
-                &painter,
-                position,
-                light.emission(),
-                *selection == Selection::Light(index),
-            );
+            marker(&painter, position, light.emission(), is_selected);
         }
     }
 }
@@ -286,6 +283,48 @@ fn marker(painter: &egui::Painter, center: Pos2, intensity: DVec3, selected: boo
     }
 }
 
+/// Draws the rim of a disk light.
+fn rim_ui(painter: &egui::Painter, frame: Rect, scene: &Scene, light: &Light, is_selected: bool) {
+    const CORNERS: u32 = 64;
+    let Light::Disk {
+        center,
+        facing,
+        radius,
+        ..
+    } = *light
+    else {
+        return;
+    };
+    let Some((x, y)) = facing.normal(center).map(DVec3::any_orthonormal_pair) else {
+        return;
+    };
+    let corner = |index: u32| {
+        let angle = std::f64::consts::TAU * f64::from(index) / f64::from(CORNERS);
+        on_screen(
+            scene,
+            frame,
+            center + (x * angle.cos() + y * angle.sin()) * radius,
+        )
+    };
+    let color = if is_selected {
+        theme::ACCENT
+    } else {
+        icons::hue_of(light.emission())
+    };
+    for index in 0..CORNERS {
+        if let (Some(a), Some(b)) = (corner(index), corner(index + 1)) {
+            painter.line_segment([a, b], Stroke::new(1.4, color));
+        }
+    }
+}
+
+/// Where a world point is on the screen; `None` behind the eye.
+fn on_screen(scene: &Scene, frame: Rect, point: DVec3) -> Option<Pos2> {
+    let (position, _) = orbit::project(&scene.camera, picture_size(frame), point)?;
+    #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
+    Some(frame.min + Vec2::new(position.x as f32, position.y as f32))
+}
+
 /// Draws the edges of a world box: the selected object's.
 pub fn box_ui(ui: &Ui, frame: Rect, scene: &Scene, bounds: &DBounds) {
     if bounds.is_empty() {
@@ -302,11 +341,7 @@ pub fn box_ui(ui: &Ui, frame: Rect, scene: &Scene, bounds: &DBounds) {
         };
         DVec3::new(pick(0), pick(1), pick(2))
     };
-    let on_screen = |bits: usize| {
-        let (position, _) = orbit::project(&scene.camera, picture_size(frame), corner(bits))?;
-        #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
-        Some(frame.min + Vec2::new(position.x as f32, position.y as f32))
-    };
+    let on_screen = |bits: usize| on_screen(scene, frame, corner(bits));
     let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.9));
     for from in 0..8_usize {
         for axis in 0..3 {
