@@ -10,7 +10,7 @@ use tempfile::TempDir;
 fn folder() -> TempDir {
     let folder = TempDir::new().expect("a folder");
     let write = |name: &str, text: &str| {
-        std::fs::write(folder.path().join(name), text).expect("is written")
+        std::fs::write(folder.path().join(name), text).expect("is written");
     };
     write(
         "tetra.off",
@@ -289,7 +289,7 @@ fn info_says_what_a_mesh_and_a_scene_hold() {
 fn mistakes_are_told_with_file_and_line_and_exit_code_1() {
     let folder = folder();
     let write = |name: &str, text: &str| {
-        std::fs::write(folder.path().join(name), text).expect("is written")
+        std::fs::write(folder.path().join(name), text).expect("is written");
     };
     write("key.toml", "[render]\nwidht = 3\n");
     write("mesh.toml", "\n[[objects]]\nmesh = \"none.off\"\n");

@@ -167,6 +167,7 @@ fn lit_floor() -> (Scene, DVec3, Rgb) {
         target: DVec3::ZERO,
         up: DVec3::Y,
         vertical_fov: Degrees(60.0),
+        ..Camera::default()
     };
     scene.render.antialiasing = false;
     scene.render.samples_per_pixel = 1;
@@ -330,6 +331,7 @@ fn antialiasing_converges_to_the_covered_area() {
             target: normal * s,
             up: DVec3::Y,
             vertical_fov: Degrees((2.0 * (height / 2.0 / distance).atan()).to_degrees()),
+            ..Camera::default()
         };
         scene.background = Background::Constant { radiance: Rgb::ONE };
         scene.render = RenderSettings {
@@ -435,7 +437,10 @@ fn moving_the_world_far_away_hardly_changes_a_pixel() {
         for object in &mut scene.objects {
             object.translate += offset;
         }
-        for Light::Point { position, .. } in &mut scene.lights {
+        for light in &mut scene.lights {
+            let Light::Point { position, .. } = light else {
+                continue;
+            };
             *position += offset;
         }
         assert_mostly_equal(&picture(&scene), &expected, &format!("moved by {distance}"));
@@ -451,11 +456,14 @@ fn scaled(scene: &Scene, s: f64) -> Scene {
         object.scale *= s;
         object.translate *= s;
     }
-    for Light::Point {
-        position,
-        intensity,
-    } in &mut scene.lights
-    {
+    for light in &mut scene.lights {
+        let Light::Point {
+            position,
+            intensity,
+        } = light
+        else {
+            continue;
+        };
         *position *= s;
         *intensity *= s * s;
     }
@@ -486,7 +494,10 @@ fn intensities_scale_the_picture_exactly() {
     let expected = picture(&base);
     for exponent in [-60, 60] {
         let mut scene = base.clone();
-        for Light::Point { intensity, .. } in &mut scene.lights {
+        for light in &mut scene.lights {
+            let Light::Point { intensity, .. } = light else {
+                continue;
+            };
             *intensity *= power_of_two(exponent);
         }
         #[expect(clippy::cast_possible_truncation, reason = "a power of two")]
@@ -499,14 +510,18 @@ fn intensities_scale_the_picture_exactly() {
 
 #[test]
 fn an_empty_scene_is_its_background() {
-    let mut scene = Scene::default();
-    scene.render = RenderSettings {
+    let settings = RenderSettings {
         width: 3,
         height: 2,
         ..RenderSettings::default()
     };
-    scene.background = Background::Constant {
+    let background = Background::Constant {
         radiance: Rgb::new(0.1, 0.2, 0.3),
+    };
+    let scene = Scene {
+        render: settings,
+        background,
+        ..Scene::default()
     };
     let outcome = run(&scene, 1);
     assert!(

@@ -108,6 +108,7 @@ fn scene_at(size: (u32, u32), eye: DVec3, target: DVec3, up: DVec3, fov: f64) ->
         target,
         up,
         vertical_fov: Degrees(fov),
+        ..Camera::default()
     };
     scene
 }

@@ -8,7 +8,7 @@
 
 mod exact;
 
-use crate::math::{Bounds, Ray, Vec3};
+use crate::math::{Bounds, DVec3, Ray, Vec3, robust};
 
 /// A triangle in the prepared scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,34 @@ impl Triangle {
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         Bounds::of_points(self.corners)
+    }
+
+    /// The unit normal on the side from which the corners turn counter-clockwise; zero for a triangle without area.
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        self.doubled_area_normal().normalize_or_zero().as_vec3()
+    }
+
+    /// The area.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        narrowed(self.doubled_area_normal().length() / 2.0)
+    }
+
+    /// The point with these weights of the corners, and a bound on the rounding error of each of its coordinates. It lies
+    /// far closer to the plane than `origin + t · direction` of a ray would.
+    #[must_use]
+    pub fn point(&self, [u, v, w]: [f32; 3]) -> (Vec3, Vec3) {
+        let [a, b, c] = self.corners;
+        // Each coordinate is rounded four times: its weight, the product, two sums.
+        let error = ((a * u).abs() + (b * v).abs() + (c * w).abs()) * robust::gamma(4);
+        (a * u + b * v + c * w, error)
+    }
+
+    /// In f64, so that slivers have a normal too: edges of f32 corners are exact there but for a last digit.
+    fn doubled_area_normal(&self) -> DVec3 {
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
+        (b - a).cross(c - a)
     }
 }
 

@@ -276,6 +276,7 @@ mod tests {
                             target,
                             up,
                             vertical_fov: Degrees(fov),
+                            ..Camera::default()
                         });
                     }
                 }
@@ -313,6 +314,7 @@ mod tests {
             target: DVec3::ZERO,
             up: DVec3::Z,
             vertical_fov: Degrees(40.0),
+            ..Camera::default()
         };
         let right = orbit(&camera, DVec2::new(0.5, 0.0));
         assert!(right.eye.x > 0.0 && right.eye.z.abs() < 1e-12);

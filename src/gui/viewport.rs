@@ -155,11 +155,10 @@ impl Viewport {
             let Some((position, _)) = marker_position(scene, frame, light) else {
                 continue;
             };
-            let Light::Point { intensity, .. } = light;
             marker(
                 &painter,
                 position,
-                *intensity,
+                light.emission(),
                 *selection == Selection::Light(index),
             );
         }
@@ -240,19 +239,18 @@ fn depth_under(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> 
 fn move_light(scene: &mut Scene, size: PictureSize, index: usize, depth: f64, to: DVec2) {
     let eye = scene.camera.eye;
     if let Some(direction) = orbit::view_direction(&scene.camera, size, to)
-        && let Some(Light::Point { position, .. }) = scene.lights.get_mut(index)
+        && let Some(light) = scene.lights.get_mut(index)
     {
         let moved = eye + direction * depth;
         if moved.is_finite() {
-            *position = moved;
+            light.move_to(moved);
         }
     }
 }
 
 /// Where a light's marker is on the screen, and its depth.
 fn marker_position(scene: &Scene, frame: Rect, light: &Light) -> Option<(Pos2, f64)> {
-    let Light::Point { position, .. } = light;
-    let (position, depth) = orbit::project(&scene.camera, picture_size(frame), *position)?;
+    let (position, depth) = orbit::project(&scene.camera, picture_size(frame), light.position())?;
     #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
     let offset = Vec2::new(position.x as f32, position.y as f32);
     let position = frame.min + offset;

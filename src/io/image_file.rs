@@ -201,8 +201,8 @@ mod tests {
         let image = exr::prelude::read_first_rgba_layer_from_file(
             &path,
             |size, _| Image {
-                width: size.0 as u32,
-                height: size.1 as u32,
+                width: u32::try_from(size.0).expect("small"),
+                height: u32::try_from(size.1).expect("small"),
                 pixels: vec![[0.0; 3]; size.area()],
             },
             |image, position, (r, g, b, _): (f32, f32, f32, f32)| {

@@ -9,6 +9,7 @@ pub mod color;
 mod frame;
 mod ray;
 pub mod robust;
+pub mod warp;
 
 pub use angle::Degrees;
 pub use bounds::{Bounds, DBounds};

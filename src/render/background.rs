@@ -35,6 +35,19 @@ impl PreparedBackground {
         }
     }
 
+    /// Whether it gives no light at all.
+    pub fn is_black(&self) -> bool {
+        match *self {
+            Self::Constant(radiance) => radiance == Vec3::ZERO,
+            Self::Gradient {
+                zenith,
+                horizon,
+                ground,
+                ..
+            } => [zenith, horizon, ground].iter().all(|&c| c == Vec3::ZERO),
+        }
+    }
+
     /// Radiance seen along `direction`.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         match *self {

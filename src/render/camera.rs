@@ -1,4 +1,4 @@
-use crate::math::{Bounds, DVec3, Ray, SceneFrame};
+use crate::math::{Bounds, DVec3, Ray, SceneFrame, Vec2, warp};
 use crate::scene::{Camera, CameraAxes};
 
 /// A camera in the prepared scene. Rays are made in `f64`, so that a thousandth of a degree still has as many directions as
@@ -15,6 +15,16 @@ pub struct PreparedCamera {
     /// Corners of the scene's box, a little larger so that rounding loses no hit.
     scene_min: DVec3,
     scene_max: DVec3,
+    /// `None` for a pinhole.
+    lens: Option<Lens>,
+}
+
+/// A thin lens, in prepared units.
+#[derive(Clone, Copy, Debug)]
+struct Lens {
+    radius: f64,
+    /// Along the view axis.
+    focus_distance: f64,
 }
 
 /// A camera ray that may meet the scene.
@@ -50,6 +60,10 @@ impl PreparedCamera {
             height,
             scene_min: bounds.min.as_dvec3() - margin,
             scene_max: bounds.max.as_dvec3() + margin,
+            lens: (camera.aperture_radius > 0.0).then(|| Lens {
+                radius: camera.aperture_radius * frame.scale(),
+                focus_distance: camera.focus() * frame.scale(),
+            }),
         })
     }
 
@@ -61,18 +75,45 @@ impl PreparedCamera {
         (self.axes.forward + right + up).normalize()
     }
 
-    /// The ray through the point `(x, y)` of the picture, or `None` when it misses the scene's box.
+    /// The ray through the point `(x, y)` of the picture and the middle of the lens, or `None` when it misses the scene's
+    /// box.
     #[must_use]
     pub fn ray(&self, x: f64, y: f64) -> Option<CameraRay> {
+        self.ray_from(self.eye, self.direction(x, y))
+    }
+
+    /// Whether rays through one point of the picture differ by where they pass the lens.
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    /// Origin and unit direction of the ray through the point `(x, y)` of the picture and the point of the lens that `u`, uniform
+    /// over the unit square, stands for. All rays of one point meet at the focus distance.
+    #[must_use]
+    pub fn through_lens(&self, x: f64, y: f64, u: Vec2) -> (DVec3, DVec3) {
         let direction = self.direction(x, y);
-        let (enter, exit) = self.crossing(direction);
+        let Some(lens) = self.lens else {
+            return (self.eye, direction);
+        };
+        let on_lens = warp::concentric_disk(u).as_dvec2() * lens.radius;
+        let offset = self.axes.right * on_lens.x + self.axes.up * on_lens.y;
+        let to_focus = direction * (lens.focus_distance / direction.dot(self.axes.forward));
+        (self.eye + offset, (to_focus - offset).normalize())
+    }
+
+    /// The ray from `eye`, a point in `f64`, along the unit vector `direction`, started near the scene; `None` when it misses the
+    /// scene's box.
+    #[must_use]
+    pub fn ray_from(&self, eye: DVec3, direction: DVec3) -> Option<CameraRay> {
+        let (enter, exit) = self.crossing(eye, direction);
         // Also false for NaN, which an empty box gives.
         if !(enter <= exit && exit >= 0.0) {
             return None;
         }
         // One diagonal before the box: near enough to keep the digits, and clear of everything in it.
         let start = (enter - (self.scene_max - self.scene_min).length()).max(0.0);
-        let origin = (self.eye + direction * start).as_vec3();
+        let origin = (eye + direction * start).as_vec3();
         Some(CameraRay {
             ray: Ray::new(origin, direction.as_vec3()),
             start,
@@ -86,12 +127,12 @@ impl PreparedCamera {
     }
 
     /// Where the line from the eye along `direction` enters and leaves the scene's box.
-    fn crossing(&self, direction: DVec3) -> (f64, f64) {
+    fn crossing(&self, eye: DVec3, direction: DVec3) -> (f64, f64) {
         let (mut enter, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let (low, high) = (
-                self.scene_min[axis] - self.eye[axis],
-                self.scene_max[axis] - self.eye[axis],
+                self.scene_min[axis] - eye[axis],
+                self.scene_max[axis] - eye[axis],
             );
             if direction[axis] == 0.0 {
                 if low > 0.0 || high < 0.0 {

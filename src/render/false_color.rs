@@ -1,13 +1,16 @@
 //! Pictures of what the renderer sees instead of light: the first tool when a picture looks wrong.
 
 use super::camera::CameraRay;
+use super::direct::ambient_occlusion;
 use super::prepare::PreparedScene;
-use super::surface::SurfacePoint;
+use super::run::RayCounts;
+use super::sampler::{Decision, Dimension, Sampler};
 use crate::math::Vec3;
 
 /// Which property of the surface a pixel shows.
 #[derive(Clone, Copy, Debug)]
 pub enum FalseColor {
+    AmbientOcclusion,
     Normals,
     Depth,
     Albedo,
@@ -16,23 +19,30 @@ pub enum FalseColor {
 }
 
 /// The property of the first surface along `camera_ray`; black where there is none.
-pub fn color(scene: &PreparedScene, which: FalseColor, camera_ray: &CameraRay) -> Vec3 {
+pub fn color(
+    scene: &PreparedScene,
+    which: FalseColor,
+    camera_ray: &CameraRay,
+    sampler: Sampler,
+    rays: &mut RayCounts,
+) -> Vec3 {
     let ray = &camera_ray.ray;
-    let Some(hit) = scene.accelerator().intersect(ray, f32::INFINITY) else {
+    let Some(point) = scene.surface_along(ray, f32::INFINITY) else {
         return Vec3::ZERO;
     };
-    let point = SurfacePoint::new(scene.geometry(), ray, &hit);
     match which {
+        FalseColor::AmbientOcclusion => {
+            let dimension = Dimension::once(Decision::AmbientOcclusion);
+            ambient_occlusion(scene, &point, (sampler, dimension), rays, |_| Vec3::ONE)
+        }
         FalseColor::Normals => (point.shading_normal + 1.0) / 2.0,
         #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]
         FalseColor::Depth => {
-            let distance = (camera_ray.start + f64::from(hit.t)) / scene.geometry().frame().scale();
+            let distance =
+                (camera_ray.start + f64::from(point.distance)) / scene.geometry().frame().scale();
             Vec3::splat(distance as f32)
         }
-        FalseColor::Albedo => {
-            let material = scene.material(point.object);
-            material.diffuse + material.specular
-        }
+        FalseColor::Albedo => scene.material(point.object).albedo(),
         FalseColor::Facing => {
             let cosine = point.shading_normal.dot(point.wo).abs();
             if point.front {

@@ -1,13 +1,39 @@
-use crate::math::{SceneFrame, Vec3};
+use std::f32::consts::PI;
+
+use crate::math::{Bounds, Ray, SceneFrame, Vec2, Vec3, color::luminance, warp};
 use crate::scene::Light;
 
 /// A light in the prepared scene.
 #[derive(Clone, Copy, Debug)]
-pub struct PreparedLight {
+pub enum PreparedLight {
+    Point {
+        position: Vec3,
+        /// Radiant intensity × (prepared units per world unit)², so that dividing by the prepared distance squared gives
+        /// the irradiance of the world.
+        intensity: Vec3,
+    },
+    Disk(PreparedDisk),
+}
+
+/// A disk light in the prepared scene.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedDisk {
+    center: Vec3,
+    /// Unit; the disk shines on its side.
+    normal: Vec3,
+    radius: f32,
+    radiance: Vec3,
+    visible: bool,
+}
+
+/// What a point of a light sends to a point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// The point of the light.
     pub position: Vec3,
-    /// Radiant intensity × (prepared units per world unit)², so that dividing by the prepared distance squared gives the
-    /// irradiance of the world.
-    pub intensity: Vec3,
+    /// Irradiance on a surface that faces the light's point, divided by the density with which that point was chosen;
+    /// black where the light does not shine that way.
+    pub irradiance: Vec3,
 }
 
 impl PreparedLight {
@@ -16,10 +42,144 @@ impl PreparedLight {
             Light::Point {
                 position,
                 intensity,
-            } => Self {
+            } => Self::Point {
                 position: frame.narrow(position),
                 intensity: (intensity * (frame.scale() * frame.scale())).as_vec3(),
             },
+            Light::Disk {
+                center,
+                facing,
+                radius,
+                radiance,
+                visible,
+            } => Self::Disk(PreparedDisk {
+                center: frame.narrow(center),
+                normal: facing.normal(center).unwrap_or_default().as_vec3(),
+                #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+                radius: (radius * frame.scale()) as f32,
+                radiance: radiance.as_vec3(),
+                visible,
+            }),
         }
+    }
+
+    /// What it emits in all, up to a factor common to all lights: W of the prepared scene.
+    pub fn power(&self) -> f64 {
+        use std::f64::consts::PI;
+        match self {
+            Self::Point { intensity, .. } => 4.0 * PI * f64::from(luminance(*intensity)),
+            Self::Disk(disk) => {
+                let area = PI * f64::from(disk.radius).powi(2);
+                PI * area * f64::from(luminance(disk.radiance))
+            }
+        }
+    }
+
+    /// The disk, if this is one that rays meet.
+    pub fn visible_disk(&self) -> Option<&PreparedDisk> {
+        match self {
+            Self::Disk(disk) if disk.visible => Some(disk),
+            _ => None,
+        }
+    }
+
+    /// Whether samples of the light differ: not for points.
+    pub fn has_area(&self) -> bool {
+        matches!(self, Self::Disk(_))
+    }
+
+    /// The whole light as one point at its centre.
+    pub fn center(&self, from: Vec3) -> LightSample {
+        match self {
+            Self::Point {
+                position,
+                intensity,
+            } => LightSample {
+                position: *position,
+                irradiance: *intensity / position.distance_squared(from),
+            },
+            Self::Disk(disk) => disk.seen_from(from, disk.center),
+        }
+    }
+
+    /// A point of the light, uniform over its area by `u`.
+    pub fn sample(&self, from: Vec3, u: Vec2) -> LightSample {
+        match self {
+            Self::Point { .. } => self.center(from),
+            Self::Disk(disk) => {
+                let (x, y) = warp::tangents(disk.normal);
+                let Vec2 { x: a, y: b } = warp::concentric_disk(u) * disk.radius;
+                disk.seen_from(from, disk.center + x * a + y * b)
+            }
+        }
+    }
+}
+
+impl PreparedDisk {
+    /// What the disk's point `position`, standing for the whole area, sends to `from`.
+    fn seen_from(&self, from: Vec3, position: Vec3) -> LightSample {
+        let towards = from - position;
+        let distance_squared = towards.length_squared();
+        let cosine = self.normal.dot(towards) / distance_squared.sqrt();
+        let area = PI * self.radius * self.radius;
+        let irradiance = if cosine > 0.0 {
+            self.radiance * (area * cosine / distance_squared)
+        } else {
+            Vec3::ZERO
+        };
+        LightSample {
+            position,
+            irradiance,
+        }
+    }
+
+    /// A box around the disk.
+    pub fn bounds(&self) -> Bounds {
+        let reach = Vec3::splat(self.radius);
+        Bounds {
+            min: self.center - reach,
+            max: self.center + reach,
+        }
+    }
+
+    /// Where `ray` meets the disk, on either side, if there is `0 < t < t_max`.
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        // In f64: whether a grazing ray meets the rim must not depend on how far away it starts.
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let (center, normal) = (self.center.as_dvec3(), self.normal.as_dvec3());
+        let along = normal.dot(direction);
+        if along == 0.0 {
+            return None;
+        }
+        let t = normal.dot(center - origin) / along;
+        let inside =
+            (origin + direction * t - center).length_squared() <= f64::from(self.radius).powi(2);
+        #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+        let t = t as f32;
+        (inside && t > 0.0 && t < t_max).then_some(t)
+    }
+
+    /// Radiance that leaves the disk against a ray along `direction`: black on its back.
+    pub fn emitted(&self, direction: Vec3) -> Vec3 {
+        if self.normal.dot(direction) < 0.0 {
+            self.radiance
+        } else {
+            Vec3::ZERO
+        }
+    }
+
+    /// Density with which [`PreparedLight::sample`] chooses the direction of `ray` that meets the disk at `t`, per
+    /// steradian.
+    pub fn pdf_solid_angle(&self, ray: &Ray, t: f32) -> f32 {
+        let length = ray.direction.length();
+        let cosine = self.normal.dot(ray.direction).abs() / length;
+        let distance = t * length;
+        distance * distance / (cosine * PI * self.radius * self.radius)
+    }
+
+    /// Whether the disk is so near to `from`, for its size, that sampling its area alone is noisy: 1/d² varies by more than
+    /// an order of magnitude over it.
+    pub fn is_near(&self, from: Vec3) -> bool {
+        from.distance_squared(self.center) < 4.0 * self.radius * self.radius
     }
 }

@@ -5,15 +5,21 @@
 //! which is read as an [`Image`] of linear radiance. Every random number depends on (seed, pixel, sample, dimension) and on
 //! nothing else, and sums are formed in a fixed order, so the picture is the same for any number of threads.
 
+mod alias;
 mod background;
 mod camera;
 mod direct;
 pub mod display;
+mod emitters;
 mod false_color;
 mod film;
+mod filter;
+mod fresnel;
 mod geometry;
 mod image;
 mod light;
+mod material;
+mod path;
 mod phong;
 mod prepare;
 mod run;
@@ -27,5 +33,5 @@ pub use geometry::{ObjectNormals, PreparedGeometry, PreparedObject};
 pub use image::Image;
 pub use prepare::PreparedScene;
 pub use run::{RayCounts, RenderOutcome, RenderProgress, RenderStats, RunConfig, render};
-pub use sampler::{Dimension, Sampler};
+pub use sampler::{Decision, Dimension, Sampler};
 pub use tiles::{Region, TilePixels};

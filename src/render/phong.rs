@@ -1,7 +1,8 @@
 use std::f32::consts::PI;
 
-use crate::math::{Vec3, robust};
-use crate::scene::{Material, PhongModel};
+use super::fresnel::reflect;
+use crate::math::{DVec3, Vec2, Vec3, color::luminance, robust, warp};
+use crate::scene::PhongModel;
 
 /// The Phong reflection models at a surface point. Directions are unit vectors that point away from it.
 #[derive(Clone, Copy, Debug)]
@@ -14,18 +15,22 @@ pub struct Phong {
 }
 
 impl Phong {
-    pub fn new(material: &Material) -> Self {
-        match *material {
-            Material::Phong {
-                diffuse,
-                specular,
-                shininess,
-            } => Self {
-                diffuse: diffuse.as_vec3(),
-                specular: specular.as_vec3(),
-                #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-                exponent: shininess as f32,
-            },
+    /// Reflectances `0..=1` per channel, exponent 0 or more.
+    pub fn new(diffuse: DVec3, specular: DVec3, shininess: f64) -> Self {
+        Self {
+            diffuse: diffuse.as_vec3(),
+            specular: specular.as_vec3(),
+            #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+            exponent: shininess as f32,
+        }
+    }
+
+    /// What stands in for a material that is switched off.
+    pub fn grey() -> Self {
+        Self {
+            diffuse: Vec3::splat(0.5),
+            specular: Vec3::ZERO,
+            exponent: 1.0,
         }
     }
 
@@ -46,14 +51,60 @@ impl Phong {
         cosine: f32,
     ) -> Vec3 {
         match model {
-            PhongModel::Modified => {
-                let lobe = self.lobe(normal, wo, wi);
-                let specular = self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe);
-                (self.diffuse / PI + specular) * cosine
-            }
+            PhongModel::Modified => self.brdf(normal, wo, wi) * cosine,
             PhongModel::Classic => {
                 self.diffuse * cosine + self.specular * self.lobe(normal, wo, wi)
             }
+        }
+    }
+
+    /// The modified model's BRDF, per steradian, without the cosine.
+    pub fn brdf(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+        let lobe = self.lobe(normal, wo, wi);
+        self.diffuse / PI + self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe)
+    }
+
+    /// A direction in which light may come from, about in proportion to what it adds; `None` where it would leave below
+    /// the surface. `choice`: uniform in `[0, 1)`; `u`: over the unit square.
+    pub fn sample(&self, normal: Vec3, wo: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
+        let wi = if choice < self.specular_share() {
+            warp::around(reflect(wo, normal), warp::power_cosine(u, self.exponent))
+        } else {
+            warp::around(normal, warp::cosine_hemisphere(u))
+        };
+        let wi = wi.normalize();
+        let cosine = normal.dot(wi);
+        if cosine <= 0.0 {
+            return None;
+        }
+        let pdf_solid_angle = self.pdf_solid_angle(normal, wo, wi);
+        let weight = self.brdf(normal, wo, wi) * (cosine / pdf_solid_angle);
+        (pdf_solid_angle > 0.0).then_some(Scattered {
+            wi,
+            weight,
+            pdf_solid_angle,
+        })
+    }
+
+    /// Density of [`Self::sample`] at `wi`, per steradian.
+    pub fn pdf_solid_angle(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+        let share = self.specular_share();
+        let diffuse = if share < 1.0 {
+            normal.dot(wi).max(0.0) / PI
+        } else {
+            0.0
+        };
+        let specular = warp::power_cosine_pdf(self.lobe(normal, wo, wi), self.exponent);
+        diffuse * (1.0 - share) + specular * share
+    }
+
+    /// How often the specular lobe is sampled; 0 and 1 where there is nothing to choose.
+    fn specular_share(&self) -> f32 {
+        let (diffuse, specular) = (luminance(self.diffuse), luminance(self.specular));
+        if specular > 0.0 {
+            specular / (diffuse + specular)
+        } else {
+            0.0
         }
     }
 
@@ -62,22 +113,28 @@ impl Phong {
         if self.specular == Vec3::ZERO {
             return 0.0;
         }
-        let mirror = 2.0 * normal.dot(wo) * normal - wo;
+        let mirror = reflect(wo, normal);
         robust::sharp_power((mirror - wi).length_squared() / 2.0, self.exponent)
     }
+}
+
+/// A sampled direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered {
+    /// Where light may come from; unit.
+    pub wi: Vec3,
+    /// BRDF times cosine over density.
+    pub weight: Vec3,
+    /// Density of the direction, per steradian.
+    pub pdf_solid_angle: f32,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DVec3;
 
     fn phong(diffuse: f64, specular: f64, shininess: f64) -> Phong {
-        Phong::new(&Material::Phong {
-            diffuse: DVec3::splat(diffuse),
-            specular: DVec3::splat(specular),
-            shininess,
-        })
+        Phong::new(DVec3::splat(diffuse), DVec3::splat(specular), shininess)
     }
 
     /// References §1.10: unit sphere, orthographic view along −z, light at (3, 4, 5).

@@ -1,18 +1,22 @@
 use std::sync::Arc;
 
 use super::background::PreparedBackground;
-use super::camera::{CameraRay, PreparedCamera};
+use super::camera::PreparedCamera;
 use super::direct;
+use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
+use super::filter;
 use super::geometry::PreparedGeometry;
-use super::light::PreparedLight;
-use super::phong::Phong;
+use super::light::{PreparedDisk, PreparedLight};
+use super::material::PreparedMaterial;
+use super::path;
 use super::run::RayCounts;
-use super::sampler::{Dimension, Sampler};
+use super::sampler::{Decision, Dimension, Sampler};
+use super::surface::SurfacePoint;
 use crate::accel::Accelerator;
 use crate::control::CancelToken;
-use crate::math::{Vec2, Vec3};
-use crate::scene::{Mode, PhongModel, RenderSettings, Scene, SceneError, Shadows};
+use crate::math::{Ray, Vec2, Vec3};
+use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
 
 /// A scene as rendering reads it: immutable, shared by all threads, cheap to clone.
 #[derive(Clone, Debug)]
@@ -21,9 +25,29 @@ pub struct PreparedScene {
     camera: PreparedCamera,
     background: PreparedBackground,
     /// One per object.
-    materials: Vec<Phong>,
+    materials: Vec<PreparedMaterial>,
     lights: Vec<PreparedLight>,
+    /// What path tracing aims at.
+    emitters: Emitters,
+    /// Whether any object is of glass, so that shadow rays must ask what they meet.
+    has_glass: bool,
+    /// In prepared units.
+    occlusion_radius: f32,
     settings: RenderSettings,
+}
+
+/// What a ray meets first.
+pub(super) enum Seen<'a> {
+    Surface(SurfacePoint),
+    /// A visible disk light.
+    Disk {
+        disk: &'a PreparedDisk,
+        /// Number of the light.
+        index: usize,
+        /// Where on the ray.
+        t: f32,
+    },
+    Background,
 }
 
 impl PreparedScene {
@@ -38,31 +62,60 @@ impl PreparedScene {
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
         scene.validate()?;
-        let materials = scene
-            .objects
-            .iter()
-            .map(|object| Ok(Phong::new(&scene.material_of(object)?)));
-        let materials = materials.collect::<Result<_, SceneError>>()?;
         let previous = previous.map(|previous| &previous.geometry);
         let Some(geometry) = PreparedGeometry::prepare(scene, previous, cancel)? else {
             return Ok(None);
         };
-        let RenderSettings { width, height, .. } = scene.render;
+        let frame = geometry.frame();
+        let material = |object| {
+            Ok(PreparedMaterial::new(
+                &scene.material_of(object)?,
+                &scene.render,
+                frame.scale(),
+            ))
+        };
+        let materials: Vec<_> = scene
+            .objects
+            .iter()
+            .map(material)
+            .collect::<Result<_, SceneError>>()?;
+        let lights: Vec<_> = scene
+            .lights
+            .iter()
+            .map(|light| PreparedLight::new(light, frame))
+            .collect();
+        let RenderSettings {
+            width,
+            height,
+            ref ambient_occlusion,
+            depth_of_field,
+            ..
+        } = scene.render;
+        let description = if depth_of_field {
+            scene.camera
+        } else {
+            Camera {
+                aperture_radius: 0.0,
+                ..scene.camera
+            }
+        };
         let bounds = geometry.accelerator().bounds();
-        let Some(camera) =
-            PreparedCamera::new(&scene.camera, geometry.frame(), &bounds, width, height)
-        else {
+        let disks = lights.iter().filter_map(PreparedLight::visible_disk);
+        let visible = disks.fold(bounds, |all, disk| all.union(disk.bounds()));
+        let Some(camera) = PreparedCamera::new(&description, frame, &visible, width, height) else {
             unreachable!("a validated camera has a direction");
         };
         Ok(Some(Self {
             camera,
             background: PreparedBackground::new(&scene.background),
-            materials,
-            lights: scene
-                .lights
+            has_glass: materials
                 .iter()
-                .map(|light| PreparedLight::new(light, geometry.frame()))
-                .collect(),
+                .any(|material| matches!(material, PreparedMaterial::Glass { .. })),
+            #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+            occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
+            emitters: Emitters::new(&lights, &geometry, &materials),
+            materials,
+            lights,
             settings: scene.render.clone(),
             geometry,
         }))
@@ -97,35 +150,88 @@ impl PreparedScene {
 
     /// The value of sample `index` of pixel `(x, y)`: linear radiance, or a false colour.
     pub(super) fn sample(&self, x: u32, y: u32, index: u32, rays: &mut RayCounts) -> Vec3 {
-        let place = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
-            Sampler::new(self.settings.seed, x, y, index).next_2d(Dimension::Pixel)
+        let sampler = Sampler::new(self.settings.seed, x, y, index);
+        let offset = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
+            filter::offset(
+                self.settings.filter,
+                sampler.next_2d(Dimension::once(Decision::Pixel)),
+            )
         } else {
-            Vec2::splat(0.5)
+            Vec2::ZERO
         };
         let (x, y) = (
-            f64::from(x) + f64::from(place.x),
-            f64::from(y) + f64::from(place.y),
+            f64::from(x) + 0.5 + f64::from(offset.x),
+            f64::from(y) + 0.5 + f64::from(offset.y),
         );
+        let on_lens = if self.camera.has_lens() {
+            sampler.next_2d(Dimension::once(Decision::Lens))
+        } else {
+            Vec2::ZERO
+        };
+        let (eye, direction) = self.camera.through_lens(x, y, on_lens);
         rays.camera += 1;
-        match (self.camera.ray(x, y), self.false_color()) {
-            (Some(camera_ray), Some(which)) => false_color::color(self, which, &camera_ray),
-            (None, Some(_)) => Vec3::ZERO,
-            (Some(CameraRay { ray, .. }), None) => direct::radiance(self, &ray, rays),
-            (None, None) => self
-                .background
-                .radiance(self.camera.direction(x, y).as_vec3()),
+        let Some(camera_ray) = self.camera.ray_from(eye, direction) else {
+            return match self.settings.mode {
+                Mode::Direct | Mode::Path => self.background.radiance(direction.as_vec3()),
+                _ => Vec3::ZERO,
+            };
+        };
+        let mut false_color = |which| false_color::color(self, which, &camera_ray, sampler, rays);
+        match self.settings.mode {
+            Mode::Ao => false_color(FalseColor::AmbientOcclusion),
+            Mode::Normals => false_color(FalseColor::Normals),
+            Mode::Depth => false_color(FalseColor::Depth),
+            Mode::Albedo => false_color(FalseColor::Albedo),
+            Mode::Facing => false_color(FalseColor::Facing),
+            Mode::Object => false_color(FalseColor::Object),
+            Mode::Direct => direct::radiance(self, camera_ray.ray, sampler, rays),
+            Mode::Path => path::radiance(self, camera_ray.ray, sampler, rays),
         }
     }
 
-    fn false_color(&self) -> Option<FalseColor> {
-        match self.settings.mode {
-            Mode::Direct => None,
-            Mode::Normals => Some(FalseColor::Normals),
-            Mode::Depth => Some(FalseColor::Depth),
-            Mode::Albedo => Some(FalseColor::Albedo),
-            Mode::Facing => Some(FalseColor::Facing),
-            Mode::Object => Some(FalseColor::Object),
+    /// What `ray` meets first.
+    pub(super) fn nearest(&self, ray: &Ray) -> Seen<'_> {
+        let hit = self.accelerator().intersect(ray, f32::INFINITY);
+        let mut nearest = hit.map_or(f32::INFINITY, |hit| hit.t);
+        let mut disk_in_front = None;
+        for (index, light) in self.lights.iter().enumerate() {
+            let Some(disk) = light.visible_disk() else {
+                continue;
+            };
+            if let Some(t) = disk.intersect(ray, nearest) {
+                (nearest, disk_in_front) = (t, Some((disk, index)));
+            }
         }
+        match (disk_in_front, hit) {
+            (Some((disk, index)), _) => Seen::Disk {
+                disk,
+                index,
+                t: nearest,
+            },
+            (None, Some(hit)) => Seen::Surface(SurfacePoint::new(&self.geometry, ray, &hit)),
+            (None, None) => Seen::Background,
+        }
+    }
+
+    /// The surface that `ray` meets first in `0 < t < t_max`, lights aside.
+    pub(super) fn surface_along(&self, ray: &Ray, t_max: f32) -> Option<SurfacePoint> {
+        let hit = self.accelerator().intersect(ray, t_max)?;
+        Some(SurfacePoint::new(&self.geometry, ray, &hit))
+    }
+
+    /// Whether anything but the light number `except` is in the way in `0 < t < t_max`.
+    pub(super) fn occluded(&self, ray: &Ray, t_max: f32, except: Option<u32>) -> bool {
+        self.disk_occludes(ray, t_max, except) || self.accelerator().occluded(ray, t_max)
+    }
+
+    /// Whether a visible disk other than the light number `except` is in the way in `0 < t < t_max`.
+    pub(super) fn disk_occludes(&self, ray: &Ray, t_max: f32, except: Option<u32>) -> bool {
+        (0..).zip(&self.lights).any(|(index, light)| {
+            Some(index) != except
+                && light
+                    .visible_disk()
+                    .is_some_and(|disk| disk.intersect(ray, t_max).is_some())
+        })
     }
 
     pub(super) fn accelerator(&self) -> &Accelerator {
@@ -136,7 +242,7 @@ impl PreparedScene {
         &self.background
     }
 
-    pub(super) fn material(&self, object: usize) -> &Phong {
+    pub(super) fn material(&self, object: usize) -> &PreparedMaterial {
         &self.materials[object]
     }
 
@@ -144,11 +250,15 @@ impl PreparedScene {
         &self.lights
     }
 
-    pub(super) fn shadows(&self) -> Shadows {
-        self.settings.shadows
+    pub(super) fn emitters(&self) -> &Emitters {
+        &self.emitters
     }
 
-    pub(super) fn phong_model(&self) -> PhongModel {
-        self.settings.phong
+    pub(super) fn has_glass(&self) -> bool {
+        self.has_glass
+    }
+
+    pub(super) fn occlusion_radius(&self) -> f32 {
+        self.occlusion_radius
     }
 }

@@ -1,11 +1,71 @@
 use crate::math::Vec2;
 
-/// A random decision with its own, fixed pair of dimensions. Because dimensions are named and not counted, a decision a
-/// scene does not need can be left out without changing any other.
+/// What a pair of random numbers decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
+pub enum Decision {
     /// Where in the pixel a camera ray passes.
-    Pixel = 0,
+    Pixel,
+    /// Where it passes the lens.
+    Lens,
+    /// Which point of a light shines.
+    Light,
+    /// In which direction a near light is looked for instead.
+    NearLight,
+    /// In which direction occlusion is looked for.
+    AmbientOcclusion,
+    /// Whether a boundary of glass reflects or refracts.
+    Boundary,
+    /// Which light is aimed at.
+    LightChoice,
+    /// Which lobe of a material scatters.
+    Lobe,
+    /// Where it scatters to.
+    Direction,
+    /// Whether a path ends.
+    Roulette,
+}
+
+/// A pair of dimensions of its own for every decision at every bounce. Because dimensions are named and not counted, a
+/// decision a scene does not need can be left out without changing any other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dimension {
+    decision: Decision,
+    bounce: u32,
+    item: u32,
+}
+
+impl Dimension {
+    /// A decision that is taken once per camera sample.
+    #[must_use]
+    pub const fn once(decision: Decision) -> Self {
+        Self {
+            decision,
+            bounce: 0,
+            item: 0,
+        }
+    }
+
+    /// A decision after `bounce` scattering events.
+    #[must_use]
+    pub const fn at(decision: Decision, bounce: u32) -> Self {
+        Self {
+            decision,
+            bounce,
+            item: 0,
+        }
+    }
+
+    /// The same decision about one of several things, such as lights.
+    #[must_use]
+    pub const fn about(self, item: u32) -> Self {
+        Self { item, ..self }
+    }
+
+    fn hash(self) -> u32 {
+        [self.decision as u32, self.bounce, self.item]
+            .into_iter()
+            .fold(0, |state, word| mix(state ^ mix(word)))
+    }
 }
 
 /// The random numbers of one sample of one pixel: an Owen-scrambled Sobol sequence per pixel and decision.
@@ -37,9 +97,16 @@ impl Sampler {
     /// Two numbers in `[0, 1)`, uniform over the square as `index` runs.
     #[must_use]
     pub fn next_2d(&self, dimension: Dimension) -> Vec2 {
-        let seed = mix(self.pixel_seed ^ mix(dimension as u32));
+        self.next_2d_of(dimension, 0, 1)
+    }
+
+    /// [`Sampler::next_2d`] for a decision taken `count` times per sample: number `turn` of them. All turns of all samples are one
+    /// well-spread sequence.
+    #[must_use]
+    pub fn next_2d_of(&self, dimension: Dimension, turn: u32, count: u32) -> Vec2 {
+        let seed = mix(self.pixel_seed ^ dimension.hash());
         // Aligned blocks of 2ᵐ indices stay blocks, in another order and place: prefixes stay nets.
-        let index = owen_scramble(self.index, seed);
+        let index = owen_scramble(self.index.wrapping_mul(count).wrapping_add(turn), seed);
         let [x, y] = sobol_2d(index);
         Vec2::new(
             unit_from_bits(owen_scramble(x, mix(seed ^ 1))),
@@ -96,7 +163,7 @@ mod tests {
 
     fn points(seed: u64, x: u32, y: u32, count: u32) -> Vec<Vec2> {
         (0..count)
-            .map(|index| Sampler::new(seed, x, y, index).next_2d(Dimension::Pixel))
+            .map(|index| Sampler::new(seed, x, y, index).next_2d(Dimension::once(Decision::Pixel)))
             .collect()
     }
 
@@ -135,7 +202,8 @@ mod tests {
     fn different_pixels_are_independent() {
         let mut counts = vec![0_u32; 256];
         for pixel in 0..65_536_u32 {
-            let point = Sampler::new(7, pixel % 256, pixel / 256, 0).next_2d(Dimension::Pixel);
+            let point = Sampler::new(7, pixel % 256, pixel / 256, 0)
+                .next_2d(Dimension::once(Decision::Pixel));
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,

@@ -1,3 +1,4 @@
+use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
 use crate::accel::Hit;
 use crate::math::{Ray, Vec3, robust};
@@ -9,6 +10,8 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Bound on the rounding error of each coordinate of `position`.
     error: Vec3,
+    /// From where the ray came, in prepared units.
+    pub distance: f32,
     /// Towards where the ray came from; unit.
     pub wo: Vec3,
     /// Of the triangle, on the side of `wo`; unit. It decides sides and offsets.
@@ -23,18 +26,10 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
-        let [a, b, c] = geometry.triangles()[hit.triangle as usize].corners;
+        let triangle = &geometry.triangles()[hit.triangle as usize];
         let [u, v, w] = hit.barycentrics;
-        let position = a * u + b * v + c * w;
-        // Each coordinate is rounded four times: its weight, the product, two sums.
-        let error = ((a * u).abs() + (b * v).abs() + (c * w).abs()) * robust::gamma(4);
-
-        // In f64, so that slivers have a normal too. Edges of f32 corners are exact there but for a last digit.
-        let (origin, along_b, along_c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
-        let outward = (along_b - origin)
-            .cross(along_c - origin)
-            .normalize_or_zero()
-            .as_vec3();
+        let (position, error) = triangle.point(hit.barycentrics);
+        let outward = triangle.normal();
         let wo = -ray.direction.normalize();
         let front = outward.dot(wo) >= 0.0;
         let geometric_normal = if front { outward } else { -outward };
@@ -51,6 +46,7 @@ impl SurfacePoint {
         Self {
             position,
             error,
+            distance: hit.t * ray.direction.length(),
             wo,
             geometric_normal,
             shading_normal,
@@ -66,6 +62,34 @@ impl SurfacePoint {
         } else {
             0.0
         }
+    }
+
+    /// Of the triangle, on the side of `wo`; unit.
+    pub fn geometric_normal(&self) -> Vec3 {
+        self.geometric_normal
+    }
+
+    /// The normal for mirrors and glass: the shading normal, but the geometric one where reflection about that would lead
+    /// into the surface.
+    pub fn specular_normal(&self) -> Vec3 {
+        let normal = self.shading_normal;
+        if normal.dot(self.wo) > 0.0 && self.is_above(reflect(self.wo, normal)) {
+            normal
+        } else {
+            self.geometric_normal
+        }
+    }
+
+    /// Whether `wi` leaves to the side of the surface that `wo` is on.
+    pub fn is_above(&self, wi: Vec3) -> bool {
+        self.geometric_normal.dot(wi) > 0.0
+    }
+
+    /// A ray along `direction` that cannot meet the surface it leaves.
+    pub fn ray_along(&self, direction: Vec3) -> Ray {
+        let origin =
+            robust::offset_origin(self.position, self.error, self.geometric_normal, direction);
+        Ray::new(origin, direction)
     }
 
     /// A ray that ends at `target` where its parameter is 1 and that cannot meet the surface it leaves.
@@ -98,6 +122,8 @@ mod tests {
                 .wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f64 / f64::from(1 << 24)
         };
+        #[expect(clippy::cast_possible_truncation, reason = "rays are f32")]
+        let narrow = |x: f64| x as f32;
         for k in [0.0, 100.0, 1e4] {
             let mut pushed = 0.0;
             let count = 20_000;
@@ -128,7 +154,7 @@ mod tests {
                     .expect("can be rendered")
                     .expect("nobody cancels");
                 let [a, b, c] = geometry.triangles()[0].corners;
-                let (u, v) = (next() as f32, next() as f32);
+                let (u, v) = (narrow(next()), narrow(next()));
                 let (u, v) = if u + v > 1.0 {
                     (1.0 - u, 1.0 - v)
                 } else {
@@ -137,9 +163,9 @@ mod tests {
                 let aim = a * (1.0 - u - v) + b * u + c * v;
                 let size = (b - a).length().max((c - a).length());
                 let away = Vec3::new(
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
                 )
                 .normalize();
                 let ray = Ray::new(aim + away * (10.0 * size), -away);
@@ -149,9 +175,9 @@ mod tests {
 
                 let surface = SurfacePoint::new(&geometry, &ray, &hit);
                 let mut wi = Vec3::new(
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
-                    next() as f32 - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
+                    narrow(next()) - 0.5,
                 )
                 .normalize();
                 if wi.dot(surface.geometric_normal) < 0.0 {

@@ -1,6 +1,6 @@
 use crate::math::{DVec3, Degrees};
 
-/// A pinhole camera.
+/// A camera with a thin lens, or a pinhole where the aperture is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Where it stands.
@@ -11,6 +11,11 @@ pub struct Camera {
     pub up: DVec3,
     /// Angle over the full height of the picture, between 0° and 180°.
     pub vertical_fov: Degrees,
+    /// Radius of the lens in scene units; 0 is a pinhole.
+    pub aperture_radius: f64,
+    /// Distance along the view axis, in scene units, at which the picture is sharp; the distance to `target` where
+    /// `None`.
+    pub focus_distance: Option<f64>,
 }
 
 impl Default for Camera {
@@ -20,6 +25,8 @@ impl Default for Camera {
             target: DVec3::ZERO,
             up: DVec3::Z,
             vertical_fov: Degrees(40.0),
+            aperture_radius: 0.0,
+            focus_distance: None,
         }
     }
 }
@@ -39,6 +46,13 @@ pub struct CameraAxes {
 }
 
 impl Camera {
+    /// Distance along the view axis at which the picture is sharp, in scene units.
+    #[must_use]
+    pub fn focus(&self) -> f64 {
+        self.focus_distance
+            .unwrap_or_else(|| self.eye.distance(self.target))
+    }
+
     /// The camera's axes, or `None` where eye and target coincide or `up` is parallel to the view.
     #[must_use]
     pub fn axes(&self) -> Option<CameraAxes> {

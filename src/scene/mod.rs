@@ -11,6 +11,7 @@ mod material;
 mod object;
 pub mod presets;
 mod settings;
+mod validate;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,10 +22,13 @@ use crate::math::DBounds;
 pub use background::Background;
 pub use camera::{Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
-pub use light::Light;
+pub use light::{Facing, Light};
 pub use material::Material;
 pub use object::{Copies, Object, Placement};
-pub use settings::{AcceleratorChoice, Mode, PhongModel, RenderSettings, Shadows};
+pub use settings::{
+    AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel, RenderSettings,
+    Shadows,
+};
 
 /// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.
 pub const LARGEST_EXTENT: f64 = 1e100;
@@ -84,7 +88,7 @@ impl Scene {
             Some(name) => {
                 self.materials
                     .get(name)
-                    .cloned()
+                    .copied()
                     .ok_or_else(|| SceneError::UnknownMaterial {
                         object: object.name.clone(),
                         material: name.clone(),
@@ -143,104 +147,6 @@ impl Scene {
         } else {
             Err(SceneError::Extent { extent, farthest })
         }
-    }
-
-    /// Checks what rendering relies on and no single key can promise.
-    ///
-    /// # Errors
-    /// The first value that cannot be rendered, and what it may be.
-    pub fn validate(&self) -> Result<(), SceneError> {
-        let require = |holds: bool, key: &str, value: &dyn std::fmt::Display, expected: &str| {
-            let error = || SceneError::BadValue {
-                key: key.to_owned(),
-                value: value.to_string(),
-                expected: expected.to_owned(),
-            };
-            if holds { Ok(()) } else { Err(error()) }
-        };
-        let camera = &self.camera;
-        let fov = camera.vertical_fov.0;
-        require(
-            camera.eye.is_finite(),
-            "camera.eye",
-            &camera.eye,
-            "finite numbers",
-        )?;
-        require(
-            camera.target.is_finite(),
-            "camera.target",
-            &camera.target,
-            "finite numbers",
-        )?;
-        require(
-            camera.target != camera.eye,
-            "camera.target",
-            &camera.target,
-            "a point other than the eye",
-        )?;
-        let up = "a direction that is not parallel to the view";
-        require(camera.axes().is_some(), "camera.up", &camera.up, up)?;
-        require(
-            fov > 0.0 && fov < 180.0,
-            "camera.vertical_fov",
-            &fov,
-            "more than 0 and less than 180 degrees",
-        )?;
-
-        let RenderSettings {
-            width,
-            height,
-            samples_per_pixel,
-            ..
-        } = self.render;
-        let side = format!("1 to {}", RenderSettings::MAX_SIDE);
-        let sides = 1..=RenderSettings::MAX_SIDE;
-        require(sides.contains(&width), "render.width", &width, &side)?;
-        require(sides.contains(&height), "render.height", &height, &side)?;
-        let pixels = format!("width × height of at most {}", RenderSettings::MAX_PIXELS);
-        require(
-            self.render.pixel_count() <= RenderSettings::MAX_PIXELS,
-            "render.width",
-            &width,
-            &pixels,
-        )?;
-        let samples = format!("1 to {}", RenderSettings::MAX_SAMPLES);
-        require(
-            (1..=RenderSettings::MAX_SAMPLES).contains(&samples_per_pixel),
-            "render.samples_per_pixel",
-            &samples_per_pixel,
-            &samples,
-        )?;
-
-        for (index, object) in self.objects.iter().enumerate() {
-            let key = |name: &str| format!("objects.{index}.{name}");
-            let nonzero = object.scale.is_finite() && object.scale != 0.0;
-            require(
-                nonzero,
-                &key("scale"),
-                &object.scale,
-                "a finite number other than 0",
-            )?;
-            require(
-                object.rotate.is_finite(),
-                &key("rotate"),
-                &object.rotate,
-                "finite numbers",
-            )?;
-            require(
-                object.translate.is_finite(),
-                &key("translate"),
-                &object.translate,
-                "finite numbers",
-            )?;
-            require(
-                object.copies.total() > 0,
-                &key("copies.count"),
-                &0,
-                "at least 1 along each axis",
-            )?;
-        }
-        Ok(())
     }
 
     /// Triangles of all objects with all their copies.

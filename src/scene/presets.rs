@@ -81,6 +81,7 @@ pub fn framing(
         target,
         up,
         vertical_fov,
+        ..Camera::default()
     }
 }
 

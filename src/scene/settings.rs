@@ -2,6 +2,10 @@ use super::Choice;
 
 /// What to compute. How to run it (threads, cancelling) is `render::RunConfig`.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "effects are independent switches"
+)]
 pub struct RenderSettings {
     /// What a pixel holds.
     pub mode: Mode,
@@ -13,8 +17,27 @@ pub struct RenderSettings {
     pub samples_per_pixel: u32,
     /// Start of every random sequence; the same seed gives the same picture.
     pub seed: u64,
+    /// Most scattering events of a path: 0 shows emission alone, 1 direct light, each mirror or boundary of glass takes one
+    /// more.
+    pub max_bounces: u32,
+    /// In mode `path`: whether paths that carry little may end early, at random, without bias.
+    pub roulette: bool,
+    /// In mode `path`: how light is found.
+    pub light_sampling: LightSampling,
+    /// How samples spread over and around the pixel.
+    pub filter: Filter,
     /// How lights cast shadows.
     pub shadows: Shadows,
+    /// Shadow rays to each light with area, per camera sample, at least 1.
+    pub shadow_samples: u32,
+    /// Darkening of the background's light where surfaces are near.
+    pub ambient_occlusion: AmbientOcclusion,
+    /// Whether mirrors reflect; grey otherwise.
+    pub mirror: bool,
+    /// Whether glass reflects and refracts; grey otherwise.
+    pub glass: bool,
+    /// Whether the lens blurs what is out of focus.
+    pub depth_of_field: bool,
     /// Whether samples spread over the pixel, or all sit at its centre.
     pub antialiasing: bool,
     /// Which Phong formula shades.
@@ -26,6 +49,10 @@ pub struct RenderSettings {
 impl RenderSettings {
     /// Largest width or height of a picture.
     pub const MAX_SIDE: u32 = 65_536;
+    /// Most scattering events of a path.
+    pub const MAX_BOUNCES: u32 = 1 << 20;
+    /// Most shadow or occlusion rays per camera sample.
+    pub const MAX_RAYS_PER_SAMPLE: u32 = 1 << 16;
     /// Largest seed a scene file can hold.
     pub const MAX_SEED: u64 = i64::MAX as u64;
     /// Most pixels of a picture: 16,384².
@@ -48,12 +75,79 @@ impl Default for RenderSettings {
             height: 480,
             samples_per_pixel: 16,
             seed: 0,
+            max_bounces: 8,
+            roulette: true,
+            light_sampling: LightSampling::Mis,
+            filter: Filter::Box,
             shadows: Shadows::Soft,
+            shadow_samples: 1,
+            ambient_occlusion: AmbientOcclusion::default(),
+            mirror: true,
+            glass: true,
+            depth_of_field: true,
             antialiasing: true,
             phong: PhongModel::Modified,
             accelerator: AcceleratorChoice::Auto,
         }
     }
+}
+
+/// Ambient occlusion: the background's light reaches a surface where nothing is near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientOcclusion {
+    /// Whether it is looked for; in mode `ao` it always is.
+    pub enabled: bool,
+    /// Rays per camera sample, at least 1.
+    pub samples: u32,
+    /// How near a surface must be to block, as a fraction of the scene's diagonal, more than 0.
+    pub radius: f64,
+}
+
+impl Default for AmbientOcclusion {
+    fn default() -> Self {
+        Self {
+            enabled: false,
+            samples: 64,
+            radius: 0.05,
+        }
+    }
+}
+
+/// How path tracing finds light. All find the same light; they differ in noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum LightSampling {
+    /// Both ways, weighted by how likely each was to find it (multiple importance sampling).
+    #[default]
+    Mis,
+    /// By aiming at lights (next event estimation). What only mirrors or glass show is still met by chance.
+    Nee,
+    /// By scattering and meeting lights by chance; point lights are still aimed at.
+    Bsdf,
+}
+
+impl Choice for LightSampling {
+    const ALL: &'static [(Self, &'static str)] =
+        &[(Self::Mis, "mis"), (Self::Nee, "nee"), (Self::Bsdf, "bsdf")];
+}
+
+/// The weight with which a pixel sees what is around it. Samples are placed by the weight, so each counts the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// Even over the pixel.
+    #[default]
+    Box,
+    /// Falling linearly to 0 one pixel from the centre.
+    Tent,
+    /// A normal distribution of standard deviation half a pixel, cut at two pixels.
+    Gaussian,
+}
+
+impl Choice for Filter {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self::Box, "box"),
+        (Self::Tent, "tent"),
+        (Self::Gaussian, "gaussian"),
+    ];
 }
 
 /// What a pixel holds.
@@ -62,6 +156,10 @@ pub enum Mode {
     /// Direct light of every light with its shadows, and the background's light.
     #[default]
     Direct,
+    /// All light, up to [`RenderSettings::max_bounces`].
+    Path,
+    /// Visible fraction of the hemisphere within the occlusion radius, weighted by the cosine: white is free.
+    Ao,
     /// Shading normals: `(n + 1) / 2` of the unit normal that faces the camera's side; background black.
     Normals,
     /// Distance from the eye in scene units in every channel; 0 where nothing is hit.
@@ -77,6 +175,8 @@ pub enum Mode {
 impl Choice for Mode {
     const ALL: &'static [(Self, &'static str)] = &[
         (Self::Direct, "direct"),
+        (Self::Path, "path"),
+        (Self::Ao, "ao"),
         (Self::Normals, "normals"),
         (Self::Depth, "depth"),
         (Self::Albedo, "albedo"),

@@ -1,6 +1,6 @@
 use egui::Ui;
 
-use crate::gui::widgets::{Number, number_row_ui, vector_row_ui};
+use crate::gui::widgets::{Number, number_row_ui, switch_row_ui, vector_row_ui};
 use crate::scene::Camera;
 
 /// The camera's properties. `length_speed`: change of a length per point of dragging.
@@ -38,6 +38,48 @@ pub fn camera_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
             ..Number::within(0.1..=175.0, 0.2).with_suffix("°")
         },
     );
+    let aperture = Number {
+        range: 0.0..=f64::MAX,
+        ..length.clone()
+    };
+    number_row_ui(
+        ui,
+        "Lens radius",
+        "Radius of the lens, in scene units: 0 is a pinhole, larger blurs more of what is out of focus",
+        &mut camera.aperture_radius,
+        &Number {
+            decimals: 4,
+            speed: 0.1 * length_speed,
+            ..aperture.clone()
+        },
+    );
+    if camera.aperture_radius > 0.0 {
+        let mut at_target = camera.focus_distance.is_none();
+        switch_row_ui(
+            ui,
+            "Focus on target",
+            "Keep the target sharp wherever the camera goes",
+            &mut at_target,
+        );
+        let mut distance = camera.focus();
+        if at_target {
+            camera.focus_distance = None;
+        } else {
+            let range = f64::MIN_POSITIVE..=f64::MAX;
+            let number = Number {
+                range,
+                ..length.clone()
+            };
+            number_row_ui(
+                ui,
+                "Focus distance",
+                "Distance along the view at which the picture is sharp, in scene units",
+                &mut distance,
+                &number,
+            );
+            camera.focus_distance = Some(distance);
+        }
+    }
     // A number typed in may leave no direction to look in; keep the last one that works.
     if camera.axes().is_none() {
         *camera = before;

@@ -1,37 +1,120 @@
+use std::f64::consts::PI;
+
 use egui::Ui;
 
 use super::PanelState;
 use crate::gui::orbit;
 use crate::gui::preview::uniforms::picture_size;
 use crate::gui::selection::Selection;
-use crate::gui::widgets::{Number, light_row_ui, vector_row_ui};
+use crate::gui::widgets::{
+    Number, choice_row_ui, light_row_ui, number_row_ui, switch_row_ui, vector_row_ui,
+};
 use crate::math::{DVec2, DVec3};
-use crate::scene::{Light, Rgb, Scene};
+use crate::scene::{Choice, Facing, Light, Rgb, Scene};
+
+/// The kinds of light on offer.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Point,
+    Disk,
+}
+
+impl Choice for Kind {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Point, "point"), (Self::Disk, "disk")];
+}
 
 /// A light's properties.
 pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     let length = Number::any(state.length_speed());
-    let Some(Light::Point {
-        position,
-        intensity,
-    }) = state.scene.lights.get_mut(index)
-    else {
+    let size = state.scene.camera.eye.distance(state.scene.camera.target);
+    let Some(light) = state.scene.lights.get_mut(index) else {
         return;
     };
-    vector_row_ui(
+    let before = match light {
+        Light::Point { .. } => Kind::Point,
+        Light::Disk { .. } => Kind::Disk,
+    };
+    let mut kind = before;
+    choice_row_ui(
         ui,
-        "Position",
-        "Where the light is, in scene units; its marker in the preview can be dragged",
-        position,
-        &length,
+        "Kind",
+        "A point casts sharp shadows, a disk soft ones",
+        &mut kind,
+        |kind| match kind {
+            Kind::Point => ("Point", "Shines from one point in all directions"),
+            Kind::Disk => (
+                "Disk",
+                "Shines from one side of a disk, which is seen itself",
+            ),
+        },
     );
-    light_row_ui(
-        ui,
-        "Intensity",
-        "Colour, and radiant intensity in watts per steradian; what arrives falls with the squared distance",
-        intensity,
-        " W/sr",
-    );
+    if kind != before {
+        *light = of_other_kind(light, size);
+    }
+    match light {
+        Light::Point {
+            position,
+            intensity,
+        } => {
+            vector_row_ui(
+                ui,
+                "Position",
+                "Where the light is, in scene units; its marker in the preview can be dragged",
+                position,
+                &length,
+            );
+            light_row_ui(
+                ui,
+                "Intensity",
+                "Colour, and radiant intensity in watts per steradian; what arrives falls with the squared distance",
+                intensity,
+                " W/sr",
+            );
+        }
+        Light::Disk {
+            center,
+            facing,
+            radius,
+            radiance,
+            visible,
+        } => {
+            vector_row_ui(
+                ui,
+                "Center",
+                "Middle of the disk, in scene units; its marker in the preview can be dragged",
+                center,
+                &length,
+            );
+            facing_ui(ui, *center, facing, &length);
+            number_row_ui(
+                ui,
+                "Radius",
+                "Radius of the disk, in scene units: larger casts softer shadows",
+                radius,
+                &Number {
+                    range: f64::MIN_POSITIVE..=f64::MAX,
+                    ..length
+                },
+            );
+            light_row_ui(
+                ui,
+                "Radiance",
+                "Colour, and emitted radiance in watts per square unit and steradian",
+                radiance,
+                " W/m²/sr",
+            );
+            switch_row_ui(
+                ui,
+                "Visible",
+                "Whether the disk itself is seen, in the picture and in mirrors",
+                visible,
+            );
+        }
+    }
+    copy_and_remove_ui(ui, state, index);
+}
+
+fn copy_and_remove_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         if ui
@@ -55,6 +138,60 @@ pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
             };
         }
     });
+}
+
+/// Where a disk shines. A direction that is none is not taken over.
+fn facing_ui(ui: &mut Ui, center: DVec3, facing: &mut Facing, length: &Number) {
+    let mut wanted = *facing;
+    match &mut wanted {
+        Facing::Target(target) => vector_row_ui(
+            ui,
+            "Aims at",
+            "The point the disk shines towards, in scene units",
+            target,
+            length,
+        ),
+        Facing::Normal(normal) => vector_row_ui(
+            ui,
+            "Direction",
+            "Where the disk shines; any length",
+            normal,
+            &Number::any(0.01),
+        ),
+    };
+    if wanted.normal(center).is_some() {
+        *facing = wanted;
+    }
+}
+
+/// The light of the other kind in the same place, about as bright from a distance. `size`: from the eye to what it looks at.
+fn of_other_kind(light: &Light, size: f64) -> Light {
+    let radius = if size > 0.0 { 0.05 * size } else { 1.0 };
+    match *light {
+        Light::Point {
+            position,
+            intensity,
+        } => Light::Disk {
+            center: position,
+            facing: if position == DVec3::ZERO {
+                Facing::Normal(DVec3::NEG_Z)
+            } else {
+                Facing::Target(DVec3::ZERO)
+            },
+            radius,
+            radiance: intensity / (PI * radius * radius),
+            visible: true,
+        },
+        Light::Disk {
+            center,
+            radius,
+            radiance,
+            ..
+        } => Light::Point {
+            position: center,
+            intensity: radiance * (PI * radius * radius),
+        },
+    }
 }
 
 /// A light that the camera sees, up and to the right before its target, and about as bright there as a lit room.

@@ -3,8 +3,10 @@ use egui::{RichText, Ui};
 use super::PanelState;
 use crate::gui::document::free_name;
 use crate::gui::selection::Selection;
-use crate::gui::widgets::{Number, color_row_ui, number_row_ui, row_ui};
-use crate::scene::{Material, Scene};
+use crate::gui::widgets::{
+    Number, color_row_ui, combo_row_ui, light_row_ui, number_row_ui, row_ui,
+};
+use crate::scene::{Material, Rgb, Scene};
 
 /// Largest exponent the window offers; files may hold more.
 const MOST_SHININESS: f64 = 1e7;
@@ -48,13 +50,88 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     });
 }
 
-/// How the surface reflects.
+/// The kinds of material on offer.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Phong,
+    Mirror,
+    Glass,
+    Emitter,
+}
+
+/// What the surface does with light.
 pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
-    let Material::Phong {
-        diffuse,
-        specular,
-        shininess,
-    } = material;
+    let before = match material {
+        Material::Phong { .. } => Kind::Phong,
+        Material::Mirror { .. } => Kind::Mirror,
+        Material::Glass { .. } => Kind::Glass,
+        Material::Emitter { .. } => Kind::Emitter,
+    };
+    let mut kind = before;
+    let kinds = [
+        (Kind::Phong, "Phong".to_owned()),
+        (Kind::Mirror, "Mirror".to_owned()),
+        (Kind::Glass, "Glass".to_owned()),
+        (Kind::Emitter, "Emitter".to_owned()),
+    ];
+    combo_row_ui(
+        ui,
+        "Kind",
+        "What the surface does with light",
+        &mut kind,
+        &kinds,
+    );
+    if kind != before {
+        *material = match kind {
+            Kind::Phong => Material::default(),
+            Kind::Mirror => Material::mirror(),
+            Kind::Glass => Material::glass(),
+            Kind::Emitter => Material::emitter(),
+        };
+    }
+    match material {
+        Material::Phong {
+            diffuse,
+            specular,
+            shininess,
+        } => phong_ui(ui, diffuse, specular, shininess),
+        Material::Mirror { reflectance } => {
+            color_row_ui(
+                ui,
+                "Reflectance",
+                "Share of the light that is reflected, per channel (linear, 0 to 1)",
+                reflectance,
+            );
+        }
+        Material::Glass { ior, attenuation } => {
+            number_row_ui(
+                ui,
+                "Refraction",
+                "Index of refraction: 1.33 is water, 1.5 window glass, 2.4 diamond; below 1 is a bubble",
+                ior,
+                &Number::within(0.1..=10.0, 0.005),
+            );
+            light_row_ui(
+                ui,
+                "Absorption",
+                "What the inside takes from each channel, per scene unit: light fades by exp(-absorption × distance)",
+                attenuation,
+                " / unit",
+            );
+        }
+        Material::Emitter { radiance } => {
+            light_row_ui(
+                ui,
+                "Radiance",
+                "Colour, and emitted radiance in watts per square unit and steradian, on both sides",
+                radiance,
+                " W/m²/sr",
+            );
+        }
+    }
+}
+
+fn phong_ui(ui: &mut Ui, diffuse: &mut Rgb, specular: &mut Rgb, shininess: &mut f64) {
     color_row_ui(
         ui,
         "Diffuse",
@@ -129,7 +206,7 @@ fn rename(scene: &mut Scene, from: &str, to: &str) {
 pub fn new_material(scene: &mut Scene, like: Option<&str>) -> String {
     let base = like.unwrap_or("material");
     let material = like
-        .and_then(|name| scene.materials.get(name).cloned())
+        .and_then(|name| scene.materials.get(name).copied())
         .unwrap_or_default();
     let name = free_name(base, |name| scene.materials.contains_key(name));
     scene.materials.insert(name.clone(), material);

@@ -1,9 +1,12 @@
-use egui::{RichText, Ui};
+use egui::Ui;
 
 use crate::gui::widgets::{
     Number, choice_row_ui, combo_row_ui, integer_row_ui, number_row_ui, row_ui, switch_row_ui,
 };
-use crate::scene::{Choice, Mode, PhongModel, PngBits, RenderSettings, Scene, Shadows, ToneCurve};
+use crate::scene::{
+    Choice, Filter, LightSampling, Mode, PhongModel, PngBits, RenderSettings, Scene, Shadows,
+    ToneCurve,
+};
 
 /// Picture sizes on offer.
 const SIZES: [(u32, u32, &str); 7] = [
@@ -96,53 +99,165 @@ fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
 
 /// What the picture leaves out or adds, each a switch of its own.
 pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
-    let lights_count = settings.mode == Mode::Direct;
-    ui.add_enabled_ui(lights_count, |ui| {
-        // Soft shadows come from lights that have a size; a scene of points has hard ones either way.
-        let mut shadows = settings.shadows != Shadows::Off;
-        let response = switch_row_ui(
-            ui,
-            "Shadows",
-            "Whether things in the way keep the light off; point lights cast sharp shadows",
-            &mut shadows,
-        );
-        if response.changed() {
-            settings.shadows = if shadows {
-                Shadows::default()
-            } else {
-                Shadows::Off
-            };
+    match settings.mode {
+        Mode::Direct => {
+            shadows_ui(ui, settings);
+            occlusion_ui(ui, settings);
+            phong_ui(ui, settings);
         }
-        choice_row_ui(
+        Mode::Path => path_ui(ui, settings),
+        Mode::Ao => occlusion_rays_ui(ui, settings),
+        _ => {}
+    }
+    if matches!(settings.mode, Mode::Direct | Mode::Path) {
+        switch_row_ui(
             ui,
-            "Phong model",
-            "Which formula shades highlights",
-            &mut settings.phong,
-            |model| match model {
-                PhongModel::Modified => (
-                    "Modified",
-                    "Physically based: reflects no more light than arrives",
-                ),
-                PhongModel::Classic => (
-                    "Classic",
-                    "The formula of 2011, brighter by a factor of about 3",
-                ),
-            },
+            "Mirror",
+            "Whether mirrors reflect; grey otherwise",
+            &mut settings.mirror,
         );
-    });
+        switch_row_ui(
+            ui,
+            "Glass",
+            "Whether glass reflects and refracts; grey otherwise",
+            &mut settings.glass,
+        );
+        integer_row_ui(
+            ui,
+            "Bounces",
+            "Most times light is scattered on its way: 1 is direct light, each mirror or side of glass takes one more",
+            &mut settings.max_bounces,
+            0..=RenderSettings::MAX_BOUNCES,
+            0.1,
+        );
+    }
+    switch_row_ui(
+        ui,
+        "Depth of field",
+        "Whether the lens blurs what is out of focus; it needs a lens radius above 0 at the camera",
+        &mut settings.depth_of_field,
+    );
     switch_row_ui(
         ui,
         "Anti-aliasing",
         "Spread the samples over each pixel for smooth edges; off puts all at its centre",
         &mut settings.antialiasing,
     );
-    if !lights_count {
-        let note = format!(
-            "Shadows and highlights do not matter while the picture shows {}.",
-            mode_name(settings.mode).to_lowercase()
+    if settings.antialiasing {
+        choice_row_ui(
+            ui,
+            "Pixel filter",
+            "How samples spread over and around the pixel",
+            &mut settings.filter,
+            |filter| match filter {
+                Filter::Box => ("Box", "Even over the pixel"),
+                Filter::Tent => ("Tent", "Falling off to the middle of the neighbours"),
+                Filter::Gaussian => ("Gauss", "A soft bell, the smoothest"),
+            },
         );
-        ui.label(RichText::new(note).weak().small());
     }
+}
+
+fn shadows_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    choice_row_ui(
+        ui,
+        "Shadows",
+        "How lights cast shadows; those of point lights are hard either way",
+        &mut settings.shadows,
+        |shadows| match shadows {
+            Shadows::Off => ("Off", "Light passes through everything"),
+            Shadows::Hard => ("Hard", "As if each light shone from its centre"),
+            Shadows::Soft => ("Soft", "From the whole of each light"),
+        },
+    );
+    if settings.shadows == Shadows::Soft {
+        integer_row_ui(
+            ui,
+            "Shadow rays",
+            "Rays to each light with a size, per sample",
+            &mut settings.shadow_samples,
+            1..=RenderSettings::MAX_RAYS_PER_SAMPLE,
+            0.1,
+        );
+    }
+}
+
+fn occlusion_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    switch_row_ui(
+        ui,
+        "Occlusion",
+        "Ambient occlusion: the background's light is kept off where surfaces are near",
+        &mut settings.ambient_occlusion.enabled,
+    );
+    if settings.ambient_occlusion.enabled {
+        occlusion_rays_ui(ui, settings);
+    }
+}
+
+fn occlusion_rays_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    let occlusion = &mut settings.ambient_occlusion;
+    integer_row_ui(
+        ui,
+        "Occlusion rays",
+        "Rays into the hemisphere, per sample",
+        &mut occlusion.samples,
+        1..=RenderSettings::MAX_RAYS_PER_SAMPLE,
+        0.2,
+    );
+    let mut percent = occlusion.radius * 100.0;
+    let number = Number::within(1e-3..=1e4, 0.1).with_suffix(" %");
+    number_row_ui(
+        ui,
+        "Occlusion reach",
+        "How near a surface must be, in percent of the scene's diagonal",
+        &mut percent,
+        &number,
+    );
+    occlusion.radius = percent / 100.0;
+}
+
+fn phong_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    choice_row_ui(
+        ui,
+        "Phong model",
+        "Which formula shades highlights",
+        &mut settings.phong,
+        |model| match model {
+            PhongModel::Modified => (
+                "Modified",
+                "Physically based: reflects no more light than arrives",
+            ),
+            PhongModel::Classic => (
+                "Classic",
+                "The formula of 2011, brighter by a factor of about 3",
+            ),
+        },
+    );
+}
+
+fn path_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    // Only this formula keeps energy when light bounces.
+    settings.phong = PhongModel::Modified;
+    choice_row_ui(
+        ui,
+        "Light search",
+        "How paths find light: all ways find the same, with different noise",
+        &mut settings.light_sampling,
+        |way| match way {
+            LightSampling::Mis => (
+                "Both",
+                "Aiming and meeting, weighted by how likely each was (MIS)",
+            ),
+            LightSampling::Nee => ("Aim", "Aiming at lights (NEE)"),
+            LightSampling::Bsdf => ("Meet", "Scattering, and meeting lights by chance"),
+        },
+    );
+    switch_row_ui(
+        ui,
+        "Roulette",
+        "Let paths that carry little end at random, without bias; off follows each to the last bounce",
+        &mut settings.roulette,
+    );
 }
 
 /// From radiance to the screen. It changes no radiance and needs no new render.
@@ -183,6 +298,8 @@ pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
 fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Direct => "Direct light",
+        Mode::Path => "All light (path tracing)",
+        Mode::Ao => "Ambient occlusion",
         Mode::Normals => "Surface normals",
         Mode::Depth => "Distance from the eye",
         Mode::Albedo => "Reflectance",

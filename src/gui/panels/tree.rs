@@ -76,9 +76,13 @@ fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     }
     for index in 0..state.scene.lights.len() {
         let name = format!("Light {}", index + 1);
-        let Light::Point { intensity, .. } = state.scene.lights[index];
-        let icon = Icon::Light(hue_of(intensity));
-        part_ui(ui, state, Selection::Light(index), icon, &name, "point");
+        let light = state.scene.lights[index];
+        let icon = Icon::Light(hue_of(light.emission()));
+        let kind = match light {
+            Light::Point { .. } => "point",
+            Light::Disk { .. } => "disk",
+        };
+        part_ui(ui, state, Selection::Light(index), icon, &name, kind);
     }
 }
 
@@ -157,10 +161,7 @@ fn part_ui(
 }
 
 fn material_color(material: &Material) -> Color32 {
-    let Material::Phong {
-        diffuse, specular, ..
-    } = material;
-    color_of(*diffuse + *specular)
+    color_of(material.color())
 }
 
 fn background_icon(background: &Background) -> Icon {

@@ -158,7 +158,7 @@ const fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
 /// The layout of [`ObjectInstance`].
 const fn instance_layout() -> wgpu::VertexBufferLayout<'static> {
     const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-        wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Uint32];
+        wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Uint32x2];
     wgpu::VertexBufferLayout {
         array_stride: size_of::<ObjectInstance>() as u64,
         step_mode: wgpu::VertexStepMode::Instance,

@@ -11,6 +11,11 @@ const MODE_DEPTH: u32 = 2u;
 const MODE_ALBEDO: u32 = 3u;
 const MODE_FACING: u32 = 4u;
 const MODE_OBJECT: u32 = 5u;
+const MODE_AO: u32 = 6u;
+
+const KIND_MIRROR: u32 = 1u;
+const KIND_GLASS: u32 = 2u;
+const KIND_EMITTER: u32 = 3u;
 
 const TONE_ACES: u32 = 1u;
 const PHONG_CLASSIC: u32 = 1u;
@@ -22,6 +27,8 @@ struct Light {
     position: vec4f,
     // Already scaled to squared prepared units.
     intensity: vec4f,
+    // Where a flat light faces; `w`: 1 for a flat light, 0 for one that shines everywhere.
+    normal: vec4f,
 }
 
 struct View {
@@ -54,7 +61,8 @@ struct VertexInput {
     // `w`: shininess.
     @location(3) specular: vec4f,
     @location(4) id_color: vec4f,
-    @location(5) object_id: u32,
+    // Index of the object and kind of its material.
+    @location(5) object: vec2u,
 }
 
 struct Fragment {
@@ -65,7 +73,7 @@ struct Fragment {
     @location(2) @interpolate(flat) diffuse: vec3f,
     @location(3) @interpolate(flat) specular: vec4f,
     @location(4) @interpolate(flat) id_color: vec3f,
-    @location(5) @interpolate(flat) object_id: u32,
+    @location(5) @interpolate(flat) object: vec2u,
 }
 
 @vertex
@@ -84,7 +92,7 @@ fn vertex(in: VertexInput) -> Fragment {
     out.diffuse = in.diffuse.rgb;
     out.specular = in.specular;
     out.id_color = in.id_color.rgb;
-    out.object_id = in.object_id;
+    out.object = in.object;
     return out;
 }
 
@@ -131,9 +139,24 @@ fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
             let peak = (shininess + 2.0) / (2.0 * PI);
             scattered = (in.diffuse / PI + in.specular.rgb * (peak * lobe)) * cosine;
         }
-        radiance += view.lights[i].intensity.rgb / squared * scattered;
+        let normal = view.lights[i].normal;
+        let turned = select(1.0, max(dot(normal.xyz, -wi), 0.0), normal.w > 0.5);
+        radiance += view.lights[i].intensity.rgb * turned / squared * scattered;
     }
     return radiance;
+}
+
+// Mirrors and glass show the background alone; only the picture follows rays further.
+fn smooth_surface(in: Fragment, n: vec3f, wo: vec3f) -> vec3f {
+    let mirrored = background(reflect(-wo, n));
+    if in.object.y == KIND_MIRROR {
+        return in.diffuse * mirrored;
+    }
+    // Schlick's approximation is good enough to look through.
+    let ior = in.specular.w;
+    let facing = pow((ior - 1.0) / (ior + 1.0), 2.0);
+    let reflectance = facing + (1.0 - facing) * pow(1.0 - abs(dot(n, wo)), 5.0);
+    return mix(background(-wo), mirrored, reflectance);
 }
 
 // The fit of Narkowicz (2015) to the ACES reference rendering.
@@ -176,7 +199,17 @@ fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f
         case MODE_OBJECT: {
             return displayed(in.id_color);
         }
+        case MODE_AO: {
+            // Occlusion needs rays; the preview shows the shape in a light from the eye.
+            return displayed(vec3f(0.35 + 0.65 * abs(dot(n, wo))));
+        }
         default: {
+            if in.object.y == KIND_EMITTER {
+                return displayed(in.diffuse);
+            }
+            if in.object.y != 0u {
+                return displayed(smooth_surface(in, n, wo));
+            }
             return displayed(direct(in, n, geometric, wo));
         }
     }
@@ -185,7 +218,7 @@ fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f
 // Object ids for tests and picking: 0 where nothing is, else the object's index + 1.
 @fragment
 fn object_id(in: Fragment) -> @location(0) u32 {
-    return in.object_id + 1u;
+    return in.object.x + 1u;
 }
 
 struct Sky {

@@ -30,7 +30,7 @@ pub(super) struct ViewUniform {
     ground: [f32; 4],
     sky_up: [f32; 4],
     choices: [u32; 4],
-    lights: [[[f32; 4]; 2]; MAX_LIGHTS],
+    lights: [[[f32; 4]; 3]; MAX_LIGHTS],
 }
 
 impl ViewUniform {
@@ -50,16 +50,34 @@ impl ViewUniform {
         let target_distance = camera.eye.distance(camera.target) * frame.scale();
         let near = near_distance(eye, bounds, target_distance);
 
-        let mut lights = [[[0.0; 4]; 2]; MAX_LIGHTS];
+        let mut lights = [[[0.0; 4]; 3]; MAX_LIGHTS];
         for (slot, light) in lights.iter_mut().zip(&scene.lights) {
-            let Light::Point {
-                position,
-                intensity,
-            } = light;
-            let position = frame.prepared_from_world(*position) - eye;
+            let position = frame.prepared_from_world(light.position()) - eye;
             // Irradiance is intensity per squared distance, and distances shrink by the frame's scale.
-            let intensity = *intensity * frame.scale() * frame.scale();
-            *slot = [vec4(position, 0.0), vec4(intensity, 0.0)];
+            let squared_scale = frame.scale() * frame.scale();
+            let (intensity, normal, is_flat) = match *light {
+                Light::Point { intensity, .. } => (intensity, DVec3::ZERO, 0.0),
+                // All of the disk as a point at its centre.
+                Light::Disk {
+                    center,
+                    facing,
+                    radius,
+                    radiance,
+                    ..
+                } => {
+                    let area = std::f64::consts::PI * radius * radius;
+                    (
+                        radiance * area,
+                        facing.normal(center).unwrap_or_default(),
+                        1.0,
+                    )
+                }
+            };
+            *slot = [
+                vec4(position, 0.0),
+                vec4(intensity * squared_scale, 0.0),
+                vec4(normal, is_flat),
+            ];
         }
         let light_count = scene.lights.len().min(MAX_LIGHTS);
         let (zenith, horizon, ground, sky_up) = sky(&scene.background);
@@ -120,16 +138,22 @@ impl ObjectInstance {
     }
 
     fn new(material: &Material, object: usize) -> Self {
-        let Material::Phong {
-            diffuse,
-            specular,
-            shininess,
-        } = *material;
+        // What the shader knows of materials: two colours, a number, and which kind it is.
+        let (diffuse, specular, shininess, kind) = match *material {
+            Material::Phong {
+                diffuse,
+                specular,
+                shininess,
+            } => (diffuse, specular, shininess, 0),
+            Material::Mirror { reflectance } => (reflectance, DVec3::ZERO, 1.0, 1),
+            Material::Glass { ior, .. } => (DVec3::ONE, DVec3::ZERO, ior, 2),
+            Material::Emitter { radiance } => (radiance, DVec3::ZERO, 1.0, 3),
+        };
         Self {
             diffuse: vec4(diffuse, 0.0),
             specular: vec4(specular, shininess),
             id_color: vec4(object_color(object), 0.0),
-            object: [u32::try_from(object).unwrap_or(u32::MAX), 0, 0, 0],
+            object: [u32::try_from(object).unwrap_or(u32::MAX), kind, 0, 0],
         }
     }
 }
@@ -173,12 +197,13 @@ fn sky(background: &Background) -> (DVec3, DVec3, DVec3, DVec3) {
 /// The number of a mode in the shader.
 fn mode_number(mode: Mode) -> u32 {
     match mode {
-        Mode::Direct => 0,
+        Mode::Direct | Mode::Path => 0,
         Mode::Normals => 1,
         Mode::Depth => 2,
         Mode::Albedo => 3,
         Mode::Facing => 4,
         Mode::Object => 5,
+        Mode::Ao => 6,
     }
 }
 

@@ -35,6 +35,8 @@ pub enum Allowed {
     Any,
     /// Every finite number but 0.
     NonZero,
+    /// Every finite number above 0.
+    Positive,
     /// 0 and above.
     NotNegative,
     /// Between the two, both excluded.
@@ -49,6 +51,7 @@ impl Allowed {
             && match self {
                 Self::Any => true,
                 Self::NonZero => number != 0.0,
+                Self::Positive => number > 0.0,
                 Self::NotNegative => number >= 0.0,
                 Self::Between(low, high) => low < number && number < high,
                 Self::Within(low, high) => low <= number && number <= high,
@@ -59,6 +62,7 @@ impl Allowed {
         match self {
             Self::Any => "a finite number".to_owned(),
             Self::NonZero => "a finite number other than 0".to_owned(),
+            Self::Positive => "a finite number above 0".to_owned(),
             Self::NotNegative => "a finite number of at least 0".to_owned(),
             Self::Between(low, high) => format!("a number above {low} and below {high}"),
             Self::Within(low, high) => format!("a number from {low} to {high}"),
@@ -126,6 +130,23 @@ impl<'a> Keys<'a> {
                 .ok_or_else(|| allowed.describe())
         };
         self.field(key, value, parse, |number| format_number(*number));
+    }
+
+    /// A number that need not be there.
+    pub fn optional_number(
+        &mut self,
+        key: &'static str,
+        value: &mut Option<f64>,
+        allowed: Allowed,
+    ) {
+        match value {
+            None if !self.has(key) => self.know(key),
+            _ => {
+                let mut number = value.unwrap_or_default();
+                self.number(key, &mut number, allowed);
+                *value = Some(number);
+            }
+        }
     }
 
     /// A whole number from `range`.

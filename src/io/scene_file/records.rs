@@ -3,7 +3,7 @@
 use super::keys::{Allowed, Keys};
 use crate::math::DVec3;
 use crate::scene::{
-    Background, Camera, Choice, Copies, Display, Light, Material, Object, Output, PngBits,
+    Background, Camera, Choice, Copies, Display, Facing, Light, Material, Object, Output, PngBits,
     RenderSettings, Rgb, Scene,
 };
 
@@ -31,6 +31,16 @@ fn camera(keys: &mut Keys<'_>, camera: &mut Camera) {
         "vertical_fov",
         &mut camera.vertical_fov.0,
         Allowed::Between(0.0, 180.0),
+    );
+    keys.number(
+        "aperture_radius",
+        &mut camera.aperture_radius,
+        Allowed::NotNegative,
+    );
+    keys.optional_number(
+        "focus_distance",
+        &mut camera.focus_distance,
+        Allowed::Positive,
     );
 }
 
@@ -77,22 +87,53 @@ fn background(keys: &mut Keys<'_>, background: &mut Background, camera_up: DVec3
 #[derive(Clone, Copy, PartialEq)]
 enum MaterialKind {
     Phong,
+    Mirror,
+    Glass,
+    Emitter,
 }
 
 impl Choice for MaterialKind {
-    const ALL: &'static [(Self, &'static str)] = &[(Self::Phong, "phong")];
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self::Phong, "phong"),
+        (Self::Mirror, "mirror"),
+        (Self::Glass, "glass"),
+        (Self::Emitter, "emitter"),
+    ];
 }
 
 fn material(keys: &mut Keys<'_>, material: &mut Material) {
-    keys.choice("kind", &mut MaterialKind::Phong);
-    let Material::Phong {
-        diffuse,
-        specular,
-        shininess,
-    } = material;
-    keys.color("diffuse", diffuse);
-    keys.color("specular", specular);
-    keys.number("shininess", shininess, Allowed::NotNegative);
+    let mut kind = match material {
+        Material::Phong { .. } => MaterialKind::Phong,
+        Material::Mirror { .. } => MaterialKind::Mirror,
+        Material::Glass { .. } => MaterialKind::Glass,
+        Material::Emitter { .. } => MaterialKind::Emitter,
+    };
+    keys.choice("kind", &mut kind);
+    if keys.is_reading() {
+        *material = match kind {
+            MaterialKind::Phong => Material::default(),
+            MaterialKind::Mirror => Material::mirror(),
+            MaterialKind::Glass => Material::glass(),
+            MaterialKind::Emitter => Material::emitter(),
+        };
+    }
+    match material {
+        Material::Phong {
+            diffuse,
+            specular,
+            shininess,
+        } => {
+            keys.color("diffuse", diffuse);
+            keys.color("specular", specular);
+            keys.number("shininess", shininess, Allowed::NotNegative);
+        }
+        Material::Mirror { reflectance } => keys.color("reflectance", reflectance),
+        Material::Glass { ior, attenuation } => {
+            keys.number("ior", ior, Allowed::Positive);
+            keys.color("attenuation", attenuation);
+        }
+        Material::Emitter { radiance } => keys.color("radiance", radiance),
+    }
 }
 
 fn object(keys: &mut Keys<'_>, object: &mut Object) {
@@ -120,20 +161,59 @@ fn object(keys: &mut Keys<'_>, object: &mut Object) {
 #[derive(Clone, Copy, PartialEq)]
 enum LightKind {
     Point,
+    Disk,
 }
 
 impl Choice for LightKind {
-    const ALL: &'static [(Self, &'static str)] = &[(Self::Point, "point")];
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Point, "point"), (Self::Disk, "disk")];
 }
 
 fn light(keys: &mut Keys<'_>, light: &mut Light) {
-    keys.choice("kind", &mut LightKind::Point);
-    let Light::Point {
-        position,
-        intensity,
-    } = light;
-    keys.vector("position", position);
-    keys.color("intensity", intensity);
+    let mut kind = match light {
+        Light::Point { .. } => LightKind::Point,
+        Light::Disk { .. } => LightKind::Disk,
+    };
+    keys.choice("kind", &mut kind);
+    if keys.is_reading() {
+        *light = match kind {
+            LightKind::Point => Light::default(),
+            LightKind::Disk => Light::disk(),
+        };
+    }
+    match light {
+        Light::Point {
+            position,
+            intensity,
+        } => {
+            keys.vector("position", position);
+            keys.color("intensity", intensity);
+        }
+        Light::Disk {
+            center,
+            facing: direction,
+            radius,
+            radiance,
+            visible,
+        } => {
+            keys.vector("center", center);
+            facing(keys, direction);
+            keys.number("radius", radius, Allowed::Positive);
+            keys.color("radiance", radiance);
+            keys.flag("visible", visible);
+        }
+    }
+}
+
+fn facing(keys: &mut Keys<'_>, facing: &mut Facing) {
+    if keys.has("target") {
+        *facing = Facing::Target(DVec3::ZERO);
+        keys.refuse("normal", "says the same as `target`; leave one of them out");
+    }
+    match facing {
+        Facing::Target(target) => keys.vector("target", target),
+        Facing::Normal(normal) => keys.vector("normal", normal),
+    }
+    keys.know("target");
 }
 
 fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
@@ -146,10 +226,36 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
         1..=RenderSettings::MAX_SAMPLES,
     );
     keys.integer("seed", &mut render.seed, 0..=RenderSettings::MAX_SEED);
+    keys.integer(
+        "max_bounces",
+        &mut render.max_bounces,
+        0..=RenderSettings::MAX_BOUNCES,
+    );
+    keys.flag("roulette", &mut render.roulette);
+    keys.choice("light_sampling", &mut render.light_sampling);
+    keys.choice("filter", &mut render.filter);
     keys.choice("shadows", &mut render.shadows);
+    keys.integer(
+        "shadow_samples",
+        &mut render.shadow_samples,
+        1..=RenderSettings::MAX_RAYS_PER_SAMPLE,
+    );
+    keys.flag("mirror", &mut render.mirror);
+    keys.flag("glass", &mut render.glass);
+    keys.flag("depth_of_field", &mut render.depth_of_field);
     keys.flag("antialiasing", &mut render.antialiasing);
     keys.choice("phong", &mut render.phong);
     keys.choice("accelerator", &mut render.accelerator);
+    let occlusion = &mut render.ambient_occlusion;
+    keys.record("ambient_occlusion", |keys| {
+        keys.flag("enabled", &mut occlusion.enabled);
+        keys.integer(
+            "samples",
+            &mut occlusion.samples,
+            1..=RenderSettings::MAX_RAYS_PER_SAMPLE,
+        );
+        keys.number("radius", &mut occlusion.radius, Allowed::Positive);
+    });
 }
 
 fn display(keys: &mut Keys<'_>, display: &mut Display) {

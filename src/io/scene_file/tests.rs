@@ -1,7 +1,8 @@
 use super::*;
 use crate::math::{DVec3, Degrees};
 use crate::scene::{
-    Background, Copies, Display, Light, Material, Mode, Object, Output, PngBits, Shadows, ToneCurve,
+    Background, Copies, Display, Facing, Light, Material, Mode, Object, Output, PngBits, Shadows,
+    ToneCurve,
 };
 
 fn parse(text: &str) -> Result<Scene, SceneFileError> {
@@ -31,6 +32,7 @@ fn one_object_is_a_scene_and_takes_its_meshs_name() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn every_key_round_trips() {
     let scene = Scene {
         camera: crate::scene::Camera {
@@ -38,6 +40,8 @@ fn every_key_round_trips() {
             target: DVec3::new(0.1, 0.2, 0.3),
             up: DVec3::Y,
             vertical_fov: Degrees(0.001),
+            aperture_radius: 0.05,
+            focus_distance: Some(6.5),
         },
         background: Background::Gradient {
             zenith: DVec3::new(0.1, 0.2, 0.3),
@@ -55,6 +59,25 @@ fn every_key_round_trips() {
                 },
             ),
             ("odd \"name\"".into(), Material::default()),
+            (
+                "chrome".into(),
+                Material::Mirror {
+                    reflectance: DVec3::splat(0.9),
+                },
+            ),
+            (
+                "bottle".into(),
+                Material::Glass {
+                    ior: 1.33,
+                    attenuation: DVec3::X,
+                },
+            ),
+            (
+                "lamp".into(),
+                Material::Emitter {
+                    radiance: DVec3::splat(5.0),
+                },
+            ),
         ]
         .into(),
         objects: vec![Object {
@@ -71,17 +94,46 @@ fn every_key_round_trips() {
                 step: DVec3::X,
             },
         }],
-        lights: vec![Light::Point {
-            position: DVec3::ONE,
-            intensity: DVec3::new(20.0, 0.0, 1e30),
-        }],
+        lights: vec![
+            Light::Point {
+                position: DVec3::ONE,
+                intensity: DVec3::new(20.0, 0.0, 1e30),
+            },
+            Light::Disk {
+                center: DVec3::Z,
+                facing: Facing::Target(DVec3::ZERO),
+                radius: 0.5,
+                radiance: DVec3::splat(40.0),
+                visible: false,
+            },
+            Light::Disk {
+                center: DVec3::ZERO,
+                facing: Facing::Normal(DVec3::new(0.0, 1.0, -2.0)),
+                radius: 1e-6,
+                radiance: DVec3::X,
+                visible: true,
+            },
+        ],
         render: crate::scene::RenderSettings {
             mode: Mode::Normals,
             width: 1,
             height: 65_536,
             samples_per_pixel: 7,
             seed: i64::MAX as u64,
+            max_bounces: 3,
+            roulette: false,
+            light_sampling: crate::scene::LightSampling::Nee,
+            filter: crate::scene::Filter::Gaussian,
             shadows: Shadows::Hard,
+            shadow_samples: 5,
+            ambient_occlusion: crate::scene::AmbientOcclusion {
+                enabled: true,
+                samples: 7,
+                radius: 0.25,
+            },
+            mirror: false,
+            glass: false,
+            depth_of_field: false,
             antialiasing: false,
             phong: crate::scene::PhongModel::Classic,
             accelerator: crate::scene::AcceleratorChoice::BruteForce,
@@ -107,8 +159,33 @@ fn every_key_round_trips() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn mistakes_name_place_and_expectation() {
     let cases = [
+        (
+            "[[lights]]\nkind = \"disk\"\ntarget = [0, 0, 1]\nnormal = [0, 0, 1]",
+            "4:1: `normal` says the same as `target`; leave one of them out",
+        ),
+        (
+            "[[lights]]\nkind = \"disk\"\nradius = 0",
+            "3:10: `lights.0.radius` is 0; expected a finite number above 0",
+        ),
+        (
+            "[[lights]]\nkind = \"disk\"\ntarget = [0, 0, 0]",
+            "3:10: lights.0.target is [0, 0, 0]; expected a point other than the center",
+        ),
+        (
+            "[camera]\nfocus_distance = 0",
+            "2:18: `camera.focus_distance` is 0; expected a finite number above 0",
+        ),
+        (
+            "[materials.a]\nkind = \"mirror\"\ndiffuse = [1, 1, 1]",
+            "3:1: unknown key `diffuse`",
+        ),
+        (
+            "[render]\nmode = \"path\"\nphong = \"classic\"",
+            "3:9: render.phong is classic; expected modified in mode path",
+        ),
         (
             "[camera]\neye = [0, 0]",
             "test.toml:2:7: `camera.eye` is [0, 0]; expected [x, y, z]",
@@ -152,7 +229,7 @@ fn mistakes_name_place_and_expectation() {
         ),
         (
             "[materials.clay]\nkind = \"phong \"",
-            "2:8: `materials.clay.kind` is \"phong \"; expected \"phong\"",
+            "2:8: `materials.clay.kind` is \"phong \"; expected one of \"phong\", \"mirror\"",
         ),
         (
             "[[objects]]\nname = \"x\"",
@@ -180,7 +257,7 @@ fn mistakes_name_place_and_expectation() {
         ),
         (
             "[[lights]]\nkind = \"spot\"",
-            "2:8: `lights.0.kind` is \"spot\"; expected",
+            "2:8: `lights.0.kind` is \"spot\"; expected one of \"point\", \"disk\"",
         ),
         (
             "[[lights]]\nintensity = [1, 1, inf]",

@@ -1,0 +1,202 @@
+//! What rendering relies on and no single key of a scene file can promise.
+
+use std::fmt::Display;
+
+use super::{
+    Camera, Choice, Facing, Light, Mode, Object, PhongModel, RenderSettings, Scene, SceneError,
+};
+
+impl Scene {
+    /// Checks what rendering relies on.
+    ///
+    /// # Errors
+    /// The first value that cannot be rendered, and what it may be.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        check_camera(&self.camera)?;
+        for (index, light) in self.lights.iter().enumerate() {
+            check_light(index, light)?;
+        }
+        check_settings(&self.render)?;
+        for (index, object) in self.objects.iter().enumerate() {
+            check_object(index, object)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_camera(camera: &Camera) -> Result<(), SceneError> {
+    let Camera {
+        eye, target, up, ..
+    } = camera;
+    require(eye.is_finite(), "camera.eye", eye, "finite numbers")?;
+    require(
+        target.is_finite(),
+        "camera.target",
+        target,
+        "finite numbers",
+    )?;
+    require(
+        target != eye,
+        "camera.target",
+        target,
+        "a point other than the eye",
+    )?;
+    let expected = "a direction that is not parallel to the view";
+    require(camera.axes().is_some(), "camera.up", up, expected)?;
+    let fov = camera.vertical_fov.0;
+    let expected = "more than 0 and less than 180 degrees";
+    require(
+        fov > 0.0 && fov < 180.0,
+        "camera.vertical_fov",
+        &fov,
+        expected,
+    )?;
+    let aperture = camera.aperture_radius;
+    let expected = "0 for a pinhole, or the lens's radius in scene units";
+    require(
+        aperture.is_finite() && aperture >= 0.0,
+        "camera.aperture_radius",
+        &aperture,
+        expected,
+    )?;
+    let focus = camera.focus();
+    require(
+        focus.is_finite() && focus > 0.0,
+        "camera.focus_distance",
+        &focus,
+        "a distance above 0",
+    )
+}
+
+fn check_light(index: usize, light: &Light) -> Result<(), SceneError> {
+    let key = |name: &str| format!("lights.{index}.{name}");
+    match light {
+        Light::Point { position, .. } => require(
+            position.is_finite(),
+            &key("position"),
+            position,
+            "finite numbers",
+        ),
+        Light::Disk {
+            center,
+            facing,
+            radius,
+            ..
+        } => {
+            require(center.is_finite(), &key("center"), center, "finite numbers")?;
+            require(
+                *radius > 0.0 && radius.is_finite(),
+                &key("radius"),
+                radius,
+                "a radius above 0",
+            )?;
+            let (name, value, expected) = match facing {
+                Facing::Target(target) => ("target", target, "a point other than the center"),
+                Facing::Normal(normal) => ("normal", normal, "a direction"),
+            };
+            require(
+                facing.normal(*center).is_some(),
+                &key(name),
+                value,
+                expected,
+            )
+        }
+    }
+}
+
+fn check_settings(settings: &RenderSettings) -> Result<(), SceneError> {
+    let physical = settings.mode != Mode::Path || settings.phong == PhongModel::Modified;
+    let expected =
+        "modified in mode path: the classic formula makes energy from nothing when light bounces";
+    require(physical, "render.phong", &settings.phong.name(), expected)?;
+    let RenderSettings {
+        width,
+        height,
+        samples_per_pixel,
+        ..
+    } = settings;
+    let sides = 1..=RenderSettings::MAX_SIDE;
+    let expected = format!("1 to {}", RenderSettings::MAX_SIDE);
+    require(sides.contains(width), "render.width", width, &expected)?;
+    require(sides.contains(height), "render.height", height, &expected)?;
+    let expected = format!("width × height of at most {}", RenderSettings::MAX_PIXELS);
+    require(
+        settings.pixel_count() <= RenderSettings::MAX_PIXELS,
+        "render.width",
+        width,
+        &expected,
+    )?;
+    let samples = 1..=RenderSettings::MAX_SAMPLES;
+    let expected = format!("1 to {}", RenderSettings::MAX_SAMPLES);
+    require(
+        samples.contains(samples_per_pixel),
+        "render.samples_per_pixel",
+        samples_per_pixel,
+        &expected,
+    )?;
+    let rays = 1..=RenderSettings::MAX_RAYS_PER_SAMPLE;
+    let expected = format!("1 to {}", RenderSettings::MAX_RAYS_PER_SAMPLE);
+    require(
+        rays.contains(&settings.shadow_samples),
+        "render.shadow_samples",
+        &settings.shadow_samples,
+        &expected,
+    )?;
+    let occlusion = settings.ambient_occlusion;
+    let key = "render.ambient_occlusion.samples";
+    require(
+        rays.contains(&occlusion.samples),
+        key,
+        &occlusion.samples,
+        &expected,
+    )?;
+    let key = "render.ambient_occlusion.radius";
+    require(
+        occlusion.radius > 0.0 && occlusion.radius.is_finite(),
+        key,
+        &occlusion.radius,
+        "a fraction above 0",
+    )
+}
+
+fn check_object(index: usize, object: &Object) -> Result<(), SceneError> {
+    let key = |name: &str| format!("objects.{index}.{name}");
+    let Object {
+        scale,
+        rotate,
+        translate,
+        copies,
+        ..
+    } = object;
+    let expected = "a finite number other than 0";
+    require(
+        scale.is_finite() && *scale != 0.0,
+        &key("scale"),
+        scale,
+        expected,
+    )?;
+    require(rotate.is_finite(), &key("rotate"), rotate, "finite numbers")?;
+    require(
+        translate.is_finite(),
+        &key("translate"),
+        translate,
+        "finite numbers",
+    )?;
+    require(
+        copies.total() > 0,
+        &key("copies.count"),
+        &0,
+        "at least 1 along each axis",
+    )
+}
+
+fn require(holds: bool, key: &str, value: &dyn Display, expected: &str) -> Result<(), SceneError> {
+    if holds {
+        return Ok(());
+    }
+    Err(SceneError::BadValue {
+        key: key.to_owned(),
+        value: value.to_string(),
+        expected: expected.to_owned(),
+    })
+}

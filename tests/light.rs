@@ -1,0 +1,638 @@
+//! Lights with area, occlusion, mirrors, glass and the lens against their closed forms.
+//!
+//! Sequences are fixed by seeds. Tolerances are several times the error that the stated number of samples leaves.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use raymini::control::CancelToken;
+use raymini::geometry::TriangleMesh;
+use raymini::math::{DVec3, Degrees};
+use raymini::render::{Image, PreparedScene, RenderOutcome, RenderProgress, RunConfig, render};
+use raymini::scene::{
+    AmbientOcclusion, Background, Camera, Facing, Light, Material, Mode, Object, RenderSettings,
+    Rgb, Scene, Shadows,
+};
+
+/// The rectangle `center ± u ± v`, as two triangles.
+fn rectangle(center: DVec3, u: DVec3, v: DVec3) -> TriangleMesh {
+    TriangleMesh {
+        positions: vec![
+            center - u - v,
+            center + u - v,
+            center + u + v,
+            center - u + v,
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        normals: None,
+    }
+}
+
+/// Adds a mesh of its own material.
+fn add(scene: &mut Scene, name: &str, mesh: TriangleMesh, material: Material) {
+    scene.meshes.insert(name.into(), Arc::new(mesh));
+    scene.materials.insert(name.into(), material);
+    scene.objects.push(Object {
+        name: name.into(),
+        mesh: name.into(),
+        material: Some(name.into()),
+        ..Object::default()
+    });
+}
+
+fn white() -> Material {
+    Material::Phong {
+        diffuse: Rgb::ONE,
+        specular: Rgb::ZERO,
+        shininess: 1.0,
+    }
+}
+
+/// A white floor at z = 0 and an eye that sees only its point `(x, y)`, in one pixel.
+fn looking_at_floor(x: f64, y: f64) -> Scene {
+    let mut scene = Scene::default();
+    add(
+        &mut scene,
+        "floor",
+        rectangle(DVec3::ZERO, DVec3::X * 20.0, DVec3::Y * 20.0),
+        white(),
+    );
+    scene.camera = Camera {
+        // From the side, so that lights overhead do not stand in the way.
+        eye: DVec3::new(x, y - 8.0, 0.2),
+        target: DVec3::new(x, y, 0.0),
+        vertical_fov: Degrees(1e-4),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        width: 1,
+        height: 1,
+        samples_per_pixel: 4096,
+        antialiasing: false,
+        ..RenderSettings::default()
+    };
+    scene
+}
+
+fn disk(center: DVec3, radius: f64) -> Light {
+    Light::Disk {
+        center,
+        facing: Facing::Normal(-DVec3::Z),
+        radius,
+        radiance: Rgb::ONE,
+        visible: true,
+    }
+}
+
+fn run(scene: &Scene) -> RenderOutcome {
+    let prepared =
+        PreparedScene::prepare(scene, None, &CancelToken::new()).expect("can be rendered");
+    let prepared = prepared.expect("nobody cancels");
+    let outcome = render(
+        &prepared,
+        None,
+        &RunConfig::default(),
+        &RenderProgress::default(),
+        &|_| (),
+    );
+    let outcome = outcome.expect("nobody cancels");
+    assert_eq!(outcome.stats.non_finite_samples, 0);
+    outcome
+}
+
+fn picture(scene: &Scene) -> Image {
+    run(scene).image
+}
+
+fn value(scene: &Scene) -> f64 {
+    f64::from(picture(scene).pixel(0, 0)[0])
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, relative: f64, what: &str) {
+    assert!(
+        (found - expected).abs() <= relative * expected.abs(),
+        "{what}: {found}, not {expected}"
+    );
+}
+
+/// Irradiance of a disk of radiance 1 on a parallel receiver: references §1.1.
+fn disk_irradiance(radius: f64, height: f64, offset: f64) -> f64 {
+    let (r2, h2, a2) = (radius * radius, height * height, offset * offset);
+    let root = ((a2 + h2 + r2).powi(2) - 4.0 * a2 * r2).sqrt();
+    PI / 2.0 * (1.0 - (a2 + h2 - r2) / root)
+}
+
+#[test]
+fn a_disk_light_gives_the_irradiance_of_the_formula_near_and_far() {
+    let cases = [
+        (1.0, 1.0, 0.0),
+        (1.0, 2.0, 0.0),
+        (1.0, 1.0, 0.5),
+        (1.0, 1.0, 2.0),
+        (0.5, 2.0, 1.0),
+        (0.1, 1.0, 0.3),
+        (10.0, 0.5, 3.0),
+        (1.0, 0.01, 0.0),
+        (1.0, 0.1, 0.99),
+        (1e-6, 1.0, 0.5),
+    ];
+    for (radius, height, offset) in cases {
+        let mut scene = looking_at_floor(offset, 0.0);
+        scene.lights.push(disk(DVec3::Z * height, radius));
+        // The eye must look past the disk.
+        if height < 0.2 {
+            scene.camera.eye = DVec3::new(offset, -8.0, height / 100.0);
+        }
+        let expected = disk_irradiance(radius, height, offset) / PI;
+        assert_near(
+            value(&scene),
+            expected,
+            2e-3,
+            &format!("R {radius}, h {height}, a {offset}"),
+        );
+    }
+    // Published values of the same table, so that a slip in the formula above is seen.
+    assert_near(disk_irradiance(1.0, 1.0, 0.5), 1.375_963_021, 1e-9, "table");
+    assert_near(
+        disk_irradiance(1.0, 0.1, 0.99),
+        1.648_455_661,
+        1e-9,
+        "table",
+    );
+}
+
+#[test]
+fn the_back_of_a_disk_gives_nothing() {
+    let mut scene = looking_at_floor(0.0, 0.0);
+    scene.lights.push(Light::Disk {
+        center: DVec3::Z,
+        facing: Facing::Normal(DVec3::Z),
+        radius: 1.0,
+        radiance: Rgb::ONE,
+        visible: false,
+    });
+    let outcome = run(&scene);
+    assert_eq!(outcome.image.pixel(0, 0), [0.0; 3]);
+    assert_eq!(outcome.stats.rays.shadow, 0);
+}
+
+/// References §1.3: a half-plane edge at height 1 under a disk of radius 1 at height 4; the physical irradiance.
+#[test]
+fn the_penumbra_of_an_edge_has_its_profile() {
+    let mut scene = looking_at_floor(0.0, 0.0);
+    add(
+        &mut scene,
+        "edge",
+        rectangle(
+            DVec3::new(-10.0, 0.0, 1.0),
+            DVec3::X * 10.0,
+            DVec3::Y * 20.0,
+        ),
+        white(),
+    );
+    scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
+    scene.render.samples_per_pixel = 1 << 15;
+    let cases = [
+        (-0.25, 0.012_109_184),
+        (-0.1, 0.056_151_216),
+        (0.0, 0.092_399_784),
+        (0.1, 0.128_443_889),
+        (0.25, 0.171_417_692),
+    ];
+    for (x, irradiance) in cases {
+        scene.camera.target.x = x;
+        scene.camera.eye.x = x;
+        assert_near(value(&scene), irradiance / PI, 4e-3, &format!("x = {x}"));
+    }
+    // Outside the penumbra nothing is left to chance.
+    scene.render.samples_per_pixel = 16;
+    scene.camera.target.x = -0.34;
+    scene.camera.eye.x = -0.34;
+    assert_eq!(picture(&scene).pixel(0, 0), [0.0; 3]);
+}
+
+/// References §4.2: error falls at least like N^−0.70 in the penumbra and N^−0.95 unoccluded.
+#[test]
+fn the_error_of_soft_shadows_falls_as_a_low_discrepancy_sequence_should() {
+    let mut scene = looking_at_floor(0.1, 0.0);
+    scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
+    let unoccluded = slope(&scene, disk_irradiance(1.0, 4.0, 0.1) / PI);
+    add(
+        &mut scene,
+        "edge",
+        rectangle(
+            DVec3::new(-10.0, 0.0, 1.0),
+            DVec3::X * 10.0,
+            DVec3::Y * 20.0,
+        ),
+        white(),
+    );
+    let penumbra = slope(&scene, 0.128_443_889 / PI);
+    assert!(penumbra <= -0.70, "penumbra: {penumbra}");
+    assert!(unoccluded <= -0.95, "unoccluded: {unoccluded}");
+}
+
+/// Slope of log RMSE over log samples from 64 to 4096, over 100 seeds.
+fn slope(scene: &Scene, exact: f64) -> f64 {
+    let points: Vec<(f64, f64)> = [64_u32, 256, 1024, 4096]
+        .into_iter()
+        .map(|samples| {
+            let squared = |seed: u64| {
+                let mut scene = scene.clone();
+                scene.render.samples_per_pixel = samples;
+                scene.render.seed = seed;
+                (value(&scene) - exact).powi(2)
+            };
+            let mean_square = (0..100).map(squared).sum::<f64>() / 100.0;
+            (f64::from(samples).ln(), mean_square.sqrt().ln())
+        })
+        .collect();
+    let n = points.len() as f64;
+    let (mx, my) = (
+        points.iter().map(|p| p.0).sum::<f64>() / n,
+        points.iter().map(|p| p.1).sum::<f64>() / n,
+    );
+    points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
+        / points.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>()
+}
+
+/// The ambient-occlusion picture of a floor point at distance `d` from a wall of height `h`, rays limited to `radius`.
+fn occlusion_at_wall(d: f64, h: f64, radius: f64) -> f64 {
+    let mut scene = looking_at_floor(0.0, 0.0);
+    add(
+        &mut scene,
+        "wall",
+        rectangle(
+            DVec3::new(d, 0.0, h / 2.0),
+            DVec3::Y * 200.0,
+            DVec3::Z * (h / 2.0),
+        ),
+        white(),
+    );
+    scene.render.mode = Mode::Ao;
+    scene.render.samples_per_pixel = 64;
+    let diagonal = scene.bounds().diagonal();
+    scene.render.ambient_occlusion = AmbientOcclusion {
+        enabled: true,
+        samples: 256,
+        radius: radius / diagonal,
+    };
+    value(&scene)
+}
+
+/// References §1.4, cosine-weighted.
+#[test]
+fn ambient_occlusion_matches_its_closed_forms() {
+    let wall = |d: f64, h: f64| 0.5 * (1.0 + d / (d * d + h * h).sqrt());
+    for (d, h) in [(1.0, 1.0), (0.5, 2.0), (0.1, 1.0)] {
+        assert_near(
+            occlusion_at_wall(d, h, 1e4),
+            wall(d, h),
+            2e-3,
+            &format!("wall of height {h} at {d}"),
+        );
+    }
+    // 1 − seg(c), c = d / radius, for an infinite wall.
+    for (c, expected) in [(0.25, 0.657_481_2), (0.5, 0.804_498_9), (0.9, 0.981_307_0)] {
+        assert_near(
+            occlusion_at_wall(c, 50.0, 1.0),
+            expected,
+            2e-3,
+            &format!("wall at {c} of the radius"),
+        );
+    }
+    // Further than the radius: exactly free.
+    assert_eq!(
+        occlusion_at_wall(1.5, 1.0, 1.0).to_bits(),
+        1.0_f64.to_bits()
+    );
+}
+
+#[test]
+fn occlusion_scales_the_light_of_the_background() {
+    let mut scene = looking_at_floor(0.0, 0.0);
+    add(
+        &mut scene,
+        "wall",
+        rectangle(DVec3::new(1.0, 0.0, 0.5), DVec3::Y * 200.0, DVec3::Z * 0.5),
+        white(),
+    );
+    scene.background = Background::Constant {
+        radiance: Rgb::splat(2.0),
+    };
+    scene.render.samples_per_pixel = 64;
+    scene.render.ambient_occlusion = AmbientOcclusion {
+        enabled: true,
+        samples: 256,
+        radius: 1e3,
+    };
+    assert_near(
+        value(&scene),
+        2.0 * 0.853_553_4,
+        2e-3,
+        "wall (1, 1) under an even sky",
+    );
+    scene.render.ambient_occlusion.enabled = false;
+    let outcome = run(&scene);
+    assert_eq!(outcome.image.pixel(0, 0)[0].to_bits(), 2.0_f32.to_bits());
+    assert_eq!(outcome.stats.rays.ambient_occlusion, 0);
+}
+
+/// References §1.5: k bounces between parallel mirrors, then the emitter.
+#[test]
+fn parallel_mirrors_multiply_their_reflectance() {
+    // The ray climbs between mirrors at x = 0 and x = 1 by a unit per crossing and leaves above height 9.5.
+    let mut scene = Scene::default();
+    let mirror = Material::Mirror {
+        reflectance: Rgb::splat(0.9),
+    };
+    add(
+        &mut scene,
+        "left",
+        rectangle(DVec3::new(0.0, 0.0, 5.0), DVec3::Y, DVec3::Z * 4.6),
+        mirror,
+    );
+    add(
+        &mut scene,
+        "right",
+        rectangle(DVec3::new(1.0, 0.0, 5.0), DVec3::Y, DVec3::Z * 4.6),
+        mirror,
+    );
+    scene.background = Background::Constant { radiance: Rgb::ONE };
+    scene.camera = Camera {
+        eye: DVec3::new(0.5, 0.0, 0.0),
+        target: DVec3::new(1.0, 0.0, 0.5),
+        vertical_fov: Degrees(1e-4),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        width: 1,
+        height: 1,
+        samples_per_pixel: 1,
+        max_bounces: 20,
+        ..RenderSettings::default()
+    };
+    // Heights of the hits: 0.5, 1.5, …, 9.5; those in 0.4..=9.6 are ten.
+    assert_near(value(&scene), 0.348_678_440_1, 1e-5, "ten reflections");
+    assert_eq!(run(&scene).stats.rays.bounce, 10);
+    scene.render.max_bounces = 9;
+    assert_eq!(picture(&scene).pixel(0, 0), [0.0; 3]);
+    scene.render.mirror = false;
+    assert!(
+        value(&scene) > 0.0,
+        "switched off, a mirror is grey and lit by the sky"
+    );
+    assert_eq!(run(&scene).stats.rays.bounce, 0);
+}
+
+/// References §1.7: a slab of glass before a black backdrop, under an even sky from the eye's side.
+#[test]
+fn a_slab_of_glass_reflects_and_transmits_what_fresnel_says() {
+    for (degrees, reflected) in [
+        (0.0_f64, 0.076_923_1),
+        (45.0, 0.095_673_2),
+        (60.0, 0.163_767_5),
+        (80.0, 0.558_770_8),
+    ] {
+        let mut scene = Scene::default();
+        let slab = |z: f64, flip: bool| {
+            let (u, v) = (DVec3::X * 50.0, DVec3::Y * 50.0);
+            if flip {
+                rectangle(DVec3::Z * z, v, u)
+            } else {
+                rectangle(DVec3::Z * z, u, v)
+            }
+        };
+        add(&mut scene, "top", slab(0.0, false), Material::glass());
+        add(&mut scene, "bottom", slab(-0.1, true), Material::glass());
+        let black = Material::Phong {
+            diffuse: Rgb::ZERO,
+            specular: Rgb::ZERO,
+            shininess: 1.0,
+        };
+        add(&mut scene, "backdrop", slab(-1.0, false), black);
+        scene.background = Background::Constant { radiance: Rgb::ONE };
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        scene.camera = Camera {
+            eye: DVec3::new(0.0, -sine, cosine) * 3.0,
+            target: DVec3::ZERO,
+            up: DVec3::new(0.0, cosine, sine),
+            vertical_fov: Degrees(1e-4),
+            ..Camera::default()
+        };
+        scene.render = RenderSettings {
+            width: 1,
+            height: 1,
+            samples_per_pixel: 1 << 16,
+            antialiasing: false,
+            max_bounces: 64,
+            ..RenderSettings::default()
+        };
+        // Four standard deviations of a coin with the reflectance for its chance.
+        let tolerance = 4.0 * (reflected * (1.0 - reflected) / 65_536.0_f64).sqrt();
+        let found = value(&scene);
+        assert!(
+            (found - reflected).abs() < tolerance,
+            "{degrees}°: {found}, not {reflected} ± {tolerance}"
+        );
+    }
+}
+
+/// Glass of any shape under an even sky is invisible, whatever is refracted, but for what `max_bounces` cuts off.
+#[test]
+fn glass_in_a_white_furnace_is_invisible() {
+    let mut scene = Scene::default();
+    let corners: Vec<DVec3> = (0..8)
+        .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) - 0.5)
+        .collect();
+    let faces = [
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 5, 7],
+        [4, 7, 6],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+        [1, 7, 5],
+    ];
+    add(
+        &mut scene,
+        "cube",
+        TriangleMesh {
+            positions: corners,
+            triangles: faces.to_vec(),
+            normals: None,
+        },
+        Material::glass(),
+    );
+    scene.objects[0].rotate = DVec3::new(20.0, 30.0, 40.0);
+    scene.background = Background::Constant {
+        radiance: Rgb::splat(0.5),
+    };
+    scene.camera = Camera {
+        eye: DVec3::new(0.0, -4.0, 1.0),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        width: 32,
+        height: 32,
+        max_bounces: 1 << 16,
+        ..RenderSettings::default()
+    };
+    let image = picture(&scene);
+    assert!(
+        image.pixels.iter().all(|&pixel| pixel == [0.5; 3]),
+        "every path ends in the sky with weight 1"
+    );
+}
+
+#[test]
+fn light_passes_straight_through_glass_to_what_it_lights() {
+    let mut scene = looking_at_floor(0.0, 0.0);
+    scene.lights.push(Light::Point {
+        position: DVec3::Z * 2.0,
+        intensity: Rgb::ONE,
+    });
+    let open = value(&scene);
+    assert_near(open, 1.0 / (4.0 * PI), 1e-5, "a point light two above");
+    add(
+        &mut scene,
+        "upper",
+        rectangle(DVec3::Z * 1.0, DVec3::X, DVec3::Y),
+        Material::Glass {
+            ior: 1.5,
+            attenuation: Rgb::splat(2.0),
+        },
+    );
+    add(
+        &mut scene,
+        "lower",
+        rectangle(DVec3::Z * 0.5, DVec3::Y, DVec3::X),
+        Material::Glass {
+            ior: 1.5,
+            attenuation: Rgb::splat(2.0),
+        },
+    );
+    assert_near(
+        value(&scene),
+        open * 0.96 * 0.96 * (-1.0_f64).exp(),
+        1e-4,
+        "two faces and half a unit of glass",
+    );
+}
+
+/// References §1.8: value = 1 − seg(X/c) for an edge at distance 2 seen by a lens of radius 0.1 focused at 5.
+#[test]
+fn a_lens_blurs_an_edge_by_its_profile() {
+    let mut scene = Scene::default();
+    // The half plane x < 0 at distance 2, bright; the rest black.
+    add(
+        &mut scene,
+        "plate",
+        rectangle(DVec3::new(-5.0, 2.0, 0.0), DVec3::X * 5.0, DVec3::Z * 5.0),
+        Material::emitter(),
+    );
+    scene.render = RenderSettings {
+        width: 1,
+        height: 1,
+        samples_per_pixel: 1 << 14,
+        antialiasing: false,
+        ..RenderSettings::default()
+    };
+    for (offset, expected) in [
+        (-0.1, 0.109_551),
+        (-0.05, 0.291_791),
+        (0.0, 0.5),
+        (0.05, 0.708_209),
+        (0.1, 0.890_449),
+    ] {
+        // On the focus plane the pixel's centre lies at −offset on the bright side.
+        scene.camera = Camera {
+            eye: DVec3::ZERO,
+            target: DVec3::new(-offset, 5.0, 0.0),
+            vertical_fov: Degrees(1e-4),
+            aperture_radius: 0.1,
+            focus_distance: Some(5.0),
+            ..Camera::default()
+        };
+        let found = value(&scene);
+        assert!(
+            (found - expected).abs() < 2e-3,
+            "X = {offset}: {found}, not {expected}"
+        );
+    }
+    // In focus it is sharp for every sample, and without depth of field a pinhole.
+    scene.camera.focus_distance = Some(2.0);
+    scene.camera.target.x = -0.01;
+    assert_eq!(value(&scene).to_bits(), 1.0_f64.to_bits());
+    scene.camera.focus_distance = Some(5.0);
+    scene.render.depth_of_field = false;
+    assert_eq!(value(&scene).to_bits(), 1.0_f64.to_bits());
+}
+
+#[test]
+fn a_disk_is_seen_bright_in_front_and_black_from_behind() {
+    let mut scene = Scene::default();
+    add(
+        &mut scene,
+        "speck",
+        rectangle(DVec3::Y * 9.0, DVec3::X * 0.1, DVec3::Z * 0.1),
+        white(),
+    );
+    scene.background = Background::Constant {
+        radiance: Rgb::splat(0.25),
+    };
+    let light = |normal: DVec3, visible: bool| Light::Disk {
+        center: DVec3::Y * 3.0,
+        facing: Facing::Normal(normal),
+        radius: 1.0,
+        radiance: Rgb::splat(7.0),
+        visible,
+    };
+    scene.camera = Camera {
+        eye: DVec3::ZERO,
+        target: DVec3::new(0.0, 3.0, 0.5),
+        vertical_fov: Degrees(1e-3),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        width: 1,
+        height: 1,
+        samples_per_pixel: 1,
+        ..RenderSettings::default()
+    };
+    for (normal, visible, expected) in [
+        (-DVec3::Y, true, 7.0),
+        (DVec3::Y, true, 0.0),
+        (-DVec3::Y, false, 0.25),
+    ] {
+        scene.lights = vec![light(normal, visible)];
+        assert_near(
+            value(&scene),
+            expected,
+            1e-6,
+            &format!("{normal}, {visible}"),
+        );
+    }
+}
+
+#[test]
+fn hard_shadows_take_a_disk_for_its_centre() {
+    let mut scene = looking_at_floor(0.5, 0.0);
+    scene.lights.push(disk(DVec3::Z * 2.0, 0.5));
+    scene.render.shadows = Shadows::Hard;
+    scene.render.samples_per_pixel = 1;
+    let distance_squared = 4.25_f64;
+    let cosine = 2.0 / distance_squared.sqrt();
+    assert_near(
+        value(&scene),
+        PI * 0.25 * cosine * cosine / distance_squared / PI,
+        1e-5,
+        "L·A·cos²/d²·1/π",
+    );
+}

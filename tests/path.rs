@@ -1,0 +1,394 @@
+//! Path tracing against closed forms, and its ways of finding light against each other.
+//!
+//! Sequences are fixed by seeds. Where a tolerance is statistical, it says how many standard deviations it is.
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::sync::Arc;
+
+use raymini::control::CancelToken;
+use raymini::geometry::TriangleMesh;
+use raymini::geometry::shapes;
+use raymini::math::{DVec3, Degrees};
+use raymini::render::{Image, PreparedScene, RenderProgress, RunConfig, render};
+use raymini::scene::{
+    Background, Camera, Facing, Light, LightSampling, Material, Mode, Object, RenderSettings, Rgb,
+    Scene,
+};
+
+fn diffuse(reflectance: f64) -> Material {
+    Material::Phong {
+        diffuse: Rgb::splat(reflectance),
+        specular: Rgb::ZERO,
+        shininess: 1.0,
+    }
+}
+
+fn rectangle(center: DVec3, u: DVec3, v: DVec3) -> TriangleMesh {
+    TriangleMesh {
+        positions: vec![
+            center - u - v,
+            center + u - v,
+            center + u + v,
+            center - u + v,
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        normals: None,
+    }
+}
+
+/// A disk of 512 triangles at `height`, facing down.
+fn polygon_disk(height: f64, radius: f64) -> TriangleMesh {
+    let corner = |i: u32| {
+        let angle = TAU * f64::from(i) / 512.0;
+        DVec3::new(radius * angle.cos(), radius * angle.sin(), height)
+    };
+    TriangleMesh {
+        positions: std::iter::once(DVec3::Z * height)
+            .chain((0..512).map(corner))
+            .collect(),
+        triangles: (0..512).map(|i| [0, 1 + (i + 1) % 512, 1 + i]).collect(),
+        normals: None,
+    }
+}
+
+fn add(scene: &mut Scene, name: &str, mesh: TriangleMesh, material: Material) {
+    scene.meshes.insert(name.into(), Arc::new(mesh));
+    scene.materials.insert(name.into(), material);
+    scene.objects.push(Object {
+        name: name.into(),
+        mesh: name.into(),
+        material: Some(name.into()),
+        ..Object::default()
+    });
+}
+
+/// One pixel that sees the point `(x, 0, 0)` of a floor from the side.
+fn looking_at_floor(x: f64, material: Material) -> Scene {
+    let mut scene = Scene::default();
+    add(
+        &mut scene,
+        "floor",
+        rectangle(DVec3::ZERO, DVec3::X * 20.0, DVec3::Y * 20.0),
+        material,
+    );
+    scene.camera = Camera {
+        eye: DVec3::new(x, -8.0, 0.2),
+        target: DVec3::new(x, 0.0, 0.0),
+        vertical_fov: Degrees(1e-4),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        mode: Mode::Path,
+        width: 1,
+        height: 1,
+        samples_per_pixel: 4096,
+        antialiasing: false,
+        ..RenderSettings::default()
+    };
+    scene
+}
+
+fn picture(scene: &Scene) -> Image {
+    let prepared =
+        PreparedScene::prepare(scene, None, &CancelToken::new()).expect("can be rendered");
+    let prepared = prepared.expect("nobody cancels");
+    let outcome = render(
+        &prepared,
+        None,
+        &RunConfig::default(),
+        &RenderProgress::default(),
+        &|_| (),
+    );
+    let outcome = outcome.expect("nobody cancels");
+    assert_eq!(outcome.stats.non_finite_samples, 0);
+    outcome.image
+}
+
+fn value(scene: &Scene) -> f64 {
+    f64::from(picture(scene).pixel(0, 0)[0])
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, relative: f64, what: &str) {
+    assert!(
+        (found - expected).abs() <= relative * expected.abs(),
+        "{what}: {found}, not {expected}"
+    );
+}
+
+const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, LightSampling::Bsdf];
+
+/// References §1.1, for a disk light and for an emitting mesh of the same shape, found each way.
+#[test]
+fn a_disk_and_an_emitting_mesh_give_the_irradiance_of_the_formula() {
+    for (height, offset, expected) in [(1.0, 0.5, 1.375_963_021), (2.0, 0.0, 0.628_318_531)] {
+        for way in WAYS {
+            let mut scene = looking_at_floor(offset, diffuse(0.5));
+            scene.render.light_sampling = way;
+            scene.render.max_bounces = 1;
+            scene.render.samples_per_pixel = 1 << 14;
+            let mut mesh = scene.clone();
+            let (center, facing) = (DVec3::Z * height, Facing::Normal(-DVec3::Z));
+            scene.lights.push(Light::Disk {
+                center,
+                facing,
+                radius: 1.0,
+                radiance: Rgb::ONE,
+                visible: true,
+            });
+            assert_near(
+                value(&scene),
+                0.5 * expected / PI,
+                5e-3,
+                &format!("disk, {way:?}, h {height}"),
+            );
+            add(
+                &mut mesh,
+                "lamp",
+                polygon_disk(height, 1.0),
+                Material::emitter(),
+            );
+            assert_near(
+                value(&mesh),
+                0.5 * expected / PI,
+                5e-3,
+                &format!("mesh, {way:?}, h {height}"),
+            );
+        }
+    }
+}
+
+/// References §1.5: a point light of intensity π in a diffuse ball of radius 1: n bounces give ρ(1 − ρⁿ)/(1 − ρ).
+#[test]
+fn a_light_in_a_diffuse_ball_sums_its_bounces() {
+    let mut scene = Scene::default();
+    add(&mut scene, "ball", shapes::icosphere(4), diffuse(0.5));
+    scene.lights.push(Light::Point {
+        position: DVec3::ZERO,
+        intensity: Rgb::splat(PI),
+    });
+    scene.camera = Camera {
+        eye: DVec3::new(0.3, 0.2, 0.1),
+        target: DVec3::X,
+        vertical_fov: Degrees(90.0),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        mode: Mode::Path,
+        width: 16,
+        height: 16,
+        samples_per_pixel: 64,
+        roulette: false,
+        ..RenderSettings::default()
+    };
+    let mean = |scene: &Scene| {
+        let image = picture(scene);
+        image
+            .pixels
+            .iter()
+            .map(|pixel| f64::from(pixel[0]))
+            .sum::<f64>()
+            / image.pixels.len() as f64
+    };
+    for bounces in [0, 1, 2, 4, 8] {
+        scene.render.max_bounces = bounces;
+        let expected = 0.5 * (1.0 - 0.5_f64.powf(f64::from(bounces))) / 0.5;
+        // The ball's faces lie up to 0.4 % inside the sphere.
+        assert_near(mean(&scene), expected, 6e-3, &format!("{bounces} bounces"));
+    }
+    // References §2.1 row 6, with roulette and without a cap.
+    scene.render.max_bounces = 1 << 20;
+    scene.render.roulette = true;
+    assert_near(mean(&scene), 1.0, 1e-2, "all bounces");
+}
+
+/// References §1.6: what a lobe reflects of an even sky, at some exponents and angles.
+#[test]
+fn the_phong_lobe_has_the_albedo_of_the_table() {
+    let table = [
+        (1.0, [1.0, 0.755_409_16, 0.458_441_52]),
+        (50.0, [1.0, FRAC_1_SQRT_2, 0.260_465_08]),
+        (1e4, [1.0, FRAC_1_SQRT_2, 0.258_819_05]),
+        (1e7, [1.0, FRAC_1_SQRT_2, 0.258_819_05]),
+    ];
+    for (shininess, albedos) in table {
+        for (degrees, albedo) in [0.0_f64, 45.0, 75.0].into_iter().zip(albedos) {
+            let mut scene = looking_at_floor(
+                0.0,
+                Material::Phong {
+                    diffuse: Rgb::ZERO,
+                    specular: Rgb::ONE,
+                    shininess,
+                },
+            );
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            scene.camera.eye = DVec3::new(0.0, -sine, cosine) * 3.0;
+            scene.camera.up = DVec3::new(0.0, cosine, sine);
+            scene.background = Background::Constant { radiance: Rgb::ONE };
+            scene.render.samples_per_pixel = 1 << 14;
+            assert_near(
+                value(&scene),
+                albedo,
+                2e-3,
+                &format!("n {shininess}, {degrees}°"),
+            );
+        }
+    }
+}
+
+/// Two estimators of one picture: the difference of the means over 64 seeds, in standard deviations. α = 0.001 over three
+/// comparisons of 16 pixels each: |z| < 4.3.
+#[test]
+fn every_way_of_finding_light_finds_the_same() {
+    let mut scene = Scene::default();
+    let shiny = Material::Phong {
+        diffuse: Rgb::splat(0.4),
+        specular: Rgb::splat(0.4),
+        shininess: 20.0,
+    };
+    add(
+        &mut scene,
+        "floor",
+        rectangle(DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0),
+        shiny,
+    );
+    add(
+        &mut scene,
+        "wall",
+        rectangle(DVec3::new(0.0, 1.5, 1.0), DVec3::X * 3.0, DVec3::Z),
+        diffuse(0.7),
+    );
+    add(
+        &mut scene,
+        "lamp",
+        rectangle(DVec3::new(0.5, 0.5, 2.0), DVec3::X * 0.6, DVec3::Y * 0.4),
+        Material::emitter(),
+    );
+    add(
+        &mut scene,
+        "mirror",
+        rectangle(DVec3::new(-1.5, 0.0, 1.0), DVec3::Y, DVec3::Z),
+        Material::mirror(),
+    );
+    scene.lights.push(Light::Disk {
+        center: DVec3::new(-0.5, -0.5, 1.5),
+        facing: Facing::Target(DVec3::ZERO),
+        radius: 0.5,
+        radiance: Rgb::splat(2.0),
+        visible: true,
+    });
+    scene.background = Background::Constant {
+        radiance: Rgb::splat(0.1),
+    };
+    scene.camera = Camera {
+        eye: DVec3::new(1.0, -4.0, 2.0),
+        target: DVec3::Z * 0.5,
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        mode: Mode::Path,
+        width: 4,
+        height: 4,
+        samples_per_pixel: 256,
+        max_bounces: 4,
+        ..RenderSettings::default()
+    };
+
+    let statistics: Vec<Vec<(f64, f64)>> = WAYS
+        .into_iter()
+        .map(|way| {
+            scene.render.light_sampling = way;
+            let runs: Vec<Image> = (0..64)
+                .map(|seed| {
+                    scene.render.seed = 1000 * (way as u64) + seed;
+                    picture(&scene)
+                })
+                .collect();
+            (0..16)
+                .map(|pixel| {
+                    let values: Vec<f64> = runs
+                        .iter()
+                        .map(|image| f64::from(image.pixels[pixel][0]))
+                        .collect();
+                    let mean = values.iter().sum::<f64>() / 64.0;
+                    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 63.0;
+                    (mean, variance / 64.0)
+                })
+                .collect()
+        })
+        .collect();
+    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+        let pairs = statistics[a].iter().zip(&statistics[b]);
+        for (pixel, ((mean_a, variance_a), (mean_b, variance_b))) in pairs.enumerate() {
+            let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-12);
+            let ways = (WAYS[a], WAYS[b]);
+            assert!(
+                z.abs() < 4.3,
+                "{ways:?}, pixel {pixel}: {mean_a}, {mean_b}, z = {z}"
+            );
+        }
+    }
+}
+
+#[test]
+fn glass_in_a_white_furnace_is_invisible() {
+    let mut scene = Scene::default();
+    add(&mut scene, "ball", shapes::icosphere(2), Material::glass());
+    scene.background = Background::Constant {
+        radiance: Rgb::splat(0.5),
+    };
+    scene.camera = Camera {
+        eye: DVec3::new(0.0, -4.0, 1.0),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        mode: Mode::Path,
+        width: 24,
+        height: 24,
+        max_bounces: 1 << 16,
+        roulette: false,
+        ..RenderSettings::default()
+    };
+    assert!(
+        picture(&scene)
+            .pixels
+            .iter()
+            .all(|&pixel| pixel == [0.5; 3])
+    );
+}
+
+#[test]
+fn a_closed_room_without_light_is_black_and_ends() {
+    let mut scene = Scene::default();
+    add(&mut scene, "room", shapes::icosphere(1), diffuse(1.0));
+    scene.camera = Camera {
+        eye: DVec3::ZERO,
+        target: DVec3::X,
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        mode: Mode::Path,
+        width: 8,
+        height: 8,
+        samples_per_pixel: 4,
+        max_bounces: 1 << 20,
+        ..RenderSettings::default()
+    };
+    assert!(
+        picture(&scene)
+            .pixels
+            .iter()
+            .all(|&pixel| pixel == [0.0; 3])
+    );
+}
+
+#[test]
+fn the_classic_formula_is_refused() {
+    let mut scene = looking_at_floor(0.0, diffuse(0.5));
+    scene.render.phong = raymini::scene::PhongModel::Classic;
+    let error = scene.validate().expect_err("is refused").to_string();
+    assert!(
+        error.starts_with("render.phong is classic; expected modified in mode path"),
+        "{error}"
+    );
+}
