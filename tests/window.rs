@@ -17,7 +17,7 @@ use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
 use raymini::io;
 use raymini::math::DVec3;
 use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
-use raymini::scene::Scene;
+use raymini::scene::{Light, Scene, Shadows};
 
 /// Longest wait for anything; machines differ, tests must not hang.
 const DEADLINE: Duration = Duration::from_mins(1);
@@ -360,6 +360,23 @@ fn lights_are_added_and_removed() {
     assert!(window.scene().lights.is_empty());
     window.render();
     assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+#[test]
+fn a_light_becomes_a_disk_and_occlusion_darkens() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Select Light 1");
+    window.click("Kind: Disk");
+    assert!(matches!(window.scene().lights[0], Light::Disk { .. }));
+    window.click("Occlusion");
+    window.click("Shadows: Hard");
+    window.render();
+    assert!(window.scene().render.ambient_occlusion.enabled);
+    assert_eq!(window.scene().render.shadows, Shadows::Hard);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    window.click("Kind: Point");
+    assert!(matches!(window.scene().lights[0], Light::Point { .. }));
 }
 
 /// Geometry edits are prepared in the background, and a render asked for meanwhile waits for the newest state.
