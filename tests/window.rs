@@ -132,6 +132,12 @@ impl Window {
         self.harness.run_steps(3);
     }
 
+    /// Clicks a control as assistive technology does, also where it is scrolled out of sight.
+    fn operate(&mut self, name: &str) {
+        self.harness.get_by_label(name).click_accesskit();
+        self.harness.run_steps(3);
+    }
+
     fn has(&self, name: &str) -> bool {
         self.harness.query_by_label(name).is_some()
     }
@@ -369,8 +375,8 @@ fn a_light_becomes_a_disk_and_occlusion_darkens() {
     window.click("Select Light 1");
     window.click("Kind: Disk");
     assert!(matches!(window.scene().lights[0], Light::Disk { .. }));
-    window.click("Occlusion");
-    window.click("Shadows: Hard");
+    window.operate("Occlusion");
+    window.operate("Shadows: Hard");
     window.render();
     assert!(window.scene().render.ambient_occlusion.enabled);
     assert_eq!(window.scene().render.shadows, Shadows::Hard);
