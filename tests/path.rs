@@ -122,6 +122,21 @@ const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, LightS
 #[test]
 fn a_disk_and_an_emitting_mesh_give_the_irradiance_of_the_formula() {
     for (height, offset, expected) in [(1.0, 0.5, 1.375_963_021), (2.0, 0.0, 0.628_318_531)] {
+        let mut mesh = looking_at_floor(offset, diffuse(0.5));
+        mesh.render.mode = Mode::Direct;
+        mesh.render.samples_per_pixel = 1 << 14;
+        add(
+            &mut mesh,
+            "lamp",
+            polygon_disk(height, 1.0),
+            Material::emitter(),
+        );
+        assert_near(
+            value(&mesh),
+            0.5 * expected / PI,
+            5e-3,
+            &format!("mesh, directly, h {height}"),
+        );
         for way in WAYS {
             let mut scene = looking_at_floor(offset, diffuse(0.5));
             scene.render.light_sampling = way;

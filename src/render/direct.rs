@@ -127,7 +127,35 @@ impl Shading<'_> {
         for (index, light) in (0..).zip(self.scene.lights()) {
             radiance += self.light_from(index, light, rays);
         }
-        radiance
+        radiance + self.light_from_objects(rays)
+    }
+
+    /// Reflected light of emitting objects, aimed at by their power; as many rays as to a light with area.
+    fn light_from_objects(&self, rays: &mut RayCounts) -> Vec3 {
+        let emitters = self.scene.emitters();
+        if emitters.is_empty() {
+            return Vec3::ZERO;
+        }
+        let turns = self.scene.settings().shadow_samples;
+        let mut sum = Vec3::ZERO;
+        for turn in 0..turns {
+            let pair = |decision| {
+                let dimension = Dimension::at(decision, self.bounce);
+                self.sampler.next_2d_of(dimension, turn, turns)
+            };
+            let choice = pair(Decision::LightChoice).x;
+            let from = self.point.position;
+            let aim = emitters.aim(
+                self.scene.lights(),
+                from,
+                choice,
+                pair(Decision::EmitterPoint),
+            );
+            sum += aim.map_or(Vec3::ZERO, |aim| {
+                self.light_from_sample(aim.light, &aim.sample, rays, |_| 1.0)
+            });
+        }
+        sum / turns as f32
     }
 
     /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
@@ -153,7 +181,7 @@ impl Shading<'_> {
         let from = self.point.position;
         let settings = self.scene.settings();
         if !light.has_area() || settings.shadows == Shadows::Hard {
-            return self.light_from_sample(index, &light.center(from), rays, |_| 1.0);
+            return self.light_from_sample(Some(index), &light.center(from), rays, |_| 1.0);
         }
         let mut sum = Vec3::ZERO;
         for turn in 0..settings.shadow_samples {
@@ -169,10 +197,10 @@ impl Shading<'_> {
                         let towards = Ray::new(from, sample.position - from);
                         power_heuristic(disk.pdf_solid_angle(&towards, 1.0), self.cosine_pdf(wi))
                     };
-                    self.light_from_sample(index, &sample, rays, weight)
+                    self.light_from_sample(Some(index), &sample, rays, weight)
                         + self.looking_for_disk(index, disk, turn, rays)
                 }
-                _ => self.light_from_sample(index, &sample, rays, |_| 1.0),
+                _ => self.light_from_sample(Some(index), &sample, rays, |_| 1.0),
             };
         }
         sum / settings.shadow_samples as f32
@@ -181,7 +209,7 @@ impl Shading<'_> {
     /// Reflected light of one point of a light, times what `weight` says of its direction.
     fn light_from_sample(
         &self,
-        index: u32,
+        light: Option<u32>,
         sample: &LightSample,
         rays: &mut RayCounts,
         weight: impl Fn(Vec3) -> f32,
@@ -198,7 +226,7 @@ impl Shading<'_> {
             return Vec3::ZERO;
         }
         let ray = self.point.ray_to(sample.position);
-        reflected * sample.irradiance * weight(wi) * self.visible(&ray, index, rays)
+        reflected * sample.irradiance * weight(wi) * self.visible(&ray, light, rays)
     }
 
     /// Reflected light of a near disk, looked for in a direction of the hemisphere: the other half of
@@ -227,7 +255,7 @@ impl Shading<'_> {
         let pdf = self.cosine_pdf(wi);
         let weight = power_heuristic(pdf, disk.pdf_solid_angle(&ray, t));
         ray.direction *= t;
-        reflected * emitted * (weight / pdf) * self.visible(&ray, index, rays)
+        reflected * emitted * (weight / pdf) * self.visible(&ray, Some(index), rays)
     }
 
     /// What leaves towards `wo` of light from `wi`, per irradiance on a surface that faces it.
@@ -247,7 +275,7 @@ impl Shading<'_> {
     }
 
     /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1.
-    fn visible(&self, ray: &Ray, light: u32, rays: &mut RayCounts) -> Vec3 {
+    fn visible(&self, ray: &Ray, light: Option<u32>, rays: &mut RayCounts) -> Vec3 {
         if self.scene.settings().shadows == Shadows::Off {
             return Vec3::ONE;
         }
@@ -255,7 +283,7 @@ impl Shading<'_> {
         if self.scene.has_glass() {
             return self.through_glass(*ray, light);
         }
-        if self.scene.occluded(ray, 1.0, Some(light)) {
+        if self.scene.occluded(ray, 1.0, light) {
             Vec3::ZERO
         } else {
             Vec3::ONE
@@ -264,11 +292,11 @@ impl Shading<'_> {
 
     /// [`Self::visible`] where glass may stand in between: it is passed straight, losing what each face reflects and what
     /// the inside absorbs.
-    fn through_glass(&self, mut ray: Ray, light: u32) -> Vec3 {
+    fn through_glass(&self, mut ray: Ray, light: Option<u32>) -> Vec3 {
         let target = ray.at(1.0);
         let mut passed = Vec3::ONE;
         loop {
-            if self.scene.disk_occludes(&ray, 1.0, Some(light)) {
+            if self.scene.disk_occludes(&ray, 1.0, light) {
                 return Vec3::ZERO;
             }
             let Some(point) = self.scene.surface_along(&ray, 1.0) else {

@@ -1,4 +1,5 @@
-//! Every light that path tracing can aim at: lights of the scene and triangles of emitting objects, chosen by power.
+//! What one light is chosen from, by power: in mode `path` the lights of the scene and the triangles of emitting objects, in
+//! mode `direct`, which sums the lights, the triangles alone.
 
 use std::f64::consts::PI;
 
@@ -86,6 +87,11 @@ impl Emitters {
             pdf_area: pdf_area.collect(),
             items,
         }
+    }
+
+    /// Whether there is nothing to aim at.
+    pub fn is_empty(&self) -> bool {
+        self.table.is_empty()
     }
 
     /// Aims at one light from `from`: `choice` uniform in `[0, 1)`, `u` over the unit square. `None` where there is none.

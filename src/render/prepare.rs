@@ -27,7 +27,7 @@ pub struct PreparedScene {
     /// One per object.
     materials: Vec<PreparedMaterial>,
     lights: Vec<PreparedLight>,
-    /// What path tracing aims at.
+    /// What one light is chosen from.
     emitters: Emitters,
     /// Whether any object is of glass, so that shadow rays must ask what they meet.
     has_glass: bool,
@@ -105,6 +105,11 @@ impl PreparedScene {
         let Some(camera) = PreparedCamera::new(&description, frame, &visible, width, height) else {
             unreachable!("a validated camera has a direction");
         };
+        let aimed_at = if scene.render.mode == Mode::Path {
+            lights.as_slice()
+        } else {
+            &[]
+        };
         Ok(Some(Self {
             camera,
             background: PreparedBackground::new(&scene.background),
@@ -113,7 +118,7 @@ impl PreparedScene {
                 .any(|material| matches!(material, PreparedMaterial::Glass { .. })),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
-            emitters: Emitters::new(&lights, &geometry, &materials),
+            emitters: Emitters::new(aimed_at, &geometry, &materials),
             materials,
             lights,
             settings: scene.render.clone(),

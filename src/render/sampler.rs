@@ -17,6 +17,8 @@ pub enum Decision {
     Boundary,
     /// Which light is aimed at.
     LightChoice,
+    /// Which point of an emitting object shines.
+    EmitterPoint,
     /// Which lobe of a material scatters.
     Lobe,
     /// Where it scatters to.
