@@ -1,6 +1,6 @@
 //! The window's state and the order of one frame.
 //!
-//! A frame takes in what background jobs have to say ([`App::take_news`]), draws bars, panels and the central area, which
+//! A frame takes in what background jobs have to say (`App::take_news`), draws bars, panels and the central area, which
 //! edit the scene in place or name a [`Command`], carries the commands out, and last looks at what changed: new geometry
 //! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. Everything slow is a job;
 //! see [`super::jobs`] for how jobs and window talk.
