@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Parser;
 use raymini::cli::{Arguments, render_to_file};
 use raymini::control::{CancelToken, Progress};
@@ -26,6 +26,12 @@ fn main() -> ExitCode {
 
 /// Opens the window on `files`; where there is no screen, renders them to a file instead and says so.
 fn open_window(files: &[PathBuf]) -> Result<()> {
+    if let Some(missing) = files.iter().find(|path| !path.exists()) {
+        bail!(
+            "{}: there is no such file or command; `raymini --help` lists the commands",
+            missing.display()
+        );
+    }
     #[cfg(feature = "gui")]
     let reason = match raymini::gui::run(raymini::gui::OpenRequest {
         paths: files.to_vec(),

@@ -101,14 +101,12 @@ impl Box3 {
 pub(super) fn run(arguments: &InfoArguments) -> Result<()> {
     let facts = facts(&arguments.file)?;
     if arguments.json {
-        println!(
-            "{}",
-            serde_json::to_string_pretty(&facts).context("the facts cannot be written as JSON")?
-        );
+        super::say(
+            &serde_json::to_string_pretty(&facts).context("the facts cannot be written as JSON")?,
+        )
     } else {
-        print!("{}", describe(&arguments.file, &facts));
+        super::say(&describe(&arguments.file, &facts))
     }
-    Ok(())
 }
 
 fn facts(path: &Path) -> Result<Facts> {
@@ -120,7 +118,8 @@ fn facts(path: &Path) -> Result<Facts> {
     match extension.as_deref() {
         Some("toml") => {
             let loaded = io::load_scene(path, &cancel, &progress)?.ok_or_else(cancelled)?;
-            Ok(Facts::Scene(scene_facts(&loaded.scene, loaded.warnings)))
+            let warnings = [loaded.warnings, loaded.scene.warnings()].concat();
+            Ok(Facts::Scene(scene_facts(&loaded.scene, warnings)))
         }
         Some("png") => Ok(Facts::Picture(png_facts(path)?)),
         Some("exr") => Ok(Facts::Picture(exr_facts(path)?)),
@@ -306,7 +305,7 @@ fn describe(path: &Path, facts: &Facts) -> String {
     for warning in warnings {
         line("warning", warning.clone());
     }
-    lines.join("\n") + "\n"
+    lines.join("\n")
 }
 
 fn describe_box(bounds: Option<&Box3>) -> String {

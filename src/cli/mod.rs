@@ -5,9 +5,10 @@
 mod info;
 mod render;
 
+use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
 pub use render::{RenderArguments, render_to_file};
@@ -32,6 +33,16 @@ pub enum Command {
     Render(RenderArguments),
     /// Say what a mesh, scene or rendered picture holds
     Info(info::InfoArguments),
+}
+
+/// Prints a line to the standard output. A reader that has gone away is no error.
+fn say(text: &str) -> Result<()> {
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to the standard output")
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Command {

@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
     let started = Instant::now();
     let mut loaded = load(arguments.scene.as_deref())?;
     io::override_scene(&mut loaded, &arguments.assignments(), &CancelToken::new())?;
-    for warning in &loaded.warnings {
+    for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
         eprintln!("warning: {warning}");
     }
     let load_seconds = started.elapsed().as_secs_f64();
@@ -180,7 +180,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
 
     let hash = image.hash();
     let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
-    println!(
+    super::say(&format!(
         "{}: {}×{} pixels, {} samples, {:.2} s, {rate:.2} Mrays/s, hash {}",
         arguments.output.display(),
         image.width,
@@ -188,7 +188,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         settings.samples_per_pixel,
         stats.render_seconds,
         &hash[..16]
-    );
+    ))?;
     if stats.non_finite_samples > 0 {
         eprintln!(
             "warning: {} samples were infinite or not a number",

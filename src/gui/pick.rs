@@ -25,7 +25,7 @@ pub fn pick(
 ) -> Option<Picked> {
     let (width, height) = (settings.width, settings.height);
     let bounds = geometry.accelerator().bounds();
-    let prepared = PreparedCamera::new(camera, geometry.frame(), &bounds, width, height)?;
+    let prepared = PreparedCamera::new(camera, geometry.frame(), &[bounds], width, height)?;
     let x = position.x / size.width * f64::from(width);
     let y = position.y / size.height * f64::from(height);
     let camera_ray = prepared.ray(x, y)?;

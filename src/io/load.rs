@@ -140,7 +140,8 @@ pub fn save_scene(scene: &Scene, path: &Path) -> Result<(), SaveError> {
     write_atomically(path, |file| file.write_all(text.as_bytes())).map_err(error)
 }
 
-/// Changes values of a loaded scene as [`scene_file::apply_override`] does, and loads meshes that are new by it.
+/// Changes values of a loaded scene as [`scene_file::apply_overrides`] does, and loads meshes that are new by it; their paths
+/// are relative to the working folder.
 ///
 /// # Errors
 /// What about an assignment cannot be understood or loaded.
@@ -149,22 +150,21 @@ pub fn override_scene(
     assignments: &[String],
     cancel: &CancelToken,
 ) -> Result<(), LoadError> {
-    for assignment in assignments {
-        let mut scene = scene_file::apply_override(&loaded.scene, assignment)?;
-        let missing: Vec<String> = scene
-            .objects
-            .iter()
-            .map(|object| object.mesh.clone())
-            .filter(|mesh| !scene.meshes.contains_key(mesh))
-            .collect();
-        for mesh in missing {
-            if let Some(file) = read_mesh(&mesh, cancel, &Progress::new())? {
-                loaded.warnings.extend(mesh_warnings(&mesh, &file));
-                scene.meshes.insert(mesh, Arc::new(file.mesh));
-            }
-        }
-        loaded.scene = scene;
+    if assignments.is_empty() {
+        return Ok(());
     }
+    let mut scene = scene_file::apply_overrides(&loaded.scene, assignments)?;
+    for index in 0..scene.objects.len() {
+        let mesh = absolute_mesh(&scene.objects[index].mesh, Path::new("."));
+        scene.objects[index].mesh.clone_from(&mesh);
+        if !scene.meshes.contains_key(&mesh)
+            && let Some(file) = read_mesh(&mesh, cancel, &Progress::new())?
+        {
+            loaded.warnings.extend(mesh_warnings(&mesh, &file));
+            scene.meshes.insert(mesh, Arc::new(file.mesh));
+        }
+    }
+    loaded.scene = scene;
     Ok(())
 }
 

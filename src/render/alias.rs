@@ -1,3 +1,5 @@
+use crate::math::Vec2;
+
 /// Draws one of many items with given probabilities in constant time.
 ///
 /// Source: Walker's alias method in the form of Vose, A Linear Algorithm for Generating Random Numbers with a Given
@@ -55,17 +57,18 @@ impl AliasTable {
         self.slots.is_empty()
     }
 
-    /// The item that `u`, uniform in `[0, 1)`, stands for.
-    pub fn draw(&self, u: f32) -> usize {
-        let scaled = f64::from(u) * self.slots.len() as f64;
+    /// The item that `u`, uniform over the unit square, stands for: one number picks the slot, the other who has it, so
+    /// that rare items are as rare as they should be.
+    pub fn draw(&self, u: Vec2) -> usize {
+        let count = self.slots.len();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "u is in [0, 1)"
         )]
-        let index = (scaled as usize).min(self.slots.len() - 1);
+        let index = ((f64::from(u.x) * count as f64) as usize).min(count - 1);
         let slot = &self.slots[index];
-        if scaled - (index as f64) < slot.stay {
+        if f64::from(u.y) < slot.stay {
             index
         } else {
             slot.alias as usize
@@ -88,18 +91,23 @@ mod tests {
         let weights = [3.0, 0.0, 1.0, 0.5, 5.5, 1e-9];
         let table = AliasTable::new(&weights);
         let mut counts = [0_u32; 6];
-        let steps = 1_000_000_u32;
-        for step in 0..steps {
-            counts[table.draw((step as f32 + 0.5) / steps as f32)] += 1;
+        let steps = 1000_u16;
+        let unit = |step: u16| (f32::from(step) + 0.5) / f32::from(steps);
+        for x in 0..steps {
+            for y in 0..steps {
+                counts[table.draw(Vec2::new(unit(x), unit(y)))] += 1;
+            }
         }
         for (item, weight) in weights.iter().enumerate() {
             let expected = weight / 10.0;
-            assert!(
-                (f64::from(counts[item]) / f64::from(steps) - expected).abs() < 1e-5,
-                "{counts:?}"
-            );
+            let found = f64::from(counts[item]) / f64::from(steps).powi(2);
+            assert!((found - expected).abs() < 1e-3, "{counts:?}");
             assert!((f64::from(table.probability(item)) - expected).abs() < 1e-7);
         }
+        assert_eq!(
+            counts[5], 0,
+            "one in ten thousand million is not met in a million"
+        );
         assert_eq!(counts[1], 0);
         assert!(AliasTable::new(&[0.0, 0.0]).is_empty() && AliasTable::new(&[]).is_empty());
     }

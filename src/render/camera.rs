@@ -1,9 +1,9 @@
-use crate::math::{Bounds, DVec3, Ray, SceneFrame, Vec2, warp};
+use crate::math::{Bounds, DBounds, DVec3, Ray, SceneFrame, Vec2, warp};
 use crate::scene::{Camera, CameraAxes};
 
 /// A camera in the prepared scene. Rays are made in `f64`, so that a thousandth of a degree still has as many directions as
 /// pixels, and start near the scene, so that a distant eye costs no digits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PreparedCamera {
     eye: DVec3,
     axes: CameraAxes,
@@ -12,9 +12,8 @@ pub struct PreparedCamera {
     half_width: f64,
     width: f64,
     height: f64,
-    /// Corners of the scene's box, a little larger so that rounding loses no hit.
-    scene_min: DVec3,
-    scene_max: DVec3,
+    /// Boxes around all there is to meet, a little larger so that rounding loses no hit.
+    boxes: Vec<DBounds>,
     /// `None` for a pinhole.
     lens: Option<Lens>,
 }
@@ -37,13 +36,13 @@ pub struct CameraRay {
 }
 
 impl PreparedCamera {
-    /// The camera for a `width` × `height` picture of a scene inside `bounds` (prepared units). `None` where the camera has
+    /// The camera for a `width` × `height` picture of what lies in `boxes` (prepared units). `None` where the camera has
     /// no direction, see [`Camera::axes`].
     #[must_use]
     pub fn new(
         camera: &Camera,
         frame: &SceneFrame,
-        bounds: &Bounds,
+        boxes: &[Bounds],
         width: u32,
         height: u32,
     ) -> Option<Self> {
@@ -51,6 +50,10 @@ impl PreparedCamera {
         let half_height = libm::tan(camera.vertical_fov.radians() / 2.0);
         // Scene coordinates are at most 1: a few of their last digits.
         let margin = DVec3::splat(f64::from(4.0 * f32::EPSILON));
+        let grown = |bounds: &Bounds| DBounds {
+            min: bounds.min.as_dvec3() - margin,
+            max: bounds.max.as_dvec3() + margin,
+        };
         Some(Self {
             eye: frame.prepared_from_world(camera.eye),
             axes: camera.axes()?,
@@ -58,8 +61,7 @@ impl PreparedCamera {
             half_width: half_height * width / height,
             width,
             height,
-            scene_min: bounds.min.as_dvec3() - margin,
-            scene_max: bounds.max.as_dvec3() + margin,
+            boxes: boxes.iter().map(grown).collect(),
             lens: (camera.aperture_radius > 0.0).then(|| Lens {
                 radius: camera.aperture_radius * frame.scale(),
                 focus_distance: camera.focus() * frame.scale(),
@@ -106,13 +108,11 @@ impl PreparedCamera {
     /// scene's box.
     #[must_use]
     pub fn ray_from(&self, eye: DVec3, direction: DVec3) -> Option<CameraRay> {
-        let (enter, exit) = self.crossing(eye, direction);
-        // Also false for NaN, which an empty box gives.
-        if !(enter <= exit && exit >= 0.0) {
-            return None;
-        }
-        // One diagonal before the box: near enough to keep the digits, and clear of everything in it.
-        let start = (enter - (self.scene_max - self.scene_min).length()).max(0.0);
+        let start = self
+            .boxes
+            .iter()
+            .filter_map(|bounds| start_before(bounds, eye, direction));
+        let start = start.min_by(f64::total_cmp)?;
         let origin = (eye + direction * start).as_vec3();
         Some(CameraRay {
             ray: Ray::new(origin, direction.as_vec3()),
@@ -125,33 +125,38 @@ impl PreparedCamera {
     pub fn axes(&self) -> &CameraAxes {
         &self.axes
     }
+}
 
-    /// Where the line from the eye along `direction` enters and leaves the scene's box.
-    fn crossing(&self, eye: DVec3, direction: DVec3) -> (f64, f64) {
-        let (mut enter, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            let (low, high) = (
-                self.scene_min[axis] - eye[axis],
-                self.scene_max[axis] - eye[axis],
-            );
-            if direction[axis] == 0.0 {
-                if low > 0.0 || high < 0.0 {
-                    return (f64::INFINITY, f64::NEG_INFINITY);
-                }
-            } else {
-                let (a, b) = (low / direction[axis], high / direction[axis]);
-                enter = enter.max(a.min(b));
-                exit = exit.min(a.max(b));
+/// Where on the ray from `eye` along the unit vector `direction` to begin looking for what lies in `bounds`; `None` when the
+/// ray misses it. One diagonal before the box: near enough to keep the digits, and clear of everything in it.
+fn start_before(bounds: &DBounds, eye: DVec3, direction: DVec3) -> Option<f64> {
+    let (enter, exit) = crossing(bounds, eye, direction);
+    // Also false for NaN, which an empty box gives.
+    (enter <= exit && exit >= 0.0).then(|| (enter - bounds.diagonal()).max(0.0))
+}
+
+/// Where the line from `eye` along `direction` enters and leaves the box.
+fn crossing(bounds: &DBounds, eye: DVec3, direction: DVec3) -> (f64, f64) {
+    let (mut enter, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let (low, high) = (bounds.min[axis] - eye[axis], bounds.max[axis] - eye[axis]);
+        if direction[axis] == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return (f64::INFINITY, f64::NEG_INFINITY);
             }
+        } else {
+            let (a, b) = (low / direction[axis], high / direction[axis]);
+            enter = enter.max(a.min(b));
+            exit = exit.min(a.max(b));
         }
-        (enter, exit)
     }
+    (enter, exit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{DBounds, Degrees, Vec3};
+    use crate::math::{Degrees, Vec3};
 
     fn camera(description: Camera, width: u32, height: u32) -> PreparedCamera {
         let world = DBounds {
@@ -163,7 +168,7 @@ mod tests {
             min: frame.narrow(world.min),
             max: frame.narrow(world.max),
         };
-        PreparedCamera::new(&description, &frame, &bounds, width, height)
+        PreparedCamera::new(&description, &frame, &[bounds], width, height)
             .expect("the camera has a direction")
     }
 
@@ -231,7 +236,7 @@ mod tests {
     #[test]
     fn an_empty_scene_is_never_met() {
         let frame = SceneFrame::around(&DBounds::EMPTY);
-        let camera = PreparedCamera::new(&Camera::default(), &frame, &Bounds::EMPTY, 10, 10)
+        let camera = PreparedCamera::new(&Camera::default(), &frame, &[Bounds::EMPTY], 10, 10)
             .expect("has a direction");
         assert!(camera.ray(5.0, 5.0).is_none());
     }

@@ -3,6 +3,7 @@
 
 use std::f32::consts::PI;
 
+use super::camera::CameraRay;
 use super::fresnel::{fresnel, reflect, refract};
 use super::light::{LightSample, PreparedDisk, PreparedLight};
 use super::material::{PreparedMaterial, transmittance};
@@ -17,7 +18,7 @@ use crate::scene::Shadows;
 /// Radiance that arrives against `ray`, a camera ray.
 pub fn radiance(
     scene: &PreparedScene,
-    mut ray: Ray,
+    CameraRay { mut ray, mut start }: CameraRay,
     sampler: Sampler,
     rays: &mut RayCounts,
 ) -> Vec3 {
@@ -55,7 +56,7 @@ pub fn radiance(
             }
             PreparedMaterial::Glass { ior, attenuation } => {
                 if !point.front {
-                    throughput *= transmittance(attenuation, point.distance);
+                    throughput *= transmittance(attenuation, point.distance + narrowed(start));
                 }
                 let dimension = Dimension::at(Decision::Boundary, bounce);
                 point.ray_along(through_boundary(&point, ior, sampler.next_2d(dimension).x))
@@ -63,8 +64,15 @@ pub fn radiance(
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         };
         rays.bounce += 1;
+        start = 0.0;
     }
     Vec3::ZERO
+}
+
+/// A distance in the precision of rendering.
+#[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+pub fn narrowed(distance: f64) -> f32 {
+    distance as f32
 }
 
 /// The direction in which light goes on from a boundary of glass: reflected with the probability that Fresnel's equations give,
@@ -143,7 +151,7 @@ impl Shading<'_> {
                 let dimension = Dimension::at(decision, self.bounce);
                 self.sampler.next_2d_of(dimension, turn, turns)
             };
-            let choice = pair(Decision::LightChoice).x;
+            let choice = pair(Decision::LightChoice);
             let from = self.point.position;
             let aim = emitters.aim(
                 self.scene.lights(),
@@ -306,8 +314,9 @@ impl Shading<'_> {
             else {
                 return Vec3::ZERO;
             };
-            let eta = if point.front { ior } else { 1.0 / ior };
-            passed *= 1.0 - fresnel(point.shading_normal.dot(point.wo), eta).reflectance;
+            // The ray stays straight, so both faces are met at the angle outside; Fresnel's equations give the way out the
+            // same loss as the way in.
+            passed *= 1.0 - fresnel(point.shading_normal.dot(point.wo), ior).reflectance;
             if !point.front {
                 passed *= transmittance(attenuation, point.distance);
             }

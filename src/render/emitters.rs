@@ -94,8 +94,8 @@ impl Emitters {
         self.table.is_empty()
     }
 
-    /// Aims at one light from `from`: `choice` uniform in `[0, 1)`, `u` over the unit square. `None` where there is none.
-    pub fn aim(&self, lights: &[PreparedLight], from: Vec3, choice: f32, u: Vec2) -> Option<Aim> {
+    /// Aims at one light from `from`: `choice` and `u` uniform over the unit square. `None` where there is none.
+    pub fn aim(&self, lights: &[PreparedLight], from: Vec3, choice: Vec2, u: Vec2) -> Option<Aim> {
         if self.table.is_empty() {
             return None;
         }

@@ -172,7 +172,7 @@ impl PreparedGeometry {
 }
 
 impl PreparedObject {
-    /// Indices into its normals for the corners of `triangle`, a number in its range.
+    /// The shading normals of the corners of `triangle`, a number in its range; `None` for flat shading.
     #[must_use]
     pub fn normal_corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         let normals = self.normals.as_ref()?;

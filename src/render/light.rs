@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use crate::math::{Bounds, Ray, SceneFrame, Vec2, Vec3, color::luminance, warp};
+use crate::math::{Bounds, Ray, SceneFrame, Vec2, Vec3, color::luminance, robust, warp};
 use crate::scene::Light;
 
 /// A light in the prepared scene.
@@ -127,8 +127,10 @@ impl PreparedDisk {
         } else {
             Vec3::ZERO
         };
+        // In front of the disk by what rounding may have moved the point, so that a ceiling it lies in does not shadow it.
+        let error = (self.center.abs() + self.radius) * robust::gamma(4);
         LightSample {
-            position,
+            position: robust::offset_origin(position, error, self.normal, self.normal),
             irradiance,
         }
     }

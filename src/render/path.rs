@@ -4,7 +4,8 @@
 //! Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997; the loop follows the shape that Pharr et al.,
 //! Physically Based Rendering (4th ed.), teach.
 
-use super::direct::{power_heuristic, through_boundary};
+use super::camera::CameraRay;
+use super::direct::{narrowed, power_heuristic, through_boundary};
 use super::fresnel::reflect;
 use super::material::{PreparedMaterial, transmittance};
 use super::phong::Phong;
@@ -12,7 +13,7 @@ use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
-use crate::math::{Ray, Vec3};
+use crate::math::Vec3;
 use crate::scene::LightSampling;
 
 /// Scattering events before roulette may end a path.
@@ -23,7 +24,7 @@ const MOST_SURVIVAL: f32 = 0.95;
 /// Radiance that arrives against `ray`, a camera ray.
 pub fn radiance(
     scene: &PreparedScene,
-    mut ray: Ray,
+    CameraRay { mut ray, mut start }: CameraRay,
     sampler: Sampler,
     rays: &mut RayCounts,
 ) -> Vec3 {
@@ -88,7 +89,7 @@ pub fn radiance(
             }
             PreparedMaterial::Glass { ior, attenuation } => {
                 if !point.front {
-                    throughput *= transmittance(attenuation, point.distance);
+                    throughput *= transmittance(attenuation, point.distance + narrowed(start));
                 }
                 scattered_pdf = None;
                 let u = sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
@@ -108,6 +109,7 @@ pub fn radiance(
             break;
         }
         rays.bounce += 1;
+        start = 0.0;
     }
     radiance
 }
@@ -120,9 +122,7 @@ fn aimed_light(
     (sampler, bounce): (Sampler, u32),
     rays: &mut RayCounts,
 ) -> Vec3 {
-    let choice = sampler
-        .next_2d(Dimension::at(Decision::LightChoice, bounce))
-        .x;
+    let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
     let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
     let Some(aim) = scene
         .emitters()

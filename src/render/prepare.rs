@@ -101,8 +101,10 @@ impl PreparedScene {
         };
         let bounds = geometry.accelerator().bounds();
         let disks = lights.iter().filter_map(PreparedLight::visible_disk);
-        let visible = disks.fold(bounds, |all, disk| all.union(disk.bounds()));
-        let Some(camera) = PreparedCamera::new(&description, frame, &visible, width, height) else {
+        let boxes: Vec<_> = std::iter::once(bounds)
+            .chain(disks.map(PreparedDisk::bounds))
+            .collect();
+        let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
         let aimed_at = if scene.render.mode == Mode::Path {
@@ -189,8 +191,8 @@ impl PreparedScene {
             Mode::Albedo => false_color(FalseColor::Albedo),
             Mode::Facing => false_color(FalseColor::Facing),
             Mode::Object => false_color(FalseColor::Object),
-            Mode::Direct => direct::radiance(self, camera_ray.ray, sampler, rays),
-            Mode::Path => path::radiance(self, camera_ray.ray, sampler, rays),
+            Mode::Direct => direct::radiance(self, camera_ray, sampler, rays),
+            Mode::Path => path::radiance(self, camera_ray, sampler, rays),
         }
     }
 

@@ -10,7 +10,7 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Bound on the rounding error of each coordinate of `position`.
     error: Vec3,
-    /// From where the ray came, in prepared units.
+    /// From the ray's origin, in prepared units; camera rays start a way from the eye.
     pub distance: f32,
     /// Towards where the ray came from; unit.
     pub wo: Vec3,

@@ -38,7 +38,7 @@ pub struct RenderSettings {
     pub glass: bool,
     /// Whether the lens blurs what is out of focus.
     pub depth_of_field: bool,
-    /// Whether samples spread over the pixel, or all sit at its centre.
+    /// Whether samples spread over the pixel, or all sit at its centre, where a single one always sits.
     pub antialiasing: bool,
     /// Which Phong formula shades.
     pub phong: PhongModel,

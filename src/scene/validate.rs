@@ -3,7 +3,8 @@
 use std::fmt::Display;
 
 use super::{
-    Camera, Choice, Facing, Light, Mode, Object, PhongModel, RenderSettings, Scene, SceneError,
+    Background, Camera, Choice, Facing, Light, Material, Mode, Object, PhongModel, RenderSettings,
+    Scene, SceneError,
 };
 
 impl Scene {
@@ -13,6 +14,14 @@ impl Scene {
     /// The first value that cannot be rendered, and what it may be.
     pub fn validate(&self) -> Result<(), SceneError> {
         check_camera(&self.camera)?;
+        if let Background::Gradient { up, .. } = &self.background {
+            require(
+                up.try_normalize().is_some(),
+                "background.up",
+                up,
+                "a direction",
+            )?;
+        }
         for (index, light) in self.lights.iter().enumerate() {
             check_light(index, light)?;
         }
@@ -23,6 +32,36 @@ impl Scene {
         Ok(())
     }
 }
+
+impl Scene {
+    /// What can be rendered but is hardly meant: materials that reflect more light than arrives, where light bounces.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let creates_energy = |material: &Material| match material {
+            Material::Phong {
+                diffuse, specular, ..
+            } => {
+                self.render.mode == Mode::Path
+                    && (*diffuse + *specular).max_element() > MOST_REFLECTANCE
+            }
+            Material::Mirror { reflectance } => reflectance.max_element() > MOST_REFLECTANCE,
+            Material::Glass { .. } | Material::Emitter { .. } => false,
+        };
+        let makers = self
+            .materials
+            .iter()
+            .filter(|(_, material)| creates_energy(material));
+        let sentence = |(name, _): (&String, &Material)| {
+            format!(
+                "material \"{name}\" reflects more light than arrives; keep diffuse + specular, or reflectance, at 1 or less"
+            )
+        };
+        makers.map(sentence).collect()
+    }
+}
+
+/// What a channel may reflect in all, with a last digit to spare.
+const MOST_REFLECTANCE: f64 = 1.0 + 1e-9;
 
 fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     let Camera {

@@ -495,9 +495,16 @@ impl<'a> Keys<'a> {
             .filter(|entry| !known.contains(&entry.key.as_str()))
         {
             let message = match nearest(&entry.key, known.iter().copied()) {
-                Some(nearest) => format!(
-                    "unknown key `{}`; the nearest known one is `{nearest}`",
-                    entry.key
+                Some(nearest) if is_near(&entry.key, nearest) => {
+                    format!(
+                        "unknown key `{}`; the nearest known one is `{nearest}`",
+                        entry.key
+                    )
+                }
+                Some(_) => format!(
+                    "unknown key `{}`; known here: {}",
+                    entry.key,
+                    known.join(", ")
                 ),
                 None => format!("unknown key `{}`; no key is known here", entry.key),
             };
@@ -537,6 +544,11 @@ fn wrong_kind(name: &str, node: &Node, path: &str, expected: &str) -> SceneFileE
         node.place,
         format!("`{path}` is {}; expected {expected}", node.describe()),
     )
+}
+
+/// Whether one word may be a misspelling of the other: at most half of its letters differ.
+fn is_near(word: &str, other: &str) -> bool {
+    2 * strsim::damerau_levenshtein(word, other) <= word.chars().count().max(2)
 }
 
 /// The candidate that takes the fewest edits to reach.

@@ -77,32 +77,53 @@ pub fn write(scene: &Scene) -> String {
     text.trim_start().to_owned()
 }
 
-/// Changes one value: `assignment` is `KEY=VALUE` with a dotted key, list items by number (`objects.0.scale=2`), and a TOML
-/// value; quotes around a single word may be left out. Meshes stay as they are.
+/// Changes values: each assignment is `KEY=VALUE` with a dotted key, list items by number (`objects.0.scale=2`), and a TOML
+/// value; quotes around a single word may be left out. All are applied before any is judged. Keys that another one excludes go:
+/// those of the former kind with a new `kind`, `radiance` with a gradient's key, `normal` with `target`. Meshes stay as they
+/// are.
 ///
 /// # Errors
-/// What about the key or value cannot be understood.
+/// What about a key or value cannot be understood.
 ///
 /// # Panics
 /// When `scene` holds a value that no scene file can say, such as a number that is not finite.
-pub fn apply_override(scene: &Scene, assignment: &str) -> Result<Scene, SceneFileError> {
-    let at = format!("--set {assignment}");
-    let error = |message: String| SceneFileError {
-        at: at.clone(),
-        message,
-    };
-    let Some((key, value)) = assignment.split_once('=') else {
-        return Err(error(
-            "expected KEY=VALUE, such as render.width=800".to_owned(),
-        ));
-    };
-    let (key, value) = (key.trim(), value.trim());
-    let node = parse_value(value).ok_or_else(|| error(format!("{value} is not a TOML value")))?;
+pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, SceneFileError> {
     let mut tree = Node::parse(&write(scene), "scene").expect("a written scene can be read");
-    tree.set(key, node).map_err(error)?;
-    let mut changed = read(&tree, "scene").map_err(|problem| error(problem.message))?;
+    for assignment in assignments {
+        assign(&mut tree, assignment).map_err(|message| SceneFileError {
+            at: format!("--set {assignment}"),
+            message,
+        })?;
+    }
+    let mut changed = read(&tree, "scene").map_err(|problem| SceneFileError {
+        at: format!("--set {}", assignments.join(" --set ")),
+        message: problem.message,
+    })?;
     changed.meshes.clone_from(&scene.meshes);
     Ok(changed)
+}
+
+/// Puts one assignment into the tree of a scene.
+fn assign(tree: &mut Node, assignment: &str) -> Result<(), String> {
+    let Some((path, value)) = assignment.split_once('=') else {
+        return Err("expected KEY=VALUE, such as render.width=800".to_owned());
+    };
+    let (path, value) = (path.trim(), value.trim());
+    let node = parse_value(value).ok_or_else(|| format!("{value} is not a TOML value"))?;
+    let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
+    match (table, key) {
+        ("background", "zenith" | "horizon" | "ground" | "up") => {
+            tree.remove("background.radiance");
+        }
+        ("background", "radiance") => ["zenith", "horizon", "ground", "up"]
+            .iter()
+            .for_each(|key| tree.remove(&format!("background.{key}"))),
+        (_, "target") if table != "camera" => tree.remove(&format!("{table}.normal")),
+        (_, "normal") => tree.remove(&format!("{table}.target")),
+        (_, "kind") if tree.text_at(path) != node.text() => tree.clear(table),
+        _ => {}
+    }
+    tree.set(path, node)
 }
 
 /// A TOML value, or a bare word as a text.

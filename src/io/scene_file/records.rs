@@ -125,11 +125,11 @@ fn material(keys: &mut Keys<'_>, material: &mut Material) {
         } => {
             keys.color("diffuse", diffuse);
             keys.color("specular", specular);
-            keys.number("shininess", shininess, Allowed::NotNegative);
+            keys.number("shininess", shininess, Allowed::Within(0.0, 1e12));
         }
         Material::Mirror { reflectance } => keys.color("reflectance", reflectance),
         Material::Glass { ior, attenuation } => {
-            keys.number("ior", ior, Allowed::Positive);
+            keys.number("ior", ior, Allowed::Within(1e-6, 1e6));
             keys.color("attenuation", attenuation);
         }
         Material::Emitter { radiance } => keys.color("radiance", radiance),

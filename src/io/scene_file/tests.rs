@@ -200,7 +200,7 @@ fn mistakes_name_place_and_expectation() {
         ),
         (
             "[camera]\nfov = 40",
-            "2:1: unknown key `fov`; the nearest known one is `eye`",
+            "2:1: unknown key `fov`; known here: eye, target, up, vertical_fov",
         ),
         (
             "[camera]\nvertical_fow = 40",
@@ -338,7 +338,7 @@ fn gradient_defaults_follow_the_horizon_and_the_camera() {
 #[test]
 fn overrides_change_any_key() {
     let scene = parse("[[objects]]\nmesh = \"x\"\n[[lights]]").expect("is right");
-    let set = |assignment: &str| apply_override(&scene, assignment);
+    let set = |assignment: &str| apply_overrides(&scene, &[assignment.to_owned()]);
     assert_eq!(set("render.width=17").expect("is right").render.width, 17);
     assert_eq!(
         set("render.mode = normals").expect("is right").render.mode,
@@ -369,6 +369,23 @@ fn overrides_change_any_key() {
             .len(),
         1
     );
+
+    // What excludes each other makes way, and order does not matter where the end is right.
+    let disk = set("lights.0.kind=disk").expect("is right");
+    assert!(matches!(disk.lights[0], Light::Disk { .. }));
+    let sky = set("background.zenith=[1, 1, 1]")
+        .expect("is right")
+        .background;
+    assert!(matches!(sky, Background::Gradient { .. }));
+    let aimed = ["lights.0.kind=disk", "lights.0.target=[0, 0, -3]"].map(str::to_owned);
+    assert!(apply_overrides(&scene, &aimed).is_ok());
+    let from_above = [
+        "camera.eye=[0, 0, 5]",
+        "camera.target=[0, 0, 0]",
+        "camera.up=[0, 1, 0]",
+    ]
+    .map(str::to_owned);
+    assert!(apply_overrides(&scene, &from_above).is_ok());
 
     let cases = [
         (

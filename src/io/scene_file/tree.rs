@@ -95,6 +95,59 @@ impl Node {
         node.place
     }
 
+    /// The value at a dotted `path`.
+    fn at_mut(&mut self, path: &str) -> Option<&mut Self> {
+        path.split('.')
+            .filter(|step| !step.is_empty())
+            .try_fold(self, |node, step| match &mut node.value {
+                Value::Table(entries) => entries
+                    .iter_mut()
+                    .find(|entry| entry.key == step)
+                    .map(|entry| &mut entry.node),
+                Value::Array(items) => step
+                    .parse()
+                    .ok()
+                    .and_then(|index: usize| items.get_mut(index)),
+                _ => None,
+            })
+    }
+
+    /// The text that this value is.
+    pub fn text(&self) -> Option<String> {
+        match &self.value {
+            Value::Text(text) => Some(text.clone()),
+            _ => None,
+        }
+    }
+
+    /// The text at a dotted `path`, if one is there.
+    pub fn text_at(&mut self, path: &str) -> Option<String> {
+        self.at_mut(path)?.text()
+    }
+
+    /// Takes away what stands at a dotted `path`, if anything does.
+    pub fn remove(&mut self, path: &str) {
+        let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
+        if let Some(Self {
+            value: Value::Table(entries),
+            ..
+        }) = self.at_mut(table)
+        {
+            entries.retain(|entry| entry.key != key);
+        }
+    }
+
+    /// Empties the table at a dotted `path`, if one is there.
+    pub fn clear(&mut self, path: &str) {
+        if let Some(Self {
+            value: Value::Table(entries),
+            ..
+        }) = self.at_mut(path)
+        {
+            entries.clear();
+        }
+    }
+
     /// Puts `node` at a dotted `path`, making tables on the way.
     ///
     /// # Errors
