@@ -43,6 +43,11 @@ pub struct KdParameters {
     pub max_depth: Option<u32>,
     /// Share of the cost of a leaf that a split must save.
     pub min_gain: f64,
+    /// Cells with more references than this are not given up at once when no plane saves enough: they are halved across
+    /// their longest side. Where many triangles meet, the first planes rarely pay, only the cells they lead to.
+    pub halved_above: usize,
+    /// Halvings allowed in a row; three give each axis its turn.
+    pub halvings: u32,
     /// References allowed per triangle. Ordinary scenes need one to three; it stops those where many triangles overlap.
     pub reference_budget: f64,
     /// Cells with up to this many references try every plane; larger ones try 63 per axis.
@@ -57,6 +62,8 @@ impl Default for KdParameters {
             empty_bonus: 0.15,
             max_depth: None,
             min_gain: 0.05,
+            halved_above: 64,
+            halvings: 3,
             reference_budget: 8.0,
             exact_limit: 1024,
         }

@@ -2,6 +2,7 @@
 
 use super::KdParameters;
 use super::build::{CHUNK, Reference};
+use crate::control::CancelToken;
 use crate::math::Bounds;
 use rayon::prelude::*;
 
@@ -16,6 +17,20 @@ pub(super) struct Plane {
     pub cost: f64,
 }
 
+impl Plane {
+    /// The plane through the middle of the longest side of `cell`; `None` when the cell is a point.
+    pub fn halving(cell: &Bounds) -> Option<Self> {
+        let axis = cell.size().max_position();
+        let position = cell.center()[axis];
+        (cell.min[axis] < position && position < cell.max[axis]).then_some(Self {
+            axis,
+            position,
+            planar_goes_left: true,
+            cost: f64::INFINITY,
+        })
+    }
+}
+
 /// Expected cost of a ray through a leaf with this many references.
 pub(super) fn leaf_cost(parameters: &KdParameters, references: usize) -> f64 {
     parameters.intersection_cost * references.div_ceil(super::LANES) as f64
@@ -24,15 +39,17 @@ pub(super) fn leaf_cost(parameters: &KdParameters, references: usize) -> f64 {
 /// Finds planes; holds the buffers it sorts in.
 pub(super) struct Splitter<'a> {
     parameters: &'a KdParameters,
+    cancel: &'a CancelToken,
     starts: Vec<f32>,
     ends: Vec<f32>,
     planars: Vec<f32>,
 }
 
 impl<'a> Splitter<'a> {
-    pub fn new(parameters: &'a KdParameters) -> Self {
+    pub fn new(parameters: &'a KdParameters, cancel: &'a CancelToken) -> Self {
         Self {
             parameters,
+            cancel,
             starts: Vec::new(),
             ends: Vec::new(),
             planars: Vec::new(),
@@ -49,7 +66,7 @@ impl<'a> Splitter<'a> {
             let found = if references.len() <= self.parameters.exact_limit {
                 self.sweep(references, &candidates)
             } else {
-                bins(references, &candidates)
+                bins(references, &candidates, self.cancel)
             };
             if let Some(found) = found
                 && best.is_none_or(|best| found.cost < best.cost)
@@ -120,8 +137,9 @@ impl Cursor<'_> {
 
 /// The approximate search for many references: equally spaced planes.
 ///
-/// Counts of starts and ends per bin say how many references lie on each side, up to those that touch a plane.
-fn bins(references: &[Reference], candidates: &Candidates) -> Option<Plane> {
+/// Counts of starts and ends per bin say how many references lie on each side, up to those that touch a plane. Once
+/// cancelled, any plane will do.
+fn bins(references: &[Reference], candidates: &Candidates, cancel: &CancelToken) -> Option<Plane> {
     #[expect(clippy::cast_possible_truncation, reason = "a position among 64 bins")]
     let bins_per_length = (BINS as f64 / candidates.length) as f32;
     let bin = |x: f32| {
@@ -135,6 +153,9 @@ fn bins(references: &[Reference], candidates: &Candidates) -> Option<Plane> {
     };
     let count = |chunk: &[Reference]| {
         let mut counts = Counts::default();
+        if cancel.is_cancelled() {
+            return counts;
+        }
         for reference in chunk {
             counts.starts[bin(reference.bounds.min[candidates.axis])] += 1;
             counts.ends[bin(reference.bounds.max[candidates.axis])] += 1;
