@@ -255,12 +255,8 @@ fn a_tree_of_tiny_cells_answers_like_brute_force() {
         let tree = KdTree::build(triangles.clone(), &parameters, &CancelToken::new()).unwrap();
         tree.validate()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert_same(
-            name,
-            &tree,
-            &BruteForce::new(triangles.clone()),
-            &rays(&triangles, 2),
-        );
+        let some: Vec<_> = rays(&triangles, 2).into_iter().step_by(3).collect();
+        assert_same(name, &tree, &BruteForce::new(triangles), &some);
     }
 }
 
@@ -337,14 +333,12 @@ fn the_filter_passes_every_hit_and_no_empty_lane() {
 fn the_filter_passes_every_hit_of_extreme_size() {
     let mut random = Random::new(5);
     let mut hits = 0;
-    for i in 0..200_000 {
-        let common = random.unit() * 270.0 - 145.0;
+    for i in 0..300_000 {
+        // All over f32's range; where products begin to underflow; each point on its own.
+        let common = [random.unit() * 270.0 - 145.0, random.unit() * 8.0 - 70.0];
         let mut extreme = || {
-            let exponent = if i % 2 == 0 {
-                common
-            } else {
-                random.unit() * 240.0 - 120.0
-            };
+            let own = random.unit() * 240.0 - 120.0;
+            let exponent = common.get(i % 3).copied().unwrap_or(own);
             random.in_cube() * exponent.exp2()
         };
         let corners = [extreme(), extreme(), extreme()];
@@ -432,11 +426,8 @@ fn hostile_scenes_stay_within_the_reference_budget() {
                 max_depth,
                 ..
             } = tree.statistics();
-            let budget = parameters.reference_budget * triangles.len() as f64;
-            assert!(
-                references as f64 <= budget,
-                "{name}: {references} references"
-            );
+            let per_triangle = references as f64 / triangles.len() as f64;
+            assert!(per_triangle <= 8.0, "{name}: {per_triangle} references");
             let depth = parameters
                 .max_depth
                 .map_or_else(|| 8.5 + 1.3 * (triangles.len() as f64).log2(), f64::from);
