@@ -1,8 +1,8 @@
 //! The kd-tree: cells split by axis-aligned planes chosen by the surface area heuristic.
 //!
 //! Every triangle is referred to by the leaves whose cells its part inside really touches, so that a ray that walks the
-//! cells along its way cannot miss a hit. Distances along the ray are `f64` and compared with a margin for their
-//! rounding; everything else about the tree is exact. See [`KdTree::validate`].
+//! cells along its way cannot miss a hit: distances to planes are compared with a margin for their rounding, and
+//! everything else about the tree is exact. See [`KdTree::validate`].
 
 mod build;
 mod clip;
@@ -38,7 +38,8 @@ pub struct KdParameters {
     /// pays more than the heuristic knows. Source: Hurley, Kapustin, Reshetov, Soupikov, Fast Ray Tracing for Modern
     /// General Purpose CPU, 2002.
     pub empty_bonus: f64,
-    /// Depth limit; by default `8 + 1.3 log2 n`. Never more than 48, which that reaches at 2³⁰ triangles.
+    /// Depth limit; by default `8 + 1.3 log2 n`. Never more than 48, which the default stays
+    /// below for any number of triangles allowed.
     /// Source: Pharr et al., Physically Based Rendering (3rd ed.), 4.4, after Havran.
     pub max_depth: Option<u32>,
     /// Share of the cost of a leaf that a split must save.
