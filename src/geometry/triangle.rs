@@ -311,19 +311,27 @@ mod tests {
         assert!(hits > 5000, "only {hits} hits");
     }
 
-    /// Rays that all but lie in the triangle's plane, where `f64` cannot tell the signs.
+    /// Rays in the triangle's plane or almost, through its edges and corners or almost: where `f64` cannot tell the signs.
     #[test]
     fn the_answer_is_exact_at_grazing_incidence() {
         let mut random = Random::new(3);
         let mut hits = 0;
-        for _ in 0..200_000 {
-            let mut far = || [(); 3].map(|()| whole(&mut random, (1 << 19) - 1));
-            let (o, d, side) = (far(), far(), far());
-            // Corners in the plane of the origin, `d` and `side`, each off by a few units.
-            let mut corner = |k: i128, l: i128| {
-                [0, 1, 2].map(|i| o[i] + k * d[i] + l * side[i] + whole(&mut random, 2))
+        for _ in 0..400_000 {
+            let mut far = || [(); 3].map(|()| whole(&mut random, (1 << 12) - 1));
+            let (o, e, f) = (far(), far(), far());
+            // A lattice of the plane through the origin, spanned by e and f; often left by a unit.
+            let mut in_plane = |from: Point| {
+                let (k, l) = (whole(&mut random, 40), whole(&mut random, 40));
+                let off = whole(&mut random, 1) * whole(&mut random, 1);
+                let axis = (random.bits() % 3) as usize;
+                let mut point = [0, 1, 2].map(|i| from[i] + k * e[i] + l * f[i]);
+                point[axis] += off;
+                point
             };
-            let (a, b, c) = (corner(1, -3), corner(3, 5), corner(2, 6));
+            let (d, a, b, c) = (in_plane([0; 3]), in_plane(o), in_plane(o), in_plane(o));
+            if d == [0; 3] {
+                continue;
+            }
             hits += usize::from(assert_exact([o, d, a, b, c]));
         }
         assert!(hits > 5000, "only {hits} hits");

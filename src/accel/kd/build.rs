@@ -1,8 +1,7 @@
 //! Growing a kd-tree from the root down.
 //!
-//! The upper part is grown first, always splitting the cell with the most references, so that the rest falls into
-//! subtrees of similar work, which are grown in parallel. How the work is divided depends on the triangles alone, so
-//! the tree is the same for any number of threads.
+//! The upper part is grown first, until what is left falls into many subtrees, which are grown in parallel. How the work
+//! is divided depends on the triangles alone, so the tree is the same for any number of threads.
 //!
 //! References to triangles that a plane cuts are clipped to both sides, so each knows the box of its part of the
 //! triangle. A budget of references keeps hostile scenes finite: every cell that is worth splitting waits in a queue,
@@ -63,11 +62,12 @@ pub(super) fn grow(
     parameters: &KdParameters,
     cancel: &CancelToken,
 ) -> Option<Pieces> {
-    let references: Vec<_> = (0..u32::MAX)
-        .zip(triangles)
+    let references: Vec<_> = triangles
+        .par_iter()
+        .enumerate()
         .map(|(id, triangle)| Reference {
             bounds: triangle.bounds(),
-            triangle: id,
+            triangle: u32::try_from(id).expect("there are at most 2^29 triangles"),
         })
         .collect();
     let job = Job {
@@ -82,14 +82,12 @@ pub(super) fn grow(
         references,
         bounds,
         depth: 0,
+        halvings: 0,
     };
-    let mut top = Growth::new(root, budget, |cell| cell.references.len() as f64);
+    let mut top = Growth::new(root, budget);
     top.split_while(&job, |growth| {
-        growth.waiting.len() < SUBTREES
-            && growth
-                .waiting
-                .peek()
-                .is_some_and(|largest| largest.cell.references.len() > SUBTREE_REFERENCES)
+        let is_large = |w: &Waiting| w.cell.references.len() > SUBTREE_REFERENCES;
+        growth.waiting.len() < SUBTREES && growth.waiting.iter().any(is_large)
     })?;
 
     // What is left of the budget goes to the subtrees in proportion to their references.
@@ -109,9 +107,7 @@ pub(super) fn grow(
             reason = "a share of a usize"
         )]
         let share = (spare * (count as f64 / waiting_references as f64)) as usize;
-        let mut subtree = Growth::new(cell, count + share, |cell| {
-            half_area(&cell.bounds) * cell.references.len() as f64
-        });
+        let mut subtree = Growth::new(cell, count + share);
         subtree.split_while(&job, |_| true)?;
         Some(subtree.nodes)
     });
@@ -133,6 +129,8 @@ struct Cell {
     references: Vec<Reference>,
     bounds: Bounds,
     depth: u32,
+    /// How often in a row it came about by halving.
+    halvings: u32,
 }
 
 /// A cell that may be split further, and its place in the list of nodes.
@@ -165,32 +163,29 @@ impl PartialEq for Waiting {
 impl Eq for Waiting {}
 
 /// A list of nodes under growth.
-struct Growth<P> {
+struct Growth {
     nodes: Vec<Node>,
     waiting: BinaryHeap<Waiting>,
     /// References in leaves and waiting cells together.
     references: usize,
     budget: usize,
-    priority: P,
 }
 
-impl<P: Fn(&Cell) -> f64> Growth<P> {
-    fn new(root: Cell, budget: usize, priority: P) -> Self {
+impl Growth {
+    fn new(root: Cell, budget: usize) -> Self {
         let mut growth = Self {
             nodes: vec![Node::Leaf(Vec::new())],
             waiting: BinaryHeap::new(),
             references: root.references.len(),
             budget,
-            priority,
         };
         growth.enqueue(0, root);
         growth
     }
 
     fn enqueue(&mut self, slot: usize, cell: Cell) {
-        let priority = (self.priority)(&cell);
         self.waiting.push(Waiting {
-            priority,
+            priority: half_area(&cell.bounds) * cell.references.len() as f64,
             slot,
             cell,
         });
@@ -198,7 +193,7 @@ impl<P: Fn(&Cell) -> f64> Growth<P> {
 
     /// Splits waiting cells, or makes leaves of them, as long as there are any and `go_on` holds. `None` when cancelled.
     fn split_while(&mut self, job: &Job, go_on: impl Fn(&Self) -> bool) -> Option<()> {
-        let mut splitter = Splitter::new(job.parameters);
+        let mut splitter = Splitter::new(job.parameters, job.cancel);
         while go_on(self)
             && let Some(Waiting { slot, cell, .. }) = self.waiting.pop()
         {
@@ -251,10 +246,16 @@ impl Job<'_> {
         {
             return None;
         }
-        let plane = splitter.best_plane(&cell.references, &cell.bounds)?;
-        if plane.cost > unsplit * (1.0 - self.parameters.min_gain) {
+        let best = splitter.best_plane(&cell.references, &cell.bounds)?;
+        let may_halve =
+            count > self.parameters.halved_above && cell.halvings < self.parameters.halvings;
+        let (plane, halvings) = if best.cost < unsplit * (1.0 - self.parameters.min_gain) {
+            (best, 0)
+        } else if may_halve {
+            (Plane::halving(&cell.bounds)?, cell.halvings + 1)
+        } else {
             return None;
-        }
+        };
         let children = self.divide(cell, &plane);
         if children.iter().all(|references| references.len() == count) {
             return None;
@@ -273,6 +274,7 @@ impl Job<'_> {
                 references,
                 bounds,
                 depth: cell.depth + 1,
+                halvings,
             }
         });
         Some((plane, children))

@@ -73,3 +73,69 @@ pub(super) fn magnitude(triangle: &Triangle) -> f64 {
         .map(|corner| f64::from(corner.abs().max_element()));
     corners.into_iter().fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::Random;
+
+    #[test]
+    fn a_corner_cut_off_leaves_a_tight_box() {
+        let triangle = Triangle {
+            corners: [Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0],
+        };
+        let region = Bounds {
+            min: Vec3::new(1.0, -1.0, -1.0),
+            max: Vec3::new(2.0, 9.0, 1.0),
+        };
+        let part = Clipper::default().bounds(&triangle, &region);
+        assert_eq!((part.min.x, part.max.x), (1.0, 2.0));
+        let expected = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(2.0, 3.0, 0.0)];
+        assert!(
+            (part.min - expected[0]).abs().max_element() < 1e-6,
+            "{part:?}"
+        );
+        assert!(
+            (part.max - expected[1]).abs().max_element() < 1e-6,
+            "{part:?}"
+        );
+    }
+
+    /// No point of the triangle inside the region may lie outside the result, or rays would miss it.
+    #[test]
+    fn the_box_holds_every_point_of_the_part() {
+        let mut random = Random::new(1);
+        let mut clipper = Clipper::default();
+        let mut inside = 0;
+        for i in 0..3000 {
+            let mut point = || random.in_cube().as_vec3();
+            let mut corners = [point(), point(), point()];
+            if i % 3 == 0 {
+                corners[2] = corners[1] + point() * 1e-6;
+            }
+            let region = Bounds::of_points([point(), point()]);
+            let part = clipper.bounds(&Triangle { corners }, &region);
+            assert!(part.is_empty() || region.contains(part.min) && region.contains(part.max));
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let (min, max) = (region.min.as_dvec3(), region.max.as_dvec3());
+            for _ in 0..100 {
+                let (u, v) = (random.unit(), random.unit());
+                let (u, v) = if u + v > 1.0 {
+                    (1.0 - u, 1.0 - v)
+                } else {
+                    (u, v)
+                };
+                let p = a + (b - a) * u + (c - a) * v;
+                if min.cmple(p).all() && p.cmple(max).all() {
+                    inside += 1;
+                    let (least, most) = (part.min.as_dvec3(), part.max.as_dvec3());
+                    assert!(
+                        least.cmple(p).all() && p.cmple(most).all(),
+                        "{p} of {corners:?}"
+                    );
+                }
+            }
+        }
+        assert!(inside > 10_000, "only {inside} points");
+    }
+}

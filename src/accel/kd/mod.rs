@@ -1,8 +1,8 @@
 //! The kd-tree: cells split by axis-aligned planes chosen by the surface area heuristic.
 //!
 //! Every triangle is referred to by the leaves whose cells its part inside really touches, so that a ray that walks the
-//! cells along its way cannot miss a hit. Distances along the ray are `f64` and compared with a margin for their
-//! rounding; everything else about the tree is exact. See [`KdTree::validate`].
+//! cells along its way cannot miss a hit: distances to planes are compared with a margin for their rounding, and
+//! everything else about the tree is exact. See [`KdTree::validate`].
 
 mod build;
 mod clip;
@@ -38,11 +38,17 @@ pub struct KdParameters {
     /// pays more than the heuristic knows. Source: Hurley, Kapustin, Reshetov, Soupikov, Fast Ray Tracing for Modern
     /// General Purpose CPU, 2002.
     pub empty_bonus: f64,
-    /// Depth limit; by default `8 + 1.3 log2 n`. Never more than 48, which that reaches at 2³⁰ triangles.
+    /// Depth limit; by default `8 + 1.3 log2 n`. Never more than 48, which the default stays
+    /// below for any number of triangles allowed.
     /// Source: Pharr et al., Physically Based Rendering (3rd ed.), 4.4, after Havran.
     pub max_depth: Option<u32>,
     /// Share of the cost of a leaf that a split must save.
     pub min_gain: f64,
+    /// Cells with more references than this are not given up at once when no plane saves enough: they are halved across
+    /// their longest side. Where many triangles meet, the first planes rarely pay, only the cells they lead to.
+    pub halved_above: usize,
+    /// Halvings allowed in a row; three give each axis its turn.
+    pub halvings: u32,
     /// References allowed per triangle. Ordinary scenes need one to three; it stops those where many triangles overlap.
     pub reference_budget: f64,
     /// Cells with up to this many references try every plane; larger ones try 63 per axis.
@@ -57,6 +63,8 @@ impl Default for KdParameters {
             empty_bonus: 0.15,
             max_depth: None,
             min_gain: 0.05,
+            halved_above: 64,
+            halvings: 3,
             reference_budget: 8.0,
             exact_limit: 1024,
         }

@@ -33,7 +33,7 @@ pub(super) enum NodeKind {
 impl Node {
     const LEAF: u32 = 3;
 
-    fn interior(axis: usize, position: f32, children: usize) -> Self {
+    pub fn interior(axis: usize, position: f32, children: usize) -> Self {
         Self {
             payload: position.to_bits(),
             tag: Self::tag(children, u32::try_from(axis).expect("an axis is 0, 1 or 2")),

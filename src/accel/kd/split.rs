@@ -2,6 +2,7 @@
 
 use super::KdParameters;
 use super::build::{CHUNK, Reference};
+use crate::control::CancelToken;
 use crate::math::Bounds;
 use rayon::prelude::*;
 
@@ -16,6 +17,20 @@ pub(super) struct Plane {
     pub cost: f64,
 }
 
+impl Plane {
+    /// The plane through the middle of the longest side of `cell`; `None` when the cell is a point.
+    pub fn halving(cell: &Bounds) -> Option<Self> {
+        let axis = cell.size().max_position();
+        let position = cell.center()[axis];
+        (cell.min[axis] < position && position < cell.max[axis]).then_some(Self {
+            axis,
+            position,
+            planar_goes_left: true,
+            cost: f64::INFINITY,
+        })
+    }
+}
+
 /// Expected cost of a ray through a leaf with this many references.
 pub(super) fn leaf_cost(parameters: &KdParameters, references: usize) -> f64 {
     parameters.intersection_cost * references.div_ceil(super::LANES) as f64
@@ -24,15 +39,17 @@ pub(super) fn leaf_cost(parameters: &KdParameters, references: usize) -> f64 {
 /// Finds planes; holds the buffers it sorts in.
 pub(super) struct Splitter<'a> {
     parameters: &'a KdParameters,
+    cancel: &'a CancelToken,
     starts: Vec<f32>,
     ends: Vec<f32>,
     planars: Vec<f32>,
 }
 
 impl<'a> Splitter<'a> {
-    pub fn new(parameters: &'a KdParameters) -> Self {
+    pub fn new(parameters: &'a KdParameters, cancel: &'a CancelToken) -> Self {
         Self {
             parameters,
+            cancel,
             starts: Vec::new(),
             ends: Vec::new(),
             planars: Vec::new(),
@@ -49,7 +66,7 @@ impl<'a> Splitter<'a> {
             let found = if references.len() <= self.parameters.exact_limit {
                 self.sweep(references, &candidates)
             } else {
-                bins(references, &candidates)
+                bins(references, &candidates, self.cancel)
             };
             if let Some(found) = found
                 && best.is_none_or(|best| found.cost < best.cost)
@@ -120,8 +137,9 @@ impl Cursor<'_> {
 
 /// The approximate search for many references: equally spaced planes.
 ///
-/// Counts of starts and ends per bin say how many references lie on each side, up to those that touch a plane.
-fn bins(references: &[Reference], candidates: &Candidates) -> Option<Plane> {
+/// Counts of starts and ends per bin say how many references lie on each side, up to those that touch a plane. Once
+/// cancelled, any plane will do.
+fn bins(references: &[Reference], candidates: &Candidates, cancel: &CancelToken) -> Option<Plane> {
     #[expect(clippy::cast_possible_truncation, reason = "a position among 64 bins")]
     let bins_per_length = (BINS as f64 / candidates.length) as f32;
     let bin = |x: f32| {
@@ -135,6 +153,9 @@ fn bins(references: &[Reference], candidates: &Candidates) -> Option<Plane> {
     };
     let count = |chunk: &[Reference]| {
         let mut counts = Counts::default();
+        if cancel.is_cancelled() {
+            return counts;
+        }
         for reference in chunk {
             counts.starts[bin(reference.bounds.min[candidates.axis])] += 1;
             counts.ends[bin(reference.bounds.max[candidates.axis])] += 1;
@@ -250,5 +271,102 @@ impl<'a> Candidates<'a> {
                 cost,
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::Random;
+    use crate::math::{DVec3, Vec3};
+
+    const CELL: Bounds = Bounds {
+        min: Vec3::NEG_ONE,
+        max: Vec3::ONE,
+    };
+
+    /// Boxes on a lattice, so that starts, ends and flat boxes coincide.
+    fn lattice_boxes(count: u32, random: &mut Random) -> Vec<Reference> {
+        let mut corner = || (random.in_cube() * 4.0).round().as_vec3() / 4.0;
+        let boxes = (0..count).map(|triangle| Reference {
+            bounds: Bounds::of_points([corner(), corner()]),
+            triangle,
+        });
+        boxes.collect()
+    }
+
+    /// Counts by looking at every box, and looks at every plane.
+    fn least_cost(references: &[Reference], parameters: &KdParameters) -> f64 {
+        let mut best = None;
+        for axis in 0..3 {
+            let candidates = Candidates::new(parameters, &CELL, axis).unwrap();
+            for plane in references.iter().flat_map(|r| [r.bounds.min, r.bounds.max]) {
+                let position = plane[axis];
+                let mut counts = [0; 3];
+                for Reference { bounds, .. } in references {
+                    counts[0] += usize::from(bounds.min[axis] < position);
+                    counts[1] +=
+                        usize::from(bounds.min[axis] >= position && bounds.max[axis] <= position);
+                    counts[2] += usize::from(bounds.max[axis] > position);
+                }
+                candidates.offer(&mut best, position, counts);
+            }
+        }
+        best.expect("there is a plane inside").cost
+    }
+
+    #[test]
+    fn the_sweep_finds_the_cheapest_plane() {
+        let (parameters, cancel) = (KdParameters::default(), CancelToken::new());
+        let mut splitter = Splitter::new(&parameters, &cancel);
+        let mut random = Random::new(1);
+        for _ in 0..200 {
+            let references = lattice_boxes(60, &mut random);
+            let found = splitter.best_plane(&references, &CELL).unwrap();
+            let expected = least_cost(&references, &parameters);
+            assert!(
+                (found.cost - expected).abs() < 1e-12,
+                "{found:?}, {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn bins_come_close_to_the_cheapest_plane() {
+        let exact = KdParameters::default();
+        let binned = KdParameters {
+            exact_limit: 0,
+            ..exact
+        };
+        let cancel = CancelToken::new();
+        let mut random = Random::new(2);
+        let references: Vec<_> = (0..900)
+            .map(|triangle| {
+                let middle = random.in_cube() * 0.95;
+                let half = random.in_cube() * 0.05;
+                Reference {
+                    bounds: Bounds::of_points([middle + half, middle - half].map(DVec3::as_vec3)),
+                    triangle,
+                }
+            })
+            .collect();
+        let cost = |parameters| {
+            let plane = Splitter::new(parameters, &cancel).best_plane(&references, &CELL);
+            plane.unwrap().cost
+        };
+        assert!(cost(&binned) >= cost(&exact));
+        assert!(cost(&binned) < 1.05 * cost(&exact));
+    }
+
+    #[test]
+    fn flat_cells_are_not_split_across() {
+        let flat = Bounds {
+            max: CELL.max.with_z(-1.0),
+            ..CELL
+        };
+        let parameters = KdParameters::default();
+        assert!(Candidates::new(&parameters, &flat, 2).is_none());
+        assert!(Candidates::new(&parameters, &flat, 0).is_some());
+        assert!(Plane::halving(&Bounds::of_points([Vec3::ONE])).is_none());
     }
 }

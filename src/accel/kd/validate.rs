@@ -235,3 +235,93 @@ impl KdTree {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::KdParameters;
+    use crate::accel::block::LANES;
+    use crate::accel::kd::node::Node;
+    use crate::control::CancelToken;
+    use crate::geometry::Triangle;
+    use crate::geometry::shapes;
+
+    fn tree() -> KdTree {
+        let mesh = shapes::soup(300, 0.2, 1);
+        let corners = (0..300).map(|i| mesh.corners(i).map(DVec3::as_vec3));
+        let triangles = corners.map(|corners| Triangle { corners }).collect();
+        KdTree::build(triangles, &KdParameters::default(), &CancelToken::new()).unwrap()
+    }
+
+    fn assert_found(complaint: &str, damage: impl Fn(&mut KdTree)) {
+        let mut tree = tree();
+        tree.validate().unwrap();
+        damage(&mut tree);
+        let error = tree.validate().expect_err(complaint);
+        assert!(error.contains(complaint), "{error} instead of {complaint}");
+    }
+
+    #[test]
+    fn damage_is_found() {
+        let root = |tree: &KdTree| match tree.nodes[0].kind() {
+            NodeKind::Interior {
+                axis,
+                position,
+                children,
+            } => (axis, position, children),
+            NodeKind::Leaf { .. } => panic!("the tree has no planes"),
+        };
+        assert_found("splits", |tree| {
+            let (axis, _, children) = root(tree);
+            tree.nodes[0] = Node::interior(axis, 7.0, children);
+        });
+        assert_found("reaches into", |tree| {
+            let (axis, position, children) = root(tree);
+            tree.nodes[0] = Node::interior(axis, position + 0.1, children);
+        });
+        assert_found("reached twice", |tree| {
+            let (axis, position, _) = root(tree);
+            tree.nodes[0] = Node::interior(axis, position, 0);
+        });
+        assert_found("has children", |tree| {
+            let (axis, position, _) = root(tree);
+            tree.nodes[0] = Node::interior(axis, position, tree.nodes.len() - 1);
+        });
+        assert_found("never reached", |tree| tree.nodes.push(tree.nodes[0]));
+        assert_found("belong to leaves", |tree| tree.blocks.push(tree.blocks[0]));
+        assert_found("was to follow", |tree| {
+            tree.blocks.truncate(tree.blocks.len() - 1);
+        });
+        assert_found("not in order", |tree| tree.blocks[0].ids.swap(0, 1));
+        assert_found("other corners", |tree| {
+            tree.triangles[0].corners[0].x += 0.1;
+        });
+        assert_found("not NaN", |tree| {
+            let is_partial =
+                |block: &TriangleBlock| block.ids[LANES - 1] == TriangleBlock::NO_TRIANGLE;
+            let index = tree.blocks.iter().position(is_partial).unwrap();
+            let ids = tree.blocks[index].ids;
+            let filled = ids.map(|id| {
+                if id == TriangleBlock::NO_TRIANGLE {
+                    0
+                } else {
+                    id
+                }
+            });
+            tree.blocks[index] = TriangleBlock::new(&filled, &tree.triangles);
+            tree.blocks[index].ids = ids;
+        });
+    }
+
+    #[test]
+    fn statistics_count_what_is_there() {
+        let tree = tree();
+        let statistics = tree.statistics();
+        assert_eq!(statistics.nodes, tree.nodes.len());
+        assert_eq!(statistics.nodes, 2 * statistics.leaves - 1);
+        assert_eq!(statistics.blocks, tree.blocks.len());
+        assert!(statistics.references >= 300 && statistics.references <= LANES * statistics.blocks);
+        assert!(statistics.empty_leaves < statistics.leaves);
+        assert!(statistics.sah_cost > 1.0);
+    }
+}

@@ -33,7 +33,7 @@ impl KdTree {
 
         // The part of the ray inside the box of the scene.
         let mut enter = 0.0;
-        let mut exit = later(t_max.next_up());
+        let mut exit = later(t_max);
         for axis in 0..3 {
             let ends = [self.bounds.min[axis], self.bounds.max[axis]]
                 .map(|end| (end - origin[axis]) * inverse[axis]);
@@ -70,8 +70,8 @@ impl KdTree {
                     }
                 }
                 NodeKind::Leaf { blocks } => {
-                    // The exact distance of a hit is less than one place from the rounded one.
-                    let limit = visit(&self.blocks[blocks]).next_up();
+                    // The margin of `enter` covers the rounding of a hit's distance, too.
+                    let limit = visit(&self.blocks[blocks]);
                     loop {
                         if waiting == 0 {
                             return;
