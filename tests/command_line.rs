@@ -367,7 +367,7 @@ fn wrong_usage_is_exit_code_2() {
 }
 
 #[test]
-fn a_failed_write_keeps_the_old_picture() {
+fn a_failed_write_leaves_no_temporary_file() {
     let folder = folder();
     let target = folder.path().join("folder.png");
     std::fs::create_dir(&target).expect("a folder");

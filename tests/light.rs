@@ -2,77 +2,19 @@
 //!
 //! Sequences are fixed by seeds. Tolerances are several times the error that the stated number of samples leaves.
 
-use std::f64::consts::PI;
-use std::sync::Arc;
+mod common;
 
+use std::f64::consts::PI;
+
+use common::{add, assert_near, diffuse, looking_at_floor, picture, rectangle, run, value};
 use raymini::control::CancelToken;
 use raymini::geometry::TriangleMesh;
 use raymini::math::{DVec3, Degrees};
-use raymini::render::{Image, PreparedScene, RenderOutcome, RenderProgress, RunConfig, render};
+use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
 use raymini::scene::{
-    AcceleratorChoice, AmbientOcclusion, Background, Camera, Facing, Light, Material, Mode, Object,
+    AcceleratorChoice, AmbientOcclusion, Background, Camera, Facing, Light, Material, Mode,
     RenderSettings, Rgb, Scene, Shadows,
 };
-
-/// The rectangle `center ± u ± v`, as two triangles.
-fn rectangle(center: DVec3, u: DVec3, v: DVec3) -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![
-            center - u - v,
-            center + u - v,
-            center + u + v,
-            center - u + v,
-        ],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
-    }
-}
-
-/// Adds a mesh of its own material.
-fn add(scene: &mut Scene, name: &str, mesh: TriangleMesh, material: Material) {
-    scene.meshes.insert(name.into(), Arc::new(mesh));
-    scene.materials.insert(name.into(), material);
-    scene.objects.push(Object {
-        name: name.into(),
-        mesh: name.into(),
-        material: Some(name.into()),
-        ..Object::default()
-    });
-}
-
-fn white() -> Material {
-    Material::Phong {
-        diffuse: Rgb::ONE,
-        specular: Rgb::ZERO,
-        shininess: 1.0,
-    }
-}
-
-/// A white floor at z = 0 and an eye that sees only its point `(x, y)`, in one pixel.
-fn looking_at_floor(x: f64, y: f64) -> Scene {
-    let mut scene = Scene::default();
-    add(
-        &mut scene,
-        "floor",
-        rectangle(DVec3::ZERO, DVec3::X * 20.0, DVec3::Y * 20.0),
-        white(),
-    );
-    scene.camera = Camera {
-        // From the side, so that lights overhead do not stand in the way.
-        eye: DVec3::new(x, y - 8.0, 0.2),
-        target: DVec3::new(x, y, 0.0),
-        vertical_fov: Degrees(1e-4),
-        ..Camera::default()
-    };
-    scene.render = RenderSettings {
-        width: 1,
-        height: 1,
-        samples_per_pixel: 4096,
-        antialiasing: false,
-        ..RenderSettings::default()
-    };
-    scene
-}
 
 fn disk(center: DVec3, radius: f64) -> Light {
     Light::Disk {
@@ -82,38 +24,6 @@ fn disk(center: DVec3, radius: f64) -> Light {
         radiance: Rgb::ONE,
         visible: true,
     }
-}
-
-fn run(scene: &Scene) -> RenderOutcome {
-    let prepared =
-        PreparedScene::prepare(scene, None, &CancelToken::new()).expect("can be rendered");
-    let prepared = prepared.expect("nobody cancels");
-    let outcome = render(
-        &prepared,
-        None,
-        &RunConfig::default(),
-        &RenderProgress::default(),
-        &|_| (),
-    );
-    let outcome = outcome.expect("nobody cancels");
-    assert_eq!(outcome.stats.non_finite_samples, 0);
-    outcome
-}
-
-fn picture(scene: &Scene) -> Image {
-    run(scene).image
-}
-
-fn value(scene: &Scene) -> f64 {
-    f64::from(picture(scene).pixel(0, 0)[0])
-}
-
-#[track_caller]
-fn assert_near(found: f64, expected: f64, relative: f64, what: &str) {
-    assert!(
-        (found - expected).abs() <= relative * expected.abs(),
-        "{what}: {found}, not {expected}"
-    );
 }
 
 /// Irradiance of a disk of radiance 1 on a parallel receiver: references §1.1.
@@ -138,7 +48,7 @@ fn a_disk_light_gives_the_irradiance_of_the_formula_near_and_far() {
         (1e-6, 1.0, 0.5),
     ];
     for (radius, height, offset) in cases {
-        let mut scene = looking_at_floor(offset, 0.0);
+        let mut scene = looking_at_floor(offset, diffuse(1.0));
         scene.lights.push(disk(DVec3::Z * height, radius));
         // The eye must look past the disk.
         if height < 0.2 {
@@ -164,7 +74,7 @@ fn a_disk_light_gives_the_irradiance_of_the_formula_near_and_far() {
 
 #[test]
 fn the_back_of_a_disk_gives_nothing() {
-    let mut scene = looking_at_floor(0.0, 0.0);
+    let mut scene = looking_at_floor(0.0, diffuse(1.0));
     scene.lights.push(Light::Disk {
         center: DVec3::Z,
         facing: Facing::Normal(DVec3::Z),
@@ -180,7 +90,7 @@ fn the_back_of_a_disk_gives_nothing() {
 /// References §1.3: a half-plane edge at height 1 under a disk of radius 1 at height 4; the physical irradiance.
 #[test]
 fn the_penumbra_of_an_edge_has_its_profile() {
-    let mut scene = looking_at_floor(0.0, 0.0);
+    let mut scene = looking_at_floor(0.0, diffuse(1.0));
     add(
         &mut scene,
         "edge",
@@ -189,7 +99,7 @@ fn the_penumbra_of_an_edge_has_its_profile() {
             DVec3::X * 10.0,
             DVec3::Y * 20.0,
         ),
-        white(),
+        diffuse(1.0),
     );
     scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
     scene.render.samples_per_pixel = 1 << 15;
@@ -215,7 +125,7 @@ fn the_penumbra_of_an_edge_has_its_profile() {
 /// References §4.2: error falls at least like N^−0.70 in the penumbra and N^−0.95 unoccluded.
 #[test]
 fn the_error_of_soft_shadows_falls_as_a_low_discrepancy_sequence_should() {
-    let mut scene = looking_at_floor(0.1, 0.0);
+    let mut scene = looking_at_floor(0.1, diffuse(1.0));
     scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
     let unoccluded = slope(&scene, disk_irradiance(1.0, 4.0, 0.1) / PI);
     add(
@@ -226,7 +136,7 @@ fn the_error_of_soft_shadows_falls_as_a_low_discrepancy_sequence_should() {
             DVec3::X * 10.0,
             DVec3::Y * 20.0,
         ),
-        white(),
+        diffuse(1.0),
     );
     let penumbra = slope(&scene, 0.128_443_889 / PI);
     assert!(penumbra <= -0.70, "penumbra: {penumbra}");
@@ -259,7 +169,7 @@ fn slope(scene: &Scene, exact: f64) -> f64 {
 
 /// The ambient-occlusion picture of a floor point at distance `d` from a wall of height `h`, rays limited to `radius`.
 fn occlusion_at_wall(d: f64, h: f64, radius: f64) -> f64 {
-    let mut scene = looking_at_floor(0.0, 0.0);
+    let mut scene = looking_at_floor(0.0, diffuse(1.0));
     add(
         &mut scene,
         "wall",
@@ -268,7 +178,7 @@ fn occlusion_at_wall(d: f64, h: f64, radius: f64) -> f64 {
             DVec3::Y * 200.0,
             DVec3::Z * (h / 2.0),
         ),
-        white(),
+        diffuse(1.0),
     );
     scene.render.mode = Mode::Ao;
     scene.render.samples_per_pixel = 64;
@@ -311,12 +221,12 @@ fn ambient_occlusion_matches_its_closed_forms() {
 
 #[test]
 fn occlusion_scales_the_light_of_the_background() {
-    let mut scene = looking_at_floor(0.0, 0.0);
+    let mut scene = looking_at_floor(0.0, diffuse(1.0));
     add(
         &mut scene,
         "wall",
         rectangle(DVec3::new(1.0, 0.0, 0.5), DVec3::Y * 200.0, DVec3::Z * 0.5),
-        white(),
+        diffuse(1.0),
     );
     scene.background = Background::Constant {
         radiance: Rgb::splat(2.0),
@@ -493,7 +403,7 @@ fn glass_in_a_white_furnace_is_invisible() {
 
 #[test]
 fn light_passes_straight_through_glass_to_what_it_lights() {
-    let mut scene = looking_at_floor(0.0, 0.0);
+    let mut scene = looking_at_floor(0.0, diffuse(1.0));
     scene.lights.push(Light::Point {
         position: DVec3::Z * 2.0,
         intensity: Rgb::ONE,
@@ -534,7 +444,7 @@ fn light_passes_straight_through_glass_at_any_angle() {
         (60.0, 0.089_186_7),
         (80.0, 0.387_704_4),
     ] {
-        let mut scene = looking_at_floor(0.0, 0.0);
+        let mut scene = looking_at_floor(0.0, diffuse(1.0));
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let position = DVec3::new(sine, 0.0, cosine) * 4.0;
         scene.lights.push(Light::Point {
@@ -558,7 +468,7 @@ fn light_passes_straight_through_glass_at_any_angle() {
 #[test]
 fn a_disk_in_the_plane_of_a_ceiling_gives_all_its_light() {
     for tilt in [0.0, 0.3] {
-        let mut scene = looking_at_floor(0.5, 0.0);
+        let mut scene = looking_at_floor(0.5, diffuse(1.0));
         scene.render.samples_per_pixel = 256;
         let normal = DVec3::new(tilt, 0.1 * tilt, -1.0).normalize();
         let (u, v) = normal.any_orthonormal_pair();
@@ -574,7 +484,7 @@ fn a_disk_in_the_plane_of_a_ceiling_gives_all_its_light() {
             &mut scene,
             "ceiling",
             rectangle(DVec3::Z * 2.0, u * 3.0, v * 3.0),
-            white(),
+            diffuse(1.0),
         );
         assert_near(value(&scene), free, 1e-3, &format!("tilted by {tilt}"));
     }
@@ -588,7 +498,7 @@ fn all_effects_together_give_the_same_bits() {
         &mut scene,
         "floor",
         rectangle(DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0),
-        white(),
+        diffuse(1.0),
     );
     add(
         &mut scene,
@@ -708,7 +618,7 @@ fn a_disk_is_seen_bright_in_front_and_black_from_behind() {
         &mut scene,
         "speck",
         rectangle(DVec3::Y * 9.0, DVec3::X * 0.1, DVec3::Z * 0.1),
-        white(),
+        diffuse(1.0),
     );
     scene.background = Background::Constant {
         radiance: Rgb::splat(0.25),
@@ -749,7 +659,7 @@ fn a_disk_is_seen_bright_in_front_and_black_from_behind() {
 
 #[test]
 fn hard_shadows_take_a_disk_for_its_centre() {
-    let mut scene = looking_at_floor(0.5, 0.0);
+    let mut scene = looking_at_floor(0.5, diffuse(1.0));
     scene.lights.push(disk(DVec3::Z * 2.0, 0.5));
     scene.render.shadows = Shadows::Hard;
     scene.render.samples_per_pixel = 1;

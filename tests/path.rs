@@ -2,39 +2,18 @@
 //!
 //! Sequences are fixed by seeds. Where a tolerance is statistical, it says how many standard deviations it is.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
-use std::sync::Arc;
+mod common;
 
-use raymini::control::CancelToken;
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+
+use common::{add, assert_near, diffuse, looking_at_floor, picture, rectangle, value};
 use raymini::geometry::TriangleMesh;
 use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees};
-use raymini::render::{Image, PreparedScene, RenderProgress, RunConfig, render};
+use raymini::render::Image;
 use raymini::scene::{
-    Background, Camera, Facing, Light, LightSampling, Material, Mode, Object, RenderSettings, Rgb,
-    Scene,
+    Background, Camera, Facing, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene,
 };
-
-fn diffuse(reflectance: f64) -> Material {
-    Material::Phong {
-        diffuse: Rgb::splat(reflectance),
-        specular: Rgb::ZERO,
-        shininess: 1.0,
-    }
-}
-
-fn rectangle(center: DVec3, u: DVec3, v: DVec3) -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![
-            center - u - v,
-            center + u - v,
-            center + u + v,
-            center - u + v,
-        ],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
-    }
-}
 
 /// A disk of 512 triangles at `height`, facing down.
 fn polygon_disk(height: f64, radius: f64) -> TriangleMesh {
@@ -51,69 +30,11 @@ fn polygon_disk(height: f64, radius: f64) -> TriangleMesh {
     }
 }
 
-fn add(scene: &mut Scene, name: &str, mesh: TriangleMesh, material: Material) {
-    scene.meshes.insert(name.into(), Arc::new(mesh));
-    scene.materials.insert(name.into(), material);
-    scene.objects.push(Object {
-        name: name.into(),
-        mesh: name.into(),
-        material: Some(name.into()),
-        ..Object::default()
-    });
-}
-
-/// One pixel that sees the point `(x, 0, 0)` of a floor from the side.
-fn looking_at_floor(x: f64, material: Material) -> Scene {
-    let mut scene = Scene::default();
-    add(
-        &mut scene,
-        "floor",
-        rectangle(DVec3::ZERO, DVec3::X * 20.0, DVec3::Y * 20.0),
-        material,
-    );
-    scene.camera = Camera {
-        eye: DVec3::new(x, -8.0, 0.2),
-        target: DVec3::new(x, 0.0, 0.0),
-        vertical_fov: Degrees(1e-4),
-        ..Camera::default()
-    };
-    scene.render = RenderSettings {
-        mode: Mode::Path,
-        width: 1,
-        height: 1,
-        samples_per_pixel: 4096,
-        antialiasing: false,
-        ..RenderSettings::default()
-    };
+/// [`looking_at_floor`] by path tracing.
+fn path_to_floor(x: f64, material: Material) -> Scene {
+    let mut scene = looking_at_floor(x, material);
+    scene.render.mode = Mode::Path;
     scene
-}
-
-fn picture(scene: &Scene) -> Image {
-    let prepared =
-        PreparedScene::prepare(scene, None, &CancelToken::new()).expect("can be rendered");
-    let prepared = prepared.expect("nobody cancels");
-    let outcome = render(
-        &prepared,
-        None,
-        &RunConfig::default(),
-        &RenderProgress::default(),
-        &|_| (),
-    );
-    let outcome = outcome.expect("nobody cancels");
-    assert_eq!(outcome.stats.non_finite_samples, 0);
-    outcome.image
-}
-
-fn value(scene: &Scene) -> f64 {
-    f64::from(picture(scene).pixel(0, 0)[0])
-}
-
-#[track_caller]
-fn assert_near(found: f64, expected: f64, relative: f64, what: &str) {
-    assert!(
-        (found - expected).abs() <= relative * expected.abs(),
-        "{what}: {found}, not {expected}"
-    );
 }
 
 const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, LightSampling::Bsdf];
@@ -122,7 +43,7 @@ const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, LightS
 #[test]
 fn a_disk_and_an_emitting_mesh_give_the_irradiance_of_the_formula() {
     for (height, offset, expected) in [(1.0, 0.5, 1.375_963_021), (2.0, 0.0, 0.628_318_531)] {
-        let mut mesh = looking_at_floor(offset, diffuse(0.5));
+        let mut mesh = path_to_floor(offset, diffuse(0.5));
         mesh.render.mode = Mode::Direct;
         mesh.render.samples_per_pixel = 1 << 14;
         add(
@@ -138,7 +59,7 @@ fn a_disk_and_an_emitting_mesh_give_the_irradiance_of_the_formula() {
             &format!("mesh, directly, h {height}"),
         );
         for way in WAYS {
-            let mut scene = looking_at_floor(offset, diffuse(0.5));
+            let mut scene = path_to_floor(offset, diffuse(0.5));
             scene.render.light_sampling = way;
             scene.render.max_bounces = 1;
             scene.render.samples_per_pixel = 1 << 14;
@@ -228,7 +149,7 @@ fn the_phong_lobe_has_the_albedo_of_the_table() {
     ];
     for (shininess, albedos) in table {
         for (degrees, albedo) in [0.0_f64, 45.0, 75.0].into_iter().zip(albedos) {
-            let mut scene = looking_at_floor(
+            let mut scene = path_to_floor(
                 0.0,
                 Material::Phong {
                     diffuse: Rgb::ZERO,
@@ -399,7 +320,7 @@ fn a_closed_room_without_light_is_black_and_ends() {
 
 #[test]
 fn the_classic_formula_is_refused() {
-    let mut scene = looking_at_floor(0.0, diffuse(0.5));
+    let mut scene = path_to_floor(0.0, diffuse(0.5));
     scene.render.phong = raymini::scene::PhongModel::Classic;
     let error = scene.validate().expect_err("is refused").to_string();
     assert!(
