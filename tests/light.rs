@@ -26,7 +26,7 @@ fn disk(center: DVec3, radius: f64) -> Light {
     }
 }
 
-/// Irradiance of a disk of radiance 1 on a parallel receiver: references §1.1.
+/// Irradiance of a disk of radiance 1 on a parallel receiver (the view factor of a disk).
 fn disk_irradiance(radius: f64, height: f64, offset: f64) -> f64 {
     let (r2, h2, a2) = (radius * radius, height * height, offset * offset);
     let root = ((a2 + h2 + r2).powi(2) - 4.0 * a2 * r2).sqrt();
@@ -87,7 +87,7 @@ fn the_back_of_a_disk_gives_nothing() {
     assert_eq!(outcome.stats.rays.shadow, 0);
 }
 
-/// References §1.3: a half-plane edge at height 1 under a disk of radius 1 at height 4; the physical irradiance.
+/// A half-plane edge at height 1 under a disk of radius 1 at height 4; the physical irradiance.
 #[test]
 fn the_penumbra_of_an_edge_has_its_profile() {
     let mut scene = looking_at_floor(0.0, diffuse(1.0));
@@ -122,7 +122,7 @@ fn the_penumbra_of_an_edge_has_its_profile() {
     assert_eq!(picture(&scene).pixel(0, 0), [0.0; 3]);
 }
 
-/// References §4.2: error falls at least like N^−0.70 in the penumbra and N^−0.95 unoccluded.
+/// Error falls at least like N^−0.70 in the penumbra and N^−0.95 unoccluded.
 #[test]
 fn the_error_of_soft_shadows_falls_as_a_low_discrepancy_sequence_should() {
     let mut scene = looking_at_floor(0.1, diffuse(1.0));
@@ -191,7 +191,7 @@ fn occlusion_at_wall(d: f64, h: f64, radius: f64) -> f64 {
     value(&scene)
 }
 
-/// References §1.4, cosine-weighted.
+/// Cosine-weighted closed forms of walls.
 #[test]
 fn ambient_occlusion_matches_its_closed_forms() {
     let wall = |d: f64, h: f64| 0.5 * (1.0 + d / (d * d + h * h).sqrt());
@@ -249,7 +249,7 @@ fn occlusion_scales_the_light_of_the_background() {
     assert_eq!(outcome.stats.rays.ambient_occlusion, 0);
 }
 
-/// References §1.5: k bounces between parallel mirrors, then the emitter.
+/// K bounces between parallel mirrors, then the emitter.
 #[test]
 fn parallel_mirrors_multiply_their_reflectance() {
     // The ray climbs between mirrors at x = 0 and x = 1 by a unit per crossing and leaves above height 9.5.
@@ -296,7 +296,7 @@ fn parallel_mirrors_multiply_their_reflectance() {
     assert_eq!(run(&scene).stats.rays.bounce, 0);
 }
 
-/// References §1.7: a slab of glass before a black backdrop, under an even sky from the eye's side.
+/// A slab of glass before a black backdrop, under an even sky from the eye's side.
 #[test]
 fn a_slab_of_glass_reflects_and_transmits_what_fresnel_says() {
     for (degrees, reflected) in [
@@ -436,7 +436,7 @@ fn light_passes_straight_through_glass_to_what_it_lights() {
     );
 }
 
-/// At 60° both faces of a pane reflect 8.9 % (references §1.7); a straight ray loses that twice.
+/// At 60° both faces of a pane reflect 8.9 %; a straight ray loses that twice.
 #[test]
 fn light_passes_straight_through_glass_at_any_angle() {
     for (degrees, reflectance) in [
@@ -562,7 +562,7 @@ fn all_effects_together_give_the_same_bits() {
     }
 }
 
-/// References §1.8: value = 1 − seg(X/c) for an edge at distance 2 seen by a lens of radius 0.1 focused at 5.
+/// Value = 1 − seg(X/c) for an edge at distance 2 seen by a lens of radius 0.1 focused at 5.
 #[test]
 fn a_lens_blurs_an_edge_by_its_profile() {
     let mut scene = Scene::default();

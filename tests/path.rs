@@ -39,7 +39,7 @@ fn path_to_floor(x: f64, material: Material) -> Scene {
 
 const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, LightSampling::Bsdf];
 
-/// References §1.1, for a disk light and for an emitting mesh of the same shape, found each way.
+/// The disk's closed form, for a disk light and for an emitting mesh of the same shape, found each way.
 #[test]
 fn a_disk_and_an_emitting_mesh_give_the_irradiance_of_the_formula() {
     for (height, offset, expected) in [(1.0, 0.5, 1.375_963_021), (2.0, 0.0, 0.628_318_531)] {
@@ -94,7 +94,7 @@ fn a_disk_and_an_emitting_mesh_give_the_irradiance_of_the_formula() {
     }
 }
 
-/// References §1.5: a point light of intensity π in a diffuse ball of radius 1: n bounces give ρ(1 − ρⁿ)/(1 − ρ).
+/// A point light of intensity π in a diffuse ball of radius 1: n bounces give ρ(1 − ρⁿ)/(1 − ρ).
 #[test]
 fn a_light_in_a_diffuse_ball_sums_its_bounces() {
     let mut scene = Scene::default();
@@ -132,13 +132,13 @@ fn a_light_in_a_diffuse_ball_sums_its_bounces() {
         // The ball's faces lie up to 0.4 % inside the sphere.
         assert_near(mean(&scene), expected, 6e-3, &format!("{bounces} bounces"));
     }
-    // References §2.1 row 6, with roulette and without a cap.
+    // With roulette and without a cap, all of it.
     scene.render.max_bounces = 1 << 20;
     scene.render.roulette = true;
     assert_near(mean(&scene), 1.0, 1e-2, "all bounces");
 }
 
-/// References §1.6: what a lobe reflects of an even sky, at some exponents and angles.
+/// What a lobe reflects of an even sky, at some exponents and angles.
 #[test]
 fn the_phong_lobe_has_the_albedo_of_the_table() {
     let table = [

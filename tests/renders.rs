@@ -303,7 +303,7 @@ fn an_even_background_lights_a_diffuse_surface_by_its_reflectance() {
     );
 }
 
-/// References §1.9: coverage of a box pixel by a half plane.
+/// Coverage of a box pixel by a half plane.
 #[test]
 fn antialiasing_converges_to_the_covered_area() {
     // Bright sky beyond the edge of a black plate, the edge tilted by φ at signed distance s from the middle of a pixel.
@@ -470,7 +470,7 @@ fn scaled(scene: &Scene, s: f64) -> Scene {
     scene
 }
 
-/// References §2.1 rows 12 and 14: at least 99.9 % of the pixels within 1/255.
+/// At least 99.9 % of the pixels within 1/255.
 fn assert_mostly_equal(found: &Image, expected: &Image, what: &str) {
     let near =
         |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1.0 / 255.0);

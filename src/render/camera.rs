@@ -207,7 +207,7 @@ mod tests {
         assert!(camera.ray(0.0, 0.0).is_none());
     }
 
-    /// References §2.0: 1,024 pixels across a thousandth of a degree are 1,024 different rays.
+    /// 1,024 pixels across a thousandth of a degree are 1,024 different rays.
     #[test]
     fn a_tiny_field_of_view_has_a_ray_for_every_pixel() {
         // From 10⁵ away, the field of view frames the scene.

@@ -64,7 +64,7 @@ mod tests {
         fresnel(degrees.to_radians().cos(), eta).reflectance
     }
 
-    /// References §1.7: one face, n = 1.5.
+    /// One face, n = 1.5.
     #[test]
     fn reflectance_matches_the_published_table() {
         let table = [
@@ -99,7 +99,7 @@ mod tests {
         }
     }
 
-    /// References §2.1 row 11: nothing breaks and reflectance only grows around the critical angle.
+    /// Nothing breaks and reflectance only grows around the critical angle.
     #[test]
     fn the_critical_angle_is_crossed_smoothly() {
         let eta = 1.0_f32 / 1.5;

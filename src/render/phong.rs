@@ -137,7 +137,7 @@ mod tests {
         Phong::new(DVec3::splat(diffuse), DVec3::splat(specular), shininess)
     }
 
-    /// References §1.10: unit sphere, orthographic view along −z, light at (3, 4, 5).
+    /// Unit sphere, orthographic view along −z, light at (3, 4, 5).
     #[test]
     fn sphere_pixels_match_the_published_values() {
         // (x, y), N·L, (R·V)^50

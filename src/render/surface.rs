@@ -111,7 +111,7 @@ mod tests {
     use crate::math::DVec3;
     use crate::scene::{Object, Scene};
 
-    /// References §2.0.2: triangles of size 1 moved by K, a ray from ten away, a bounce to the same side. No bounce may hit
+    /// Triangles of size 1 moved by K, a ray from ten away, a bounce to the same side. No bounce may hit
     /// the triangle it left, and the push off the surface stays of the order of the rounding error.
     #[test]
     fn no_ray_hits_the_surface_it_leaves() {
