@@ -641,3 +641,23 @@ fn only_changed_geometry_is_prepared_again() {
     scene.objects[0].translate.x += 1.0;
     assert!(!Arc::ptr_eq(before.geometry(), again(&scene).geometry()));
 }
+
+#[test]
+fn numbers_too_large_to_render_are_refused_by_name() {
+    let (mut scene, ..) = lit_floor();
+    let refusal = |scene: &Scene| {
+        let prepared = PreparedScene::prepare(scene, None, &CancelToken::new());
+        prepared.expect_err("is refused").to_string()
+    };
+    scene.lights.push(Light::Point {
+        position: DVec3::Z,
+        intensity: Rgb::splat(1e300),
+    });
+    assert!(refusal(&scene).starts_with("lights.1 is too large a number"));
+    scene.lights.clear();
+    let glaring = Material::Emitter {
+        radiance: Rgb::splat(1e39),
+    };
+    scene.materials.insert("grey".into(), glaring);
+    assert!(refusal(&scene).starts_with("the material of objects.0 is too large"));
+}

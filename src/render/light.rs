@@ -88,6 +88,20 @@ impl PreparedLight {
         matches!(self, Self::Disk(_))
     }
 
+    /// Whether its numbers fit the precision of rendering.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::Point {
+                position,
+                intensity,
+            } => position.is_finite() && intensity.is_finite(),
+            Self::Disk(disk) => {
+                let area = disk.radius * disk.radius;
+                disk.center.is_finite() && area.is_finite() && disk.radiance.is_finite()
+            }
+        }
+    }
+
     /// The whole light as one point at its centre.
     pub fn center(&self, from: Vec3) -> LightSample {
         match self {

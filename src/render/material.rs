@@ -44,6 +44,16 @@ impl PreparedMaterial {
         }
     }
 
+    /// Whether its numbers fit the precision of rendering.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::Phong(phong) => phong.diffuse.is_finite() && phong.specular.is_finite(),
+            Self::Mirror { reflectance } => reflectance.is_finite(),
+            Self::Glass { ior, attenuation } => ior.is_finite() && attenuation.is_finite(),
+            Self::Emitter { radiance } => radiance.is_finite(),
+        }
+    }
+
     /// Diffuse plus specular reflectance; what a mirror reflects; white for glass; black for emitters.
     pub fn albedo(&self) -> Vec3 {
         match self {

@@ -84,6 +84,18 @@ impl PreparedScene {
             .iter()
             .map(|light| PreparedLight::new(light, frame))
             .collect();
+        let too_large = |key: String| SceneError::BadValue {
+            key,
+            value: "too large a number".to_owned(),
+            expected: "numbers that 32 bits can hold at the scene's scale, up to about 1e38"
+                .to_owned(),
+        };
+        if let Some(index) = lights.iter().position(|light| !light.is_finite()) {
+            return Err(too_large(format!("lights.{index}")));
+        }
+        if let Some(index) = materials.iter().position(|material| !material.is_finite()) {
+            return Err(too_large(format!("the material of objects.{index}")));
+        }
         let RenderSettings {
             width,
             height,
