@@ -155,8 +155,11 @@ fn smooth_surface(in: Fragment, n: vec3f, wo: vec3f) -> vec3f {
     // Schlick's approximation is good enough to look through.
     let ior = in.specular.w;
     let facing = pow((ior - 1.0) / (ior + 1.0), 2.0);
-    let reflectance = facing + (1.0 - facing) * pow(1.0 - abs(dot(n, wo)), 5.0);
-    return mix(background(-wo), mirrored, reflectance);
+    let cosine = abs(dot(n, wo));
+    let reflectance = facing + (1.0 - facing) * pow(1.0 - cosine, 5.0);
+    // Darker where the eye looks along the surface, so that a shape is seen before an even sky.
+    let seen_through = background(refract(-wo, n, 1.0 / ior)) * in.diffuse * (0.4 + 0.5 * cosine);
+    return mix(seen_through, mirrored, reflectance);
 }
 
 // The fit of Narkowicz (2015) to the ACES reference rendering.

@@ -146,7 +146,8 @@ impl ObjectInstance {
                 shininess,
             } => (diffuse, specular, shininess, 0),
             Material::Mirror { reflectance } => (reflectance, DVec3::ZERO, 1.0, 1),
-            Material::Glass { ior, .. } => (DVec3::ONE, DVec3::ZERO, ior, 2),
+            // Glass takes the tint of a unit of it.
+            Material::Glass { ior, attenuation } => ((-attenuation).exp(), DVec3::ZERO, ior, 2),
             Material::Emitter { radiance } => (radiance, DVec3::ZERO, 1.0, 3),
         };
         Self {
