@@ -5,11 +5,13 @@
 //! the triangles were given in.
 
 mod block;
+mod box_tree;
 mod brute_force;
 mod kd;
 #[cfg(test)]
 mod tests;
 
+pub use box_tree::BoxTree;
 pub use brute_force::BruteForce;
 pub use kd::{KdParameters, KdStatistics, KdTree};
 
