@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene};
 use crate::render::{
-    PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RunConfig, render,
+    Clamped, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RunConfig, render,
 };
 use crate::scene::{Choice, Mode, Scene};
 
@@ -93,6 +93,7 @@ struct Stats {
     samples_per_pixel: u32,
     rays: RayCounts,
     non_finite_samples: u64,
+    clamped: Clamped,
     image_hash: String,
 }
 
@@ -171,12 +172,22 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
     }
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),
-        cancel: CancelToken::new(),
+        layers: scene.output.layers && io::holds_layers(&arguments.output),
+        ..RunConfig::default()
     };
-    let RenderOutcome { image, stats } =
-        with_progress_bar(|progress| render(&prepared, arguments.region, &run, progress, &|_| ()))
-            .ok_or_else(|| anyhow!("rendering was cancelled"))?;
-    io::write_image(&image, &scene.display, &scene.output, &arguments.output)?;
+    let RenderOutcome {
+        image,
+        layers,
+        stats,
+    } = with_progress_bar(|progress| render(&prepared, arguments.region, &run, progress, &|_| ()))
+        .ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    io::write_image(
+        &image,
+        &layers,
+        &scene.display,
+        &scene.output,
+        &arguments.output,
+    )?;
 
     let hash = image.hash();
     let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
@@ -195,6 +206,13 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
             stats.non_finite_samples
         );
     }
+    if settings.clamp.is_some() {
+        eprintln!(
+            "render.clamp limited {} samples and took {:.3} % of the picture's light away",
+            stats.clamped.samples,
+            stats.clamped.energy_share * 100.0
+        );
+    }
     let accelerator = prepared.geometry().accelerator();
     Ok(Stats {
         load_seconds,
@@ -209,6 +227,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         samples_per_pixel: settings.samples_per_pixel,
         rays: stats.rays,
         non_finite_samples: stats.non_finite_samples,
+        clamped: stats.clamped,
         image_hash: hash,
     })
 }

@@ -4,8 +4,8 @@ use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use super::atomic::write_atomically;
-use crate::render::Image;
 use crate::render::display::{encode_8, encode_16};
+use crate::render::{Image, Layer};
 use crate::scene::{Display, Output, PngBits};
 
 /// Keyword of the PNG text that holds [`Image::hash`] of the picture before it was quantised.
@@ -45,20 +45,27 @@ pub fn check_image_path(path: &Path) -> Result<(), ImageFileError> {
     format_of(path).map(drop)
 }
 
-/// Writes `image` to `path`, as PNG with `display` applied or as OpenEXR with the radiance, by the extension. The file
-/// appears whole or not at all.
+/// Whether the format that `path` is written in holds layers.
+#[must_use]
+pub fn holds_layers(path: &Path) -> bool {
+    matches!(format_of(path), Ok(Format::Exr))
+}
+
+/// Writes `image` to `path`, as PNG with `display` applied or as OpenEXR with the radiance and, as channels `NAME.R`, `NAME.G`,
+/// `NAME.B`, the `layers`. The extension decides; the file appears whole or not at all.
 ///
 /// # Errors
 /// An unknown extension, or what the system says.
 pub fn write_image(
     image: &Image,
+    layers: &[(Layer, Image)],
     display: &Display,
     output: &Output,
     path: &Path,
 ) -> Result<(), ImageFileError> {
     let bytes = match format_of(path)? {
         Format::Png => png_bytes(image, display, *output),
-        Format::Exr => exr_bytes(image),
+        Format::Exr => exr_bytes(image, layers),
     };
     bytes
         .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes)))
@@ -113,16 +120,37 @@ fn png_bytes(image: &Image, display: &Display, output: Output) -> io::Result<Vec
     Ok(bytes)
 }
 
-fn exr_bytes(image: &Image) -> io::Result<Vec<u8>> {
-    use exr::prelude::{Image as ExrImage, SpecificChannels, Vec2, WritableImage};
-
-    let size = (image.width as usize, image.height as usize);
-    let pixel = |Vec2(x, y): Vec2<usize>| {
-        let [red, green, blue] = image.pixels[y * size.0 + x];
-        (red, green, blue)
+fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer as ExrLayer,
+        LayerAttributes, SmallVec, WritableImage,
     };
+
+    let named = layers
+        .iter()
+        .map(|(layer, image)| (format!("{}.", layer.name()), image));
+    let planes = std::iter::once((String::new(), image)).chain(named);
+    let channels: SmallVec<[_; 4]> = planes
+        .flat_map(|(prefix, image)| {
+            ["R", "G", "B"]
+                .into_iter()
+                .enumerate()
+                .map(move |(axis, color)| {
+                    let name = format!("{prefix}{color}");
+                    let samples = image.pixels.iter().map(|rgb| rgb[axis]).collect();
+                    AnyChannel::new(name.as_str(), FlatSamples::F32(samples))
+                })
+        })
+        .collect();
+    let size = (image.width as usize, image.height as usize);
+    let layer = ExrLayer::new(
+        size,
+        LayerAttributes::default(),
+        Encoding::SMALL_LOSSLESS,
+        AnyChannels::sort(channels),
+    );
     let mut file = Cursor::new(Vec::new());
-    ExrImage::from_channels(size, SpecificChannels::rgb(pixel))
+    ExrImage::from_layer(layer)
         .write()
         .to_buffered(&mut file)
         .map_err(|error| io::Error::other(error.to_string()))?;
@@ -150,7 +178,7 @@ mod tests {
             .tempfile()
             .expect("a file")
             .into_temp_path();
-        write_image(&gradient(), &Display::default(), &output, &path).expect("is written");
+        write_image(&gradient(), &[], &Display::default(), &output, &path).expect("is written");
         path
     }
 
@@ -160,7 +188,13 @@ mod tests {
             (PngBits::Eight, png::BitDepth::Eight),
             (PngBits::Sixteen, png::BitDepth::Sixteen),
         ] {
-            let path = written(".png", Output { png_bits });
+            let path = written(
+                ".png",
+                Output {
+                    png_bits,
+                    ..Output::default()
+                },
+            );
             let decoder = png::Decoder::new(io::BufReader::new(
                 std::fs::File::open(&path).expect("exists"),
             ));
@@ -221,6 +255,7 @@ mod tests {
     fn an_unknown_extension_is_refused_by_name() {
         let error = write_image(
             &gradient(),
+            &[],
             &Display::default(),
             &Output::default(),
             Path::new("out.jpg"),

@@ -9,7 +9,9 @@ pub mod off;
 pub mod scene_file;
 
 pub use atomic::write_atomically;
-pub use image_file::{ImageFileError, PNG_HASH_KEYWORD, check_image_path, write_image};
+pub use image_file::{
+    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, write_image,
+};
 pub use load::{
     LoadError, LoadedScene, SaveError, absolute_mesh, demo_scene, is_scene_file, load_mesh,
     load_scene, load_scenes, mesh_warnings, override_scene, save_scene,

@@ -86,11 +86,33 @@ pub fn tangents(normal: Vec3) -> (Vec3, Vec3) {
     )
 }
 
+/// A right-handed frame of unit vectors.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    x: Vec3,
+    y: Vec3,
+    z: Vec3,
+}
+
+impl Frame {
+    /// The frame of [`tangents`] about the unit vector `normal`, its Z.
+    #[must_use]
+    pub fn around(normal: Vec3) -> Self {
+        let (x, y) = tangents(normal);
+        Self { x, y, z: normal }
+    }
+
+    /// The vector that is `local` in this frame.
+    #[must_use]
+    pub fn world_from_local(&self, local: Vec3) -> Vec3 {
+        self.x * local.x + self.y * local.y + self.z * local.z
+    }
+}
+
 /// The vector that is `local` in the frame of [`tangents`] about `normal`.
 #[must_use]
 pub fn around(normal: Vec3, local: Vec3) -> Vec3 {
-    let (x, y) = tangents(normal);
-    x * local.x + y * local.y + normal * local.z
+    Frame::around(normal).world_from_local(local)
 }
 
 #[cfg(test)]

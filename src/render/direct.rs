@@ -4,115 +4,122 @@
 use std::f32::consts::PI;
 
 use super::camera::CameraRay;
-use super::fresnel::{fresnel, reflect, refract};
+use super::fresnel::fresnel;
+use super::layers::{Beginning, ByLobe, Gathered};
 use super::light::{LightSample, PreparedDisk, PreparedLight};
-use super::material::{PreparedMaterial, transmittance};
+use super::material::PreparedMaterial;
+use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
-use super::sampler::{Decision, Dimension, Sampler};
+use super::sampler::{Decision, Dimension, Sampler, Turns};
+use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
 use crate::math::{Ray, Vec3, warp};
 use crate::scene::Shadows;
 
-/// Radiance that arrives against `ray`, a camera ray.
-pub fn radiance(
+/// The light that arrives against `ray`, a camera ray.
+pub fn gather(
     scene: &PreparedScene,
     CameraRay { mut ray, mut start }: CameraRay,
     sampler: Sampler,
     rays: &mut RayCounts,
-) -> Vec3 {
+) -> Gathered {
+    let mut gathered = Gathered::nothing();
+    let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     for bounce in 0.. {
         let point = match scene.nearest(&ray) {
             Seen::Background => {
-                return throughput * scene.background().radiance(ray.direction.normalize());
+                let radiance = scene.background().radiance(ray.direction.normalize());
+                gathered.add_background(beginning, throughput * radiance);
+                break;
             }
-            Seen::Disk { disk, .. } => return throughput * disk.emitted(ray.direction),
+            Seen::Disk { disk, .. } => {
+                gathered.add_light(beginning, throughput * disk.emitted(ray.direction));
+                break;
+            }
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = material {
-            return throughput * radiance;
+            gathered.add_light(beginning, throughput * radiance);
+            break;
         }
         if bounce == scene.settings().max_bounces {
             break;
         }
-        ray = match *material {
-            PreparedMaterial::Phong(ref phong) => {
-                return throughput
-                    * Shading {
-                        scene,
-                        phong,
-                        point: &point,
-                        sampler,
-                        bounce,
-                    }
-                    .reflected(rays);
-            }
-            PreparedMaterial::Mirror { reflectance } => {
-                throughput *= reflectance;
-                point.ray_along(reflect(point.wo, point.specular_normal()))
-            }
-            PreparedMaterial::Glass { ior, attenuation } => {
-                if !point.front {
-                    throughput *= transmittance(attenuation, point.distance + narrowed(start));
+        match material {
+            PreparedMaterial::Phong(phong) => {
+                let mut shading = Shading {
+                    scene,
+                    phong,
+                    point: &point,
+                    mirror: point.mirror_direction(),
+                    sampler,
+                    bounce,
+                    gathered: &mut gathered,
+                    rays,
+                };
+                if !phong.is_black() {
+                    let ambient = phong.diffuse * shading.ambient();
+                    let lobes = shading.from_lights();
+                    gathered.add_ambient(beginning, throughput * ambient);
+                    gathered.add_reflected(beginning, lobes * throughput);
                 }
-                let dimension = Dimension::at(Decision::Boundary, bounce);
-                point.ray_along(through_boundary(&point, ior, sampler.next_2d(dimension).x))
+                break;
+            }
+            PreparedMaterial::Specular(specular) => {
+                let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
+                let onward = specular.onward(&point, start, u);
+                throughput *= onward.throughput;
+                beginning = beginning.then_specular(onward.layer);
+                ray = onward.ray;
             }
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
-        };
+        }
         rays.bounce += 1;
         start = 0.0;
     }
-    Vec3::ZERO
+    gathered
 }
 
-/// A distance in the precision of rendering.
-#[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-pub fn narrowed(distance: f64) -> f32 {
-    distance as f32
+/// What [`ambient_occlusion`] finds.
+#[derive(Clone, Copy, Debug)]
+pub struct Occlusion {
+    /// Share of the hemisphere in which nothing is near, weighted by the cosine.
+    pub free: f32,
+    /// The cosine-weighted mean of a radiance over the hemisphere, 0 where something is near.
+    pub radiance: Vec3,
 }
 
-/// The direction in which light goes on from a boundary of glass: reflected with the probability that Fresnel's equations give,
-/// else refracted. `u`: uniform in `[0, 1)`. The throughput stays: the share chosen cancels its probability.
-pub fn through_boundary(point: &SurfacePoint, ior: f32, u: f32) -> Vec3 {
-    let normal = point.specular_normal();
-    let eta = if point.front { ior } else { 1.0 / ior };
-    let boundary = fresnel(normal.dot(point.wo), eta);
-    if u < boundary.reflectance {
-        reflect(point.wo, normal)
-    } else {
-        refract(point.wo, normal, eta, boundary.cos_transmitted)
-    }
-}
-
-/// Share of the hemisphere over `point` in which nothing is near, weighted by the cosine; each channel counts a free direction
-/// by what `weight` gives it.
+/// Looks for what is near over `point`; `radiance` is what a free direction gives.
 pub fn ambient_occlusion(
     scene: &PreparedScene,
     point: &SurfacePoint,
-    (sampler, dimension): (Sampler, Dimension),
+    turns: &Turns,
     rays: &mut RayCounts,
-    weight: impl Fn(Vec3) -> Vec3,
-) -> Vec3 {
+    radiance: impl Fn(Vec3) -> Vec3,
+) -> Occlusion {
     let samples = scene.settings().ambient_occlusion.samples;
+    let around_normal = warp::Frame::around(point.shading_normal);
     let mut sum = Vec3::ZERO;
+    let mut free = 0_u32;
     for turn in 0..samples {
-        let local = warp::cosine_hemisphere(sampler.next_2d_of(dimension, turn, samples));
-        let wi = warp::around(point.shading_normal, local);
-        // Below the surface itself, where an interpolated normal leans over.
-        if !point.is_above(wi) {
-            continue;
-        }
+        let local = warp::cosine_hemisphere(turns.next_2d(turn));
+        let wi = around_normal.world_from_local(local);
         rays.ambient_occlusion += 1;
-        let ray = point.ray_along(wi * scene.occlusion_radius());
+        let ray = point.ray_above(wi * scene.occlusion_radius());
         if !scene.occluded(&ray, 1.0, None) {
-            sum += weight(wi);
+            free += 1;
+            sum += radiance(wi);
         }
     }
-    sum / samples as f32
+    let samples = samples as f32;
+    Occlusion {
+        free: free as f32 / samples,
+        radiance: sum / samples,
+    }
 }
 
 /// A surface point to be shaded.
@@ -120,182 +127,197 @@ struct Shading<'a> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
+    /// The mirror direction of `wo`.
+    mirror: Vec3,
     sampler: Sampler,
     /// Scattering events before this one.
     bounce: u32,
+    /// Takes note of shadow and occlusion.
+    gathered: &'a mut Gathered,
+    rays: &'a mut RayCounts,
 }
 
 impl Shading<'_> {
-    /// All light that the point reflects towards `wo`.
-    fn reflected(&self, rays: &mut RayCounts) -> Vec3 {
-        if self.phong.is_black() {
-            return Vec3::ZERO;
+    /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
+    fn ambient(&mut self) -> Vec3 {
+        let background = self.scene.background();
+        let is_looked_for = self.scene.settings().ambient_occlusion.enabled;
+        if !is_looked_for || background.is_black() {
+            return background.mean_over_hemisphere(self.point.shading_normal);
         }
-        let mut radiance = self.phong.diffuse * self.ambient(rays);
-        for (index, light) in (0..).zip(self.scene.lights()) {
-            radiance += self.light_from(index, light, rays);
+        let samples = self.scene.settings().ambient_occlusion.samples;
+        let turns = self.turns(Decision::AmbientOcclusion, 0, samples);
+        let radiance = |wi| background.radiance(wi);
+        let found = ambient_occlusion(self.scene, self.point, &turns, self.rays, radiance);
+        self.gathered.set_occlusion(found.free);
+        found.radiance
+    }
+
+    /// Reflected light of all lights and emitting objects.
+    fn from_lights(&mut self) -> ByLobe {
+        let mut sum = ByLobe::default();
+        let scene = self.scene;
+        for (index, light) in (0..).zip(scene.lights()) {
+            sum += self.from_light(index, light);
         }
-        radiance + self.light_from_objects(rays)
+        sum += self.from_objects();
+        sum
     }
 
     /// Reflected light of emitting objects, aimed at by their power; as many rays as to a light with area.
-    fn light_from_objects(&self, rays: &mut RayCounts) -> Vec3 {
+    fn from_objects(&mut self) -> ByLobe {
+        let mut sum = ByLobe::default();
         let emitters = self.scene.emitters();
         if emitters.is_empty() {
-            return Vec3::ZERO;
+            return sum;
         }
-        let turns = self.scene.settings().shadow_samples;
-        let mut sum = Vec3::ZERO;
-        for turn in 0..turns {
-            let pair = |decision| {
-                let dimension = Dimension::at(decision, self.bounce);
-                self.sampler.next_2d_of(dimension, turn, turns)
-            };
-            let choice = pair(Decision::LightChoice);
-            let from = self.point.position;
-            let aim = emitters.aim(
-                self.scene.lights(),
-                from,
-                choice,
-                pair(Decision::EmitterPoint),
-            );
-            sum += aim.map_or(Vec3::ZERO, |aim| {
-                self.light_from_sample(aim.light, &aim.sample, rays, |_| 1.0)
-            });
+        let count = self.scene.settings().shadow_samples;
+        let choices = self.turns(Decision::LightChoice, 0, count);
+        let points = self.turns(Decision::EmitterPoint, 0, count);
+        for turn in 0..count {
+            let (choice, u) = (choices.next_2d(turn), points.next_2d(turn));
+            let lights = self.scene.lights();
+            if let Some(aim) = emitters.aim(lights, self.point.position, choice, u) {
+                sum += self.from_sample(aim.light, &aim.sample, |_| 1.0);
+            }
         }
-        sum / turns as f32
+        sum * Vec3::splat(1.0 / count as f32)
     }
 
-    /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
-    fn ambient(&self, rays: &mut RayCounts) -> Vec3 {
-        let background = self.scene.background();
-        if background.is_black() {
-            return Vec3::ZERO;
-        }
-        if !self.scene.settings().ambient_occlusion.enabled {
-            return background.mean_over_hemisphere(self.point.shading_normal);
-        }
-        let dimension = Dimension::at(Decision::AmbientOcclusion, self.bounce);
-        ambient_occlusion(
-            self.scene,
-            self.point,
-            (self.sampler, dimension),
-            rays,
-            |wi| background.radiance(wi),
-        )
-    }
-
-    fn light_from(&self, index: u32, light: &PreparedLight, rays: &mut RayCounts) -> Vec3 {
+    fn from_light(&mut self, index: u32, light: &PreparedLight) -> ByLobe {
         let from = self.point.position;
         let settings = self.scene.settings();
         if !light.has_area() || settings.shadows == Shadows::Hard {
-            return self.light_from_sample(Some(index), &light.center(from), rays, |_| 1.0);
+            return self.from_sample(Some(index), &light.center(from), |_| 1.0);
         }
-        let mut sum = Vec3::ZERO;
-        for turn in 0..settings.shadow_samples {
-            let dimension = Dimension::at(Decision::Light, self.bounce).about(index);
-            let sample = light.sample(
-                from,
-                self.sampler
-                    .next_2d_of(dimension, turn, settings.shadow_samples),
-            );
-            sum += match light {
-                PreparedLight::Disk(disk) if disk.is_near(from) => {
+        let count = settings.shadow_samples;
+        let points = self.turns(Decision::Light, index, count);
+        if settings.shadows == Shadows::Fraction {
+            return self.fraction_of(index, light, &points, count);
+        }
+        let mut sum = ByLobe::default();
+        match light {
+            PreparedLight::Disk(disk) if disk.is_near(from) => {
+                let directions = self.turns(Decision::NearLight, index, count);
+                for turn in 0..count {
+                    let sample = light.sample(from, points.next_2d(turn));
+                    let normal = self.point.shading_normal;
                     let weight = |wi: Vec3| {
                         let towards = Ray::new(from, sample.position - from);
-                        power_heuristic(disk.pdf_solid_angle(&towards, 1.0), self.cosine_pdf(wi))
+                        power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
                     };
-                    self.light_from_sample(Some(index), &sample, rays, weight)
-                        + self.looking_for_disk(index, disk, turn, rays)
+                    sum += self.from_sample(Some(index), &sample, weight);
+                    sum += self.looking_for_disk(index, disk, &directions, turn);
                 }
-                _ => self.light_from_sample(Some(index), &sample, rays, |_| 1.0),
-            };
+            }
+            _ => {
+                for turn in 0..count {
+                    let sample = light.sample(from, points.next_2d(turn));
+                    sum += self.from_sample(Some(index), &sample, |_| 1.0);
+                }
+            }
         }
-        sum / settings.shadow_samples as f32
+        sum * Vec3::splat(1.0 / count as f32)
+    }
+
+    /// The rule of 2011: what the light's centre would give, times the share of its points that is seen.
+    fn fraction_of(
+        &mut self,
+        index: u32,
+        light: &PreparedLight,
+        points: &Turns,
+        count: u32,
+    ) -> ByLobe {
+        let from = self.point.position;
+        let center = light.center(from);
+        let Some(wi) = (center.position - from).try_normalize() else {
+            return ByLobe::default();
+        };
+        let reflected = self.reflected_share(wi);
+        if reflected.sum() == Vec3::ZERO || center.irradiance == Vec3::ZERO {
+            return ByLobe::default();
+        }
+        let mut seen = Vec3::ZERO;
+        for turn in 0..count {
+            let target = light.sample(from, points.next_2d(turn)).position;
+            seen += self.visible(&self.point.ray_to(target), Some(index));
+        }
+        reflected * (center.irradiance * seen / count as f32)
     }
 
     /// Reflected light of one point of a light, times what `weight` says of its direction.
-    fn light_from_sample(
-        &self,
+    fn from_sample(
+        &mut self,
         light: Option<u32>,
         sample: &LightSample,
-        rays: &mut RayCounts,
         weight: impl Fn(Vec3) -> f32,
-    ) -> Vec3 {
+    ) -> ByLobe {
         // No ray where nothing would be reflected anyway.
         let Some(wi) = (sample.position - self.point.position).try_normalize() else {
-            return Vec3::ZERO;
+            return ByLobe::default();
         };
         if sample.irradiance == Vec3::ZERO {
-            return Vec3::ZERO;
+            return ByLobe::default();
         }
         let reflected = self.reflected_share(wi);
-        if reflected == Vec3::ZERO {
-            return Vec3::ZERO;
+        if reflected.sum() == Vec3::ZERO {
+            return ByLobe::default();
         }
         let ray = self.point.ray_to(sample.position);
-        reflected * sample.irradiance * weight(wi) * self.visible(&ray, light, rays)
+        reflected * (sample.irradiance * weight(wi) * self.visible(&ray, light))
     }
 
     /// Reflected light of a near disk, looked for in a direction of the hemisphere: the other half of
-    /// [`Self::light_from_sample`], which is noisy where the light is near.
+    /// [`Self::from_sample`], which is noisy where the light is near.
     fn looking_for_disk(
-        &self,
+        &mut self,
         index: u32,
         disk: &PreparedDisk,
+        directions: &Turns,
         turn: u32,
-        rays: &mut RayCounts,
-    ) -> Vec3 {
-        let dimension = Dimension::at(Decision::NearLight, self.bounce).about(index);
-        let u = self
-            .sampler
-            .next_2d_of(dimension, turn, self.scene.settings().shadow_samples);
-        let wi = warp::around(self.point.shading_normal, warp::cosine_hemisphere(u));
+    ) -> ByLobe {
+        let normal = self.point.shading_normal;
+        let wi = warp::around(normal, warp::cosine_hemisphere(directions.next_2d(turn)));
         let reflected = self.reflected_share(wi);
-        let mut ray = self.point.ray_along(wi);
+        let mut ray = self.point.ray_above(wi);
         let emitted = disk.emitted(wi);
         let Some(t) = disk.intersect(&ray, f32::INFINITY) else {
-            return Vec3::ZERO;
+            return ByLobe::default();
         };
-        if reflected == Vec3::ZERO || emitted == Vec3::ZERO {
-            return Vec3::ZERO;
+        if reflected.sum() == Vec3::ZERO || emitted == Vec3::ZERO {
+            return ByLobe::default();
         }
-        let pdf = self.cosine_pdf(wi);
+        let pdf = cosine_pdf(normal, wi);
         let weight = power_heuristic(pdf, disk.pdf_solid_angle(&ray, t));
         ray.direction *= t;
-        reflected * emitted * (weight / pdf) * self.visible(&ray, Some(index), rays)
+        reflected * (emitted * (weight / pdf) * self.visible(&ray, Some(index)))
     }
 
     /// What leaves towards `wo` of light from `wi`, per irradiance on a surface that faces it.
-    fn reflected_share(&self, wi: Vec3) -> Vec3 {
+    fn reflected_share(&self, wi: Vec3) -> ByLobe {
         let cosine = self.point.cosine(wi);
         if cosine <= 0.0 {
-            return Vec3::ZERO;
+            return ByLobe::default();
         }
         let model = self.scene.settings().phong;
-        self.phong
-            .reflected(model, self.point.shading_normal, self.point.wo, wi, cosine)
-    }
-
-    /// Density of cosine-distributed directions about the shading normal.
-    fn cosine_pdf(&self, wi: Vec3) -> f32 {
-        self.point.shading_normal.dot(wi).max(0.0) / PI
+        self.phong.reflected(model, self.mirror, wi, cosine)
     }
 
     /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1.
-    fn visible(&self, ray: &Ray, light: Option<u32>, rays: &mut RayCounts) -> Vec3 {
+    fn visible(&mut self, ray: &Ray, light: Option<u32>) -> Vec3 {
         if self.scene.settings().shadows == Shadows::Off {
             return Vec3::ONE;
         }
-        rays.shadow += 1;
-        if self.scene.has_glass() {
-            return self.through_glass(*ray, light);
-        }
-        if self.scene.occluded(ray, 1.0, light) {
+        self.rays.shadow += 1;
+        let passed = if self.scene.has_glass() {
+            self.through_glass(*ray, light)
+        } else if self.scene.occluded(ray, 1.0, light) {
             Vec3::ZERO
         } else {
             Vec3::ONE
-        }
+        };
+        self.gathered.count_shadow_ray(passed);
+        passed
     }
 
     /// [`Self::visible`] where glass may stand in between: it is passed straight, losing what each face reflects and what
@@ -310,7 +332,8 @@ impl Shading<'_> {
             let Some(point) = self.scene.surface_along(&ray, 1.0) else {
                 return passed;
             };
-            let PreparedMaterial::Glass { ior, attenuation } = *self.scene.material(point.object)
+            let PreparedMaterial::Specular(Specular::Glass { ior, attenuation }) =
+                *self.scene.material(point.object)
             else {
                 return Vec3::ZERO;
             };
@@ -323,16 +346,18 @@ impl Shading<'_> {
             if passed == Vec3::ZERO {
                 return passed;
             }
-            ray = point.ray_to(target);
+            ray = point.ray_through_to(target);
         }
+    }
+
+    /// The random numbers of a decision about `item` that is taken `count` times here.
+    fn turns(&self, decision: Decision, item: u32, count: u32) -> Turns {
+        let dimension = Dimension::at(decision, self.bounce).about(item);
+        self.sampler.turns(dimension, count)
     }
 }
 
-/// Weight of a sample taken with density `pdf` where another strategy would have taken it with density `other`.
-///
-/// Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997: the power heuristic of exponent 2.
-pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    // As a ratio, so that large densities do not overflow.
-    let ratio = other / pdf;
-    1.0 / (1.0 + ratio * ratio)
+/// Density of cosine-distributed directions about `normal`, per steradian.
+fn cosine_pdf(normal: Vec3, wi: Vec3) -> f32 {
+    normal.dot(wi).max(0.0) / PI
 }

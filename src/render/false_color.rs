@@ -32,8 +32,9 @@ pub fn color(
     };
     match which {
         FalseColor::AmbientOcclusion => {
-            let dimension = Dimension::once(Decision::AmbientOcclusion);
-            ambient_occlusion(scene, &point, (sampler, dimension), rays, |_| Vec3::ONE)
+            let samples = scene.settings().ambient_occlusion.samples;
+            let turns = sampler.turns(Dimension::once(Decision::AmbientOcclusion), samples);
+            Vec3::splat(ambient_occlusion(scene, &point, &turns, rays, |_| Vec3::ZERO).free)
         }
         FalseColor::Normals => (point.shading_normal + 1.0) / 2.0,
         #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]

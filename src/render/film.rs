@@ -1,4 +1,5 @@
 use super::Image;
+use super::layers::{Gathered, Layer};
 use super::tiles::Region;
 
 /// Sums of samples per pixel, normalised only when read.
@@ -8,69 +9,124 @@ use super::tiles::Region;
 #[derive(Clone, Debug)]
 pub struct Film {
     region: Region,
-    sums: Vec<[f64; 3]>,
+    /// The picture's sums first, then those of each layer.
+    planes: Vec<Vec<[f64; 3]>>,
+    layers: Vec<Layer>,
     samples: Vec<u32>,
 }
 
+/// The sums of one block of samples over one tile: the picture's first, then those of each layer, each row by row.
+#[derive(Clone, Debug)]
+pub struct TileSums {
+    planes: Vec<Vec<[f64; 3]>>,
+}
+
+impl TileSums {
+    /// Nothing yet of `pixels` pixels.
+    pub fn new(layers: &[Layer], pixels: usize) -> Self {
+        Self {
+            planes: vec![vec![[0.0; 3]; pixels]; 1 + layers.len()],
+        }
+    }
+
+    /// Adds a sample of the pixel number `index`.
+    pub fn add(&mut self, index: usize, layers: &[Layer], sample: &Gathered) {
+        let (picture, rest) = self.planes.split_first_mut().expect("the picture is there");
+        add_to(&mut picture[index], sample.radiance.as_dvec3().to_array());
+        for (plane, &layer) in rest.iter_mut().zip(layers) {
+            add_to(&mut plane[index], sample.of(layer).as_dvec3().to_array());
+        }
+    }
+}
+
+fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
+    for (sum, value) in sum.iter_mut().zip(value) {
+        *sum += value;
+    }
+}
+
 impl Film {
-    /// An empty film over `region` of the picture.
+    /// An empty film over `region` of the picture, with these layers beside it.
     #[must_use]
-    pub fn new(region: Region) -> Self {
+    pub fn new(region: Region, layers: &[Layer]) -> Self {
         let pixels = region.pixel_count();
         Self {
             region,
-            sums: vec![[0.0; 3]; pixels],
+            planes: vec![vec![[0.0; 3]; pixels]; 1 + layers.len()],
+            layers: layers.to_vec(),
             samples: vec![0; pixels],
         }
     }
 
-    /// Adds one block of `samples` per pixel over `tile`; `sums` row by row.
+    /// Adds one block of `samples` per pixel over `tile`.
     ///
     /// # Panics
-    /// When the tile does not lie in the film's region or `sums` has another size.
-    pub fn add(&mut self, tile: Region, sums: &[[f64; 3]], samples: u32) {
-        assert_eq!(
-            sums.len(),
-            tile.pixel_count(),
-            "one sum per pixel of the tile"
-        );
-        for (row, block) in sums.chunks_exact(tile.width as usize).enumerate() {
+    /// When the tile does not lie in the film's region or `sums` is of another size or has other layers.
+    pub fn add(&mut self, tile: Region, sums: &TileSums, samples: u32) {
+        assert_eq!(self.planes.len(), sums.planes.len(), "the same layers");
+        for row in 0..tile.height as usize {
             let start = self.row_start(tile, row);
-            for (offset, block_sum) in block.iter().enumerate() {
-                for (sum, value) in self.sums[start + offset].iter_mut().zip(block_sum) {
-                    *sum += value;
+            let width = tile.width as usize;
+            for (plane, sums) in self.planes.iter_mut().zip(&sums.planes) {
+                assert_eq!(
+                    sums.len(),
+                    tile.pixel_count(),
+                    "one sum per pixel of the tile"
+                );
+                let row = &sums[row * width..][..width];
+                for (sum, value) in plane[start..start + width].iter_mut().zip(row) {
+                    add_to(sum, *value);
                 }
-                self.samples[start + offset] += samples;
+            }
+            for count in &mut self.samples[start..start + width] {
+                *count += samples;
             }
         }
     }
 
-    /// The mean radiance of every pixel of `tile`, row by row; black where nothing was sampled.
+    /// The means of every pixel of `tile`, row by row, of the picture and then of each layer; black where nothing was
+    /// sampled.
     #[must_use]
-    pub fn means(&self, tile: Region) -> Vec<[f32; 3]> {
-        (0..tile.height as usize)
-            .flat_map(|row| {
-                let start = self.row_start(tile, row);
-                (start..start + tile.width as usize).map(|index| self.mean(index))
-            })
-            .collect()
+    pub fn means(&self, tile: Region) -> Vec<Vec<[f32; 3]>> {
+        let means = |plane: &Vec<[f64; 3]>| {
+            (0..tile.height as usize)
+                .flat_map(|row| {
+                    let start = self.row_start(tile, row);
+                    (start..start + tile.width as usize).map(|index| self.mean(plane, index))
+                })
+                .collect()
+        };
+        self.planes.iter().map(means).collect()
     }
 
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
+        self.image_of(&self.planes[0])
+    }
+
+    /// The layers so far.
+    #[must_use]
+    pub fn layer_images(&self) -> Vec<(Layer, Image)> {
+        let images = self.planes[1..].iter().map(|plane| self.image_of(plane));
+        self.layers.iter().copied().zip(images).collect()
+    }
+
+    fn image_of(&self, plane: &[[f64; 3]]) -> Image {
         let Region { width, height, .. } = self.region;
         Image {
             width,
             height,
-            pixels: (0..self.sums.len()).map(|index| self.mean(index)).collect(),
+            pixels: (0..plane.len())
+                .map(|index| self.mean(plane, index))
+                .collect(),
         }
     }
 
-    fn mean(&self, index: usize) -> [f32; 3] {
+    fn mean(&self, plane: &[[f64; 3]], index: usize) -> [f32; 3] {
         let samples = f64::from(self.samples[index].max(1));
         #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]
-        self.sums[index].map(|sum| (sum / samples) as f32)
+        plane[index].map(|sum| (sum / samples) as f32)
     }
 
     fn row_start(&self, tile: Region, row: usize) -> usize {
@@ -86,6 +142,16 @@ impl Film {
 mod tests {
     use super::*;
 
+    fn sums(pixels: usize, samples: &[[f32; 3]]) -> TileSums {
+        let mut sums = TileSums::new(&[Layer::Ambient], pixels);
+        for index in 0..pixels {
+            for &sample in samples {
+                sums.add(index, &[Layer::Ambient], &Gathered::seen(sample.into()));
+            }
+        }
+        sums
+    }
+
     #[test]
     fn means_are_taken_over_the_samples_of_each_pixel() {
         let region = Region {
@@ -94,17 +160,21 @@ mod tests {
             width: 3,
             height: 2,
         };
-        let mut film = Film::new(region);
-        film.add(region, &[[1.0, 2.0, 4.0]; 6], 1);
+        let mut film = Film::new(region, &[Layer::Ambient]);
+        film.add(region, &sums(6, &[[1.0, 2.0, 4.0]]), 1);
         let corner = Region {
             x: 12,
             y: 21,
             width: 1,
             height: 1,
         };
-        film.add(corner, &[[3.0, 0.0, 0.0]], 3);
+        film.add(
+            corner,
+            &sums(1, &[[1.0, 0.0, 0.0], [0.0; 3], [2.0, 0.0, 0.0]]),
+            3,
+        );
         assert_eq!(film.image().pixel(2, 1), [1.0, 0.5, 1.0]);
         assert_eq!(film.image().pixel(0, 0), [1.0, 2.0, 4.0]);
-        assert_eq!(film.means(corner), [[1.0, 0.5, 1.0]]);
+        assert_eq!(film.means(corner), [[[1.0, 0.5, 1.0]], [[0.0; 3]]]);
     }
 }

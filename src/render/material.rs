@@ -1,4 +1,5 @@
 use super::phong::Phong;
+use super::specular::Specular;
 use crate::math::Vec3;
 use crate::scene::{Material, RenderSettings};
 
@@ -6,17 +7,8 @@ use crate::scene::{Material, RenderSettings};
 #[derive(Clone, Copy, Debug)]
 pub enum PreparedMaterial {
     Phong(Phong),
-    Mirror {
-        reflectance: Vec3,
-    },
-    Glass {
-        ior: f32,
-        /// Per prepared unit.
-        attenuation: Vec3,
-    },
-    Emitter {
-        radiance: Vec3,
-    },
+    Specular(Specular),
+    Emitter { radiance: Vec3 },
 }
 
 impl PreparedMaterial {
@@ -30,14 +22,14 @@ impl PreparedMaterial {
                 specular,
                 shininess,
             } => Self::Phong(Phong::new(diffuse, specular, shininess)),
-            Material::Mirror { reflectance } => Self::Mirror {
+            Material::Mirror { reflectance } => Self::Specular(Specular::Mirror {
                 reflectance: reflectance.as_vec3(),
-            },
+            }),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-            Material::Glass { ior, attenuation } => Self::Glass {
+            Material::Glass { ior, attenuation } => Self::Specular(Specular::Glass {
                 ior: ior as f32,
                 attenuation: (attenuation / scale).as_vec3(),
-            },
+            }),
             Material::Emitter { radiance } => Self::Emitter {
                 radiance: radiance.as_vec3(),
             },
@@ -48,8 +40,10 @@ impl PreparedMaterial {
     pub fn is_finite(&self) -> bool {
         match self {
             Self::Phong(phong) => phong.diffuse.is_finite() && phong.specular.is_finite(),
-            Self::Mirror { reflectance } => reflectance.is_finite(),
-            Self::Glass { ior, attenuation } => ior.is_finite() && attenuation.is_finite(),
+            Self::Specular(Specular::Mirror { reflectance }) => reflectance.is_finite(),
+            Self::Specular(Specular::Glass { ior, attenuation }) => {
+                ior.is_finite() && attenuation.is_finite()
+            }
             Self::Emitter { radiance } => radiance.is_finite(),
         }
     }
@@ -58,18 +52,9 @@ impl PreparedMaterial {
     pub fn albedo(&self) -> Vec3 {
         match self {
             Self::Phong(phong) => phong.diffuse + phong.specular,
-            Self::Mirror { reflectance } => *reflectance,
-            Self::Glass { .. } => Vec3::ONE,
+            Self::Specular(Specular::Mirror { reflectance }) => *reflectance,
+            Self::Specular(Specular::Glass { .. }) => Vec3::ONE,
             Self::Emitter { .. } => Vec3::ZERO,
         }
-    }
-}
-
-/// Share of the light that is left after `distance` through a medium.
-pub fn transmittance(attenuation: Vec3, distance: f32) -> Vec3 {
-    if attenuation == Vec3::ZERO {
-        Vec3::ONE
-    } else {
-        (-attenuation * distance).map(libm::expf)
     }
 }

@@ -5,9 +5,9 @@
 //! Physically Based Rendering (4th ed.), teach.
 
 use super::camera::CameraRay;
-use super::direct::{narrowed, power_heuristic, through_boundary};
-use super::fresnel::reflect;
-use super::material::{PreparedMaterial, transmittance};
+use super::layers::{Beginning, ByLobe, Gathered};
+use super::material::PreparedMaterial;
+use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
@@ -21,15 +21,16 @@ const ROULETTE_FROM: u32 = 4;
 /// The most likely a path goes on under roulette, so that it ends even where nothing is absorbed.
 const MOST_SURVIVAL: f32 = 0.95;
 
-/// Radiance that arrives against `ray`, a camera ray.
-pub fn radiance(
+/// The light that arrives against `ray`, a camera ray.
+pub fn gather(
     scene: &PreparedScene,
     CameraRay { mut ray, mut start }: CameraRay,
     sampler: Sampler,
     rays: &mut RayCounts,
-) -> Vec3 {
+) -> Gathered {
     let settings = scene.settings();
-    let mut radiance = Vec3::ZERO;
+    let mut gathered = Gathered::nothing();
+    let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     // Density of the last scattered direction; `None` where no light could be aimed at instead: from the eye, a mirror, glass.
     let mut scattered_pdf = None;
@@ -43,60 +44,69 @@ pub fn radiance(
         };
         let point = match scene.nearest(&ray) {
             Seen::Background => {
-                return radiance
-                    + throughput * scene.background().radiance(ray.direction.normalize());
+                let radiance = scene.background().radiance(ray.direction.normalize());
+                gathered.add_background(beginning, throughput * radiance);
+                break;
             }
             Seen::Disk { disk, index, t } => {
                 let pdf = scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
-                return radiance + throughput * disk.emitted(ray.direction) * weight(pdf);
+                let radiance = disk.emitted(ray.direction) * weight(pdf);
+                gathered.add_light(beginning, throughput * radiance);
+                break;
             }
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);
-        if let PreparedMaterial::Emitter { radiance: emitted } = *material {
+        if let PreparedMaterial::Emitter { radiance } = *material {
             let pdf = scene.emitters().pdf_of_object(
                 point.object,
                 point.geometric_normal(),
                 point.position - ray.origin,
             );
-            return radiance + throughput * emitted * weight(pdf);
+            gathered.add_light(beginning, throughput * radiance * weight(pdf));
+            break;
         }
         if bounce == settings.max_bounces {
             break;
         }
 
         // The next direction, after aiming at a light where that is possible.
-        ray = match *material {
-            PreparedMaterial::Phong(ref phong) => {
-                radiance += throughput * aimed_light(scene, phong, &point, (sampler, bounce), rays);
+        match material {
+            PreparedMaterial::Phong(phong) => {
+                let mirror = point.mirror_direction();
+                let aimed = AimedLight {
+                    scene,
+                    phong,
+                    point: &point,
+                    mirror,
+                };
+                if let Some(lit) = aimed.reflected((sampler, bounce), rays) {
+                    gathered.add_reflected(beginning, lit.lobes * throughput);
+                    if !matches!(beginning, Beginning::Scattered { .. } | Beginning::Indirect) {
+                        gathered.count_shadow_ray(lit.passed);
+                    }
+                }
                 let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
                 let lobe = sampler.next_2d(Dimension::at(Decision::Lobe, bounce)).x;
-                let Some(scattered) = phong.sample(point.shading_normal, point.wo, lobe, direction)
+                let Some(scattered) = phong.sample(point.shading_normal, mirror, lobe, direction)
                 else {
                     break;
                 };
-                if !point.is_above(scattered.wi) {
-                    break;
-                }
-                throughput *= scattered.weight;
+                throughput *= scattered.weight.sum();
                 scattered_pdf = Some(scattered.pdf_solid_angle);
-                point.ray_along(scattered.wi)
+                beginning = beginning.then_scattered(scattered.weight);
+                ray = point.ray_above(scattered.wi);
             }
-            PreparedMaterial::Mirror { reflectance } => {
-                throughput *= reflectance;
+            PreparedMaterial::Specular(specular) => {
+                let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
+                let onward = specular.onward(&point, start, u);
+                throughput *= onward.throughput;
                 scattered_pdf = None;
-                point.ray_along(reflect(point.wo, point.specular_normal()))
-            }
-            PreparedMaterial::Glass { ior, attenuation } => {
-                if !point.front {
-                    throughput *= transmittance(attenuation, point.distance + narrowed(start));
-                }
-                scattered_pdf = None;
-                let u = sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
-                point.ray_along(through_boundary(&point, ior, u))
+                beginning = beginning.then_specular(onward.layer);
+                ray = onward.ray;
             }
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
-        };
+        }
 
         // Paths that carry little end at random; the rest carry more for them.
         if settings.roulette && bounce + 1 >= ROULETTE_FROM {
@@ -111,49 +121,68 @@ pub fn radiance(
         rays.bounce += 1;
         start = 0.0;
     }
-    radiance
+    gathered
 }
 
-/// What `point` reflects towards `wo` of one light chosen by power, divided by the probability of the choice.
-fn aimed_light(
-    scene: &PreparedScene,
-    phong: &Phong,
-    point: &SurfacePoint,
-    (sampler, bounce): (Sampler, u32),
-    rays: &mut RayCounts,
-) -> Vec3 {
-    let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
-    let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
-    let Some(aim) = scene
-        .emitters()
-        .aim(scene.lights(), point.position, choice, u)
-    else {
-        return Vec3::ZERO;
-    };
-    let Some(wi) = (aim.sample.position - point.position).try_normalize() else {
-        return Vec3::ZERO;
-    };
-    let weight = match (aim.pdf_solid_angle, scene.settings().light_sampling) {
-        (None, _) | (_, LightSampling::Nee) => 1.0,
-        (_, LightSampling::Bsdf) => return Vec3::ZERO,
-        (Some(pdf), LightSampling::Mis) => power_heuristic(
-            pdf,
-            phong.pdf_solid_angle(point.shading_normal, point.wo, wi),
-        ),
-    };
-    let cosine = point.cosine(wi);
-    if cosine <= 0.0 || aim.sample.irradiance == Vec3::ZERO {
-        return Vec3::ZERO;
-    }
-    let reflected = phong.brdf(point.shading_normal, point.wo, wi) * cosine;
-    if reflected == Vec3::ZERO {
-        return Vec3::ZERO;
-    }
-    rays.shadow += 1;
-    let ray = point.ray_to(aim.sample.position);
-    if scene.occluded(&ray, 1.0, aim.light) {
-        Vec3::ZERO
-    } else {
-        reflected * aim.sample.irradiance * weight
+/// A surface point that aims at lights.
+struct AimedLight<'a> {
+    scene: &'a PreparedScene,
+    phong: &'a Phong,
+    point: &'a SurfacePoint,
+    /// The mirror direction of `wo`.
+    mirror: Vec3,
+}
+
+/// What came of aiming at a light.
+struct Lit {
+    /// Reflected towards `wo`, divided by the probability of the choice.
+    lobes: ByLobe,
+    /// Share of the light that came through.
+    passed: Vec3,
+}
+
+impl AimedLight<'_> {
+    /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
+    fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut RayCounts) -> Option<Lit> {
+        let Self {
+            scene,
+            phong,
+            point,
+            mirror,
+        } = *self;
+        let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
+        let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
+        let lights = scene.lights();
+        let aim = scene.emitters().aim(lights, point.position, choice, u)?;
+        let wi = (aim.sample.position - point.position).try_normalize()?;
+        let weight = match (aim.pdf_solid_angle, scene.settings().light_sampling) {
+            (None, _) | (_, LightSampling::Nee) => 1.0,
+            (_, LightSampling::Bsdf) => return None,
+            (Some(pdf), LightSampling::Mis) => {
+                let scattered = phong.pdf_solid_angle(point.shading_normal, mirror, wi);
+                power_heuristic(pdf, scattered)
+            }
+        };
+        let cosine = point.cosine(wi);
+        if cosine <= 0.0 || aim.sample.irradiance == Vec3::ZERO {
+            return None;
+        }
+        let reflected = phong.brdf(mirror, wi) * Vec3::splat(cosine);
+        if reflected.sum() == Vec3::ZERO {
+            return None;
+        }
+        rays.shadow += 1;
+        let ray = point.ray_to(aim.sample.position);
+        Some(if scene.occluded(&ray, 1.0, aim.light) {
+            Lit {
+                lobes: ByLobe::default(),
+                passed: Vec3::ZERO,
+            }
+        } else {
+            Lit {
+                lobes: reflected * (aim.sample.irradiance * weight),
+                passed: Vec3::ONE,
+            }
+        })
     }
 }

@@ -1,10 +1,11 @@
 use std::f32::consts::PI;
 
-use super::fresnel::reflect;
+use super::layers::ByLobe;
 use crate::math::{DVec3, Vec2, Vec3, color::luminance, robust, warp};
 use crate::scene::PhongModel;
 
-/// The Phong reflection models at a surface point. Directions are unit vectors that point away from it.
+/// The Phong reflection models at a surface point. Directions are unit vectors that point away from it. `mirror` is the mirror
+/// direction of `wo`.
 #[derive(Clone, Copy, Debug)]
 pub struct Phong {
     /// Diffuse reflectance.
@@ -40,35 +41,32 @@ impl Phong {
     }
 
     /// The share of the irradiance that a light of direction `wi` would give a surface facing it, which leaves along `wo`, per
-    /// steradian: `f · cos θ` for the modified model, the whole classic term for the classic one. `cosine` is
-    /// `normal · wi`, positive.
-    pub fn reflected(
-        &self,
-        model: PhongModel,
-        normal: Vec3,
-        wo: Vec3,
-        wi: Vec3,
-        cosine: f32,
-    ) -> Vec3 {
+    /// steradian: `f · cos θ` for the modified model, the whole classic term for the classic one. `mirror`: the mirror
+    /// direction of `wo`; `cosine`: between `wi` and the normal, positive.
+    pub fn reflected(&self, model: PhongModel, mirror: Vec3, wi: Vec3, cosine: f32) -> ByLobe {
         match model {
-            PhongModel::Modified => self.brdf(normal, wo, wi) * cosine,
-            PhongModel::Classic => {
-                self.diffuse * cosine + self.specular * self.lobe(normal, wo, wi)
-            }
+            PhongModel::Modified => self.brdf(mirror, wi) * Vec3::splat(cosine),
+            PhongModel::Classic => ByLobe {
+                diffuse: self.diffuse * cosine,
+                specular: self.specular * self.lobe(mirror, wi),
+            },
         }
     }
 
     /// The modified model's BRDF, per steradian, without the cosine.
-    pub fn brdf(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
-        let lobe = self.lobe(normal, wo, wi);
-        self.diffuse / PI + self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe)
+    pub fn brdf(&self, mirror: Vec3, wi: Vec3) -> ByLobe {
+        let lobe = self.lobe(mirror, wi);
+        ByLobe {
+            diffuse: self.diffuse / PI,
+            specular: self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe),
+        }
     }
 
     /// A direction in which light may come from, about in proportion to what it adds; `None` where it would leave below
     /// the surface. `choice`: uniform in `[0, 1)`; `u`: over the unit square.
-    pub fn sample(&self, normal: Vec3, wo: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
+    pub fn sample(&self, normal: Vec3, mirror: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
         let wi = if choice < self.specular_share() {
-            warp::around(reflect(wo, normal), warp::power_cosine(u, self.exponent))
+            warp::around(mirror, warp::power_cosine(u, self.exponent))
         } else {
             warp::around(normal, warp::cosine_hemisphere(u))
         };
@@ -77,8 +75,8 @@ impl Phong {
         if cosine <= 0.0 {
             return None;
         }
-        let pdf_solid_angle = self.pdf_solid_angle(normal, wo, wi);
-        let weight = self.brdf(normal, wo, wi) * (cosine / pdf_solid_angle);
+        let pdf_solid_angle = self.pdf_solid_angle(normal, mirror, wi);
+        let weight = self.brdf(mirror, wi) * Vec3::splat(cosine / pdf_solid_angle);
         (pdf_solid_angle > 0.0).then_some(Scattered {
             wi,
             weight,
@@ -87,14 +85,14 @@ impl Phong {
     }
 
     /// Density of [`Self::sample`] at `wi`, per steradian.
-    pub fn pdf_solid_angle(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+    pub fn pdf_solid_angle(&self, normal: Vec3, mirror: Vec3, wi: Vec3) -> f32 {
         let share = self.specular_share();
         let diffuse = if share < 1.0 {
             normal.dot(wi).max(0.0) / PI
         } else {
             0.0
         };
-        let specular = warp::power_cosine_pdf(self.lobe(normal, wo, wi), self.exponent);
+        let specular = warp::power_cosine_pdf(self.lobe(mirror, wi), self.exponent);
         diffuse * (1.0 - share) + specular * share
     }
 
@@ -108,12 +106,11 @@ impl Phong {
         }
     }
 
-    /// `cosˢ α`, α between `wi` and the mirror direction of `wo`; 0 where `cos α ≤ 0` and where nothing is specular.
-    fn lobe(&self, normal: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+    /// `cosˢ α`, α between `wi` and `mirror`; 0 where `cos α ≤ 0` and where nothing is specular.
+    fn lobe(&self, mirror: Vec3, wi: Vec3) -> f32 {
         if self.specular == Vec3::ZERO {
             return 0.0;
         }
-        let mirror = reflect(wo, normal);
         robust::sharp_power((mirror - wi).length_squared() / 2.0, self.exponent)
     }
 }
@@ -123,14 +120,15 @@ impl Phong {
 pub struct Scattered {
     /// Where light may come from; unit.
     pub wi: Vec3,
-    /// BRDF times cosine over density.
-    pub weight: Vec3,
+    /// BRDF times cosine over density, by lobe.
+    pub weight: ByLobe,
     /// Density of the direction, per steradian.
     pub pdf_solid_angle: f32,
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::fresnel::reflect;
     use super::*;
 
     fn phong(diffuse: f64, specular: f64, shininess: f64) -> Phong {
@@ -151,22 +149,18 @@ mod tests {
             let wi = (Vec3::new(3.0, 4.0, 5.0) - normal).normalize();
             let cosine = normal.dot(wi);
             assert!((cosine - n_l).abs() < 1e-6, "N·L {cosine} {n_l}");
+            let mirror = reflect(Vec3::Z, normal);
+            let red = |phong: Phong, model| phong.reflected(model, mirror, wi, cosine).sum().x;
             let specular = phong(0.0, 1.0, 50.0);
-            let classic = specular
-                .reflected(PhongModel::Classic, normal, Vec3::Z, wi, cosine)
-                .x;
+            let classic = red(specular, PhongModel::Classic);
             assert!(
                 (classic - power).abs() < 2e-5 * power.max(1e-6),
                 "{classic} {power}"
             );
-            let modified = specular
-                .reflected(PhongModel::Modified, normal, Vec3::Z, wi, cosine)
-                .x;
+            let modified = red(specular, PhongModel::Modified);
             assert!((modified - power * 52.0 / (2.0 * PI) * n_l).abs() < 2e-5 * modified.max(1e-9));
             let diffuse = phong(0.5, 0.0, 1.0);
-            let classic = diffuse
-                .reflected(PhongModel::Classic, normal, Vec3::Z, wi, cosine)
-                .x;
+            let classic = red(diffuse, PhongModel::Classic);
             assert!((classic - 0.5 * n_l).abs() < 1e-6);
         }
     }
@@ -176,7 +170,8 @@ mod tests {
         let behind = Vec3::new(-0.8, 0.0, 0.6);
         let wo = Vec3::new(-0.8, 0.0, 0.6);
         // cos α = 0.6² − 0.8² < 0.
-        let value = phong(0.0, 1.0, 0.0).reflected(PhongModel::Modified, Vec3::Z, wo, behind, 0.6);
-        assert_eq!(value, Vec3::ZERO);
+        let mirror = reflect(wo, Vec3::Z);
+        let value = phong(0.0, 1.0, 0.0).reflected(PhongModel::Modified, mirror, behind, 0.6);
+        assert_eq!(value.sum(), Vec3::ZERO);
     }
 }

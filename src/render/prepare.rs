@@ -7,11 +7,13 @@ use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
 use super::filter;
 use super::geometry::PreparedGeometry;
+use super::layers::{Gathered, Layer};
 use super::light::{PreparedDisk, PreparedLight};
 use super::material::PreparedMaterial;
 use super::path;
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
+use super::specular::Specular;
 use super::surface::SurfacePoint;
 use crate::accel::Accelerator;
 use crate::control::CancelToken;
@@ -33,6 +35,9 @@ pub struct PreparedScene {
     has_glass: bool,
     /// In prepared units.
     occlusion_radius: f32,
+    /// The most that a camera sample may bring.
+    clamp: Option<f32>,
+    layers: Vec<Layer>,
     settings: RenderSettings,
 }
 
@@ -129,9 +134,12 @@ impl PreparedScene {
             background: PreparedBackground::new(&scene.background),
             has_glass: materials
                 .iter()
-                .any(|material| matches!(material, PreparedMaterial::Glass { .. })),
+                .any(|m| matches!(m, PreparedMaterial::Specular(Specular::Glass { .. }))),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
+            #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+            clamp: scene.render.clamp.map(|most| most as f32),
+            layers: Layer::all_of(scene),
             emitters: Emitters::new(aimed_at, &geometry, &materials),
             materials,
             lights,
@@ -158,6 +166,12 @@ impl PreparedScene {
         &self.settings
     }
 
+    /// The layers that the picture has.
+    #[must_use]
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
     /// The index of the object seen at the point `(x, y)` of the picture, in pixels from its top left corner.
     #[must_use]
     pub fn object_at(&self, x: f64, y: f64) -> Option<usize> {
@@ -167,8 +181,8 @@ impl PreparedScene {
         Some(self.geometry.object_of(hit.triangle))
     }
 
-    /// The value of sample `index` of pixel `(x, y)`: linear radiance, or a false colour.
-    pub(super) fn sample(&self, x: u32, y: u32, index: u32, rays: &mut RayCounts) -> Vec3 {
+    /// What sample `index` of pixel `(x, y)` brings: linear radiance, or a false colour.
+    pub(super) fn sample(&self, x: u32, y: u32, index: u32, rays: &mut RayCounts) -> Gathered {
         let sampler = Sampler::new(self.settings.seed, x, y, index);
         let offset = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
             filter::offset(
@@ -190,12 +204,13 @@ impl PreparedScene {
         let (eye, direction) = self.camera.through_lens(x, y, on_lens);
         rays.camera += 1;
         let Some(camera_ray) = self.camera.ray_from(eye, direction) else {
-            return match self.settings.mode {
+            return Gathered::seen(match self.settings.mode {
                 Mode::Direct | Mode::Path => self.background.radiance(direction.as_vec3()),
                 _ => Vec3::ZERO,
-            };
+            });
         };
-        let mut false_color = |which| false_color::color(self, which, &camera_ray, sampler, rays);
+        let mut false_color =
+            |which| Gathered::seen(false_color::color(self, which, &camera_ray, sampler, rays));
         match self.settings.mode {
             Mode::Ao => false_color(FalseColor::AmbientOcclusion),
             Mode::Normals => false_color(FalseColor::Normals),
@@ -203,8 +218,8 @@ impl PreparedScene {
             Mode::Albedo => false_color(FalseColor::Albedo),
             Mode::Facing => false_color(FalseColor::Facing),
             Mode::Object => false_color(FalseColor::Object),
-            Mode::Direct => direct::radiance(self, camera_ray, sampler, rays),
-            Mode::Path => path::radiance(self, camera_ray, sampler, rays),
+            Mode::Direct => direct::gather(self, camera_ray, sampler, rays),
+            Mode::Path => path::gather(self, camera_ray, sampler, rays),
         }
     }
 
@@ -275,6 +290,10 @@ impl PreparedScene {
 
     pub(super) fn has_glass(&self) -> bool {
         self.has_glass
+    }
+
+    pub(super) fn clamp(&self) -> Option<f32> {
+        self.clamp
     }
 
     pub(super) fn occlusion_radius(&self) -> f32 {

@@ -1,21 +1,27 @@
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use serde::Serialize;
 
+use super::Image;
+use super::film::{Film, TileSums};
+use super::layers::{Gathered, Layer};
 use super::prepare::PreparedScene;
 use super::tiles::{Region, TilePixels};
-use super::{Film, Image};
 use crate::control::{CancelToken, Progress};
-use crate::math::DVec3;
+use crate::math::color::luminance;
 
 /// Side of a tile in pixels: small enough to balance two threads to the end, large enough that handing one out costs nothing.
 const TILE_SIDE: u32 = 32;
 
-/// Samples of a pixel that are summed before they meet the film: one pass over the picture. The size is part of the
-/// picture's definition, since it fixes the order of additions.
-const SAMPLES_PER_PASS: u32 = 16;
+/// Most samples of a pixel that are summed before they meet the film: one pass over the picture. Passes grow to this size, so
+/// that a whole picture is soon there. Their sizes are part of the picture's definition: they fix the order of additions.
+const MOST_SAMPLES_PER_PASS: u32 = 16;
+
+/// Side of the blocks of the coarse picture, in pixels.
+const COARSE_BLOCK: u32 = 8;
 
 /// How to run a render; it never changes the picture.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +30,10 @@ pub struct RunConfig {
     pub threads: usize,
     /// Asked between samples.
     pub cancel: CancelToken,
+    /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
+    pub layers: bool,
+    /// Whether to deliver a picture of one sample per block of pixels first, whose rays are not counted: for whoever waits.
+    pub coarse_first: bool,
 }
 
 impl RunConfig {
@@ -86,6 +96,8 @@ impl RenderProgress {
 pub struct RenderOutcome {
     /// Linear radiance of the region.
     pub image: Image,
+    /// Its parts and factors, where asked for.
+    pub layers: Vec<(Layer, Image)>,
     /// What it took.
     pub stats: RenderStats,
 }
@@ -103,6 +115,17 @@ pub struct RenderStats {
     pub rays: RayCounts,
     /// Samples that were infinite or not a number. They stay in the picture.
     pub non_finite_samples: u64,
+    /// What `render.clamp` took away.
+    pub clamped: Clamped,
+}
+
+/// What clamping took away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Clamped {
+    /// Samples that were brighter than allowed.
+    pub samples: u64,
+    /// Luminance they lost, as a share of the whole picture's, `0..=1`.
+    pub energy_share: f64,
 }
 
 /// Renders `region` of the picture, or all of it, calling `on_tile` with each tile as it is done, from any thread. `None` when
@@ -135,117 +158,253 @@ pub fn render(
         .num_threads(threads)
         .build()
         .expect("threads can be started");
+    let layers = if run.layers { scene.layers() } else { &[] };
     let shared = Mutex::new(Shared {
-        film: Film::new(region),
-        stats: RenderStats {
-            threads,
-            ..RenderStats::default()
-        },
+        film: Film::new(region, layers),
+        counts: SampleCounts::default(),
+        first_tile_seconds: None,
     });
     let tiles = region.tiles(TILE_SIDE);
-
-    for first_sample in (0..settings.samples_per_pixel).step_by(SAMPLES_PER_PASS as usize) {
-        let samples = first_sample
-            ..settings
-                .samples_per_pixel
-                .min(first_sample + SAMPLES_PER_PASS);
+    // Hands out every tile once; a worker that returns `None` was cancelled.
+    let for_each_tile = |work: &(dyn Fn(Region) -> Option<()> + Sync)| {
         let next_tile = AtomicUsize::new(0);
         pool.broadcast(|_| {
             while let Some(&tile) = tiles.get(next_tile.fetch_add(1, Ordering::Relaxed)) {
-                let Some(block) = sample_tile(scene, tile, samples.clone(), run, progress) else {
+                if work(tile).is_none() {
                     return;
-                };
-                let rgb = shared.lock().expect("no thread panicked").add(
-                    tile,
-                    &block,
-                    samples.len(),
-                    started,
-                );
-                on_tile(&TilePixels {
-                    region: tile,
-                    rgb: &rgb,
-                });
+                }
             }
         });
-        if run.cancel.is_cancelled() {
+        !run.cancel.is_cancelled()
+    };
+
+    if run.coarse_first {
+        for_each_tile(&|tile| {
+            let rgb = coarse_tile(scene, tile, &run.cancel)?;
+            on_tile(&TilePixels {
+                region: tile,
+                rgb: &rgb,
+                layers: &[],
+            });
+            Some(())
+        });
+    }
+    for samples in passes(settings.samples_per_pixel) {
+        let completed = for_each_tile(&|tile| {
+            let block = sample_tile(scene, tile, samples.clone(), layers, run, progress)?;
+            let mut shared = shared.lock().expect("no thread panicked");
+            let means = shared.add(tile, &block, samples.len(), started);
+            drop(shared);
+            on_tile(&TilePixels {
+                region: tile,
+                rgb: &means[0],
+                layers: &means[1..],
+            });
+            Some(())
+        });
+        if !completed {
             return None;
         }
     }
 
-    let Shared { film, mut stats } = shared.into_inner().expect("no thread panicked");
-    stats.render_seconds = started.elapsed().as_secs_f64();
+    let Shared {
+        film,
+        counts,
+        first_tile_seconds,
+    } = shared.into_inner().expect("no thread panicked");
     Some(RenderOutcome {
         image: film.image(),
-        stats,
+        layers: film.layer_images(),
+        stats: RenderStats {
+            render_seconds: started.elapsed().as_secs_f64(),
+            first_tile_seconds: first_tile_seconds.unwrap_or_default(),
+            threads,
+            rays: counts.rays,
+            non_finite_samples: counts.non_finite,
+            clamped: counts.clamped(),
+        },
+    })
+}
+
+/// The samples of each pass.
+fn passes(samples_per_pixel: u32) -> impl Iterator<Item = Range<u32>> {
+    let mut start = 0;
+    std::iter::from_fn(move || {
+        let size = start.clamp(1, MOST_SAMPLES_PER_PASS);
+        let pass = start..samples_per_pixel.min(start + size);
+        start = pass.end;
+        (!pass.is_empty()).then_some(pass)
     })
 }
 
 /// What the threads of a render add to.
 struct Shared {
     film: Film,
-    stats: RenderStats,
+    counts: SampleCounts,
+    first_tile_seconds: Option<f64>,
 }
 
 impl Shared {
-    /// Takes in a tile and returns what it shows now.
+    /// Takes in a tile and returns what it and its layers show now.
     fn add(
         &mut self,
         tile: Region,
         block: &TileBlock,
         samples: usize,
         started: Instant,
-    ) -> Vec<[f32; 3]> {
+    ) -> Vec<Vec<[f32; 3]>> {
         let samples = u32::try_from(samples).expect("a pass is short");
         self.film.add(tile, &block.sums, samples);
-        self.stats.rays.add(&block.rays);
-        self.stats.non_finite_samples += block.non_finite;
-        if self.stats.first_tile_seconds == 0.0 {
-            self.stats.first_tile_seconds = started.elapsed().as_secs_f64();
-        }
+        self.counts.add(&block.counts);
+        self.first_tile_seconds
+            .get_or_insert_with(|| started.elapsed().as_secs_f64());
         self.film.means(tile)
+    }
+}
+
+/// What is counted about samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct SampleCounts {
+    rays: RayCounts,
+    non_finite: u64,
+    clamped: u64,
+    /// Luminance of all samples, and of what clamping took from them.
+    luminance: f64,
+    removed: f64,
+}
+
+impl SampleCounts {
+    fn add(&mut self, other: &Self) {
+        self.rays.add(&other.rays);
+        self.non_finite += other.non_finite;
+        self.clamped += other.clamped;
+        self.luminance += other.luminance;
+        self.removed += other.removed;
+    }
+
+    fn clamped(&self) -> Clamped {
+        Clamped {
+            samples: self.clamped,
+            energy_share: if self.removed > 0.0 {
+                self.removed / self.luminance
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// Scales a sample down to `most` in its brightest channel, and keeps account of what that removes.
+    fn clamp(&mut self, sample: &mut Gathered, most: f32) {
+        let before = f64::from(luminance(sample.radiance));
+        self.luminance += before;
+        let brightest = sample.radiance.max_element();
+        if brightest > most {
+            sample.scale(most / brightest);
+            self.clamped += 1;
+            self.removed += before - f64::from(luminance(sample.radiance));
+        }
     }
 }
 
 /// One pass over one tile.
 struct TileBlock {
-    sums: Vec<[f64; 3]>,
-    rays: RayCounts,
-    non_finite: u64,
+    sums: TileSums,
+    counts: SampleCounts,
 }
 
 /// Sums `samples` of every pixel of `tile`; `None` when cancelled.
 fn sample_tile(
     scene: &PreparedScene,
     tile: Region,
-    samples: std::ops::Range<u32>,
+    samples: Range<u32>,
+    layers: &[Layer],
     run: &RunConfig,
     progress: &RenderProgress,
 ) -> Option<TileBlock> {
-    let mut block = TileBlock {
-        sums: Vec::with_capacity(tile.pixel_count()),
-        rays: RayCounts::default(),
-        non_finite: 0,
-    };
+    let mut sums = TileSums::new(layers, tile.pixel_count());
+    let mut counts = SampleCounts::default();
+    let mut pixel = 0;
     for y in tile.y..tile.y + tile.height {
-        let traced_before = block.rays.total();
+        let traced_before = counts.rays.total();
         for x in tile.x..tile.x + tile.width {
-            let mut sum = DVec3::ZERO;
             for index in samples.clone() {
                 if run.cancel.is_cancelled() {
                     return None;
                 }
-                let value = scene.sample(x, y, index, &mut block.rays);
-                block.non_finite += u64::from(!value.is_finite());
-                sum += value.as_dvec3();
+                let mut sample = scene.sample(x, y, index, &mut counts.rays);
+                counts.non_finite += u64::from(!sample.radiance.is_finite());
+                if let Some(most) = scene.clamp() {
+                    counts.clamp(&mut sample, most);
+                }
+                sums.add(pixel, layers, &sample);
             }
-            block.sums.push(sum.to_array());
+            pixel += 1;
         }
         progress
             .samples
             .advance(u64::from(tile.width) * samples.len() as u64);
         progress
             .rays
-            .fetch_add(block.rays.total() - traced_before, Ordering::Relaxed);
+            .fetch_add(counts.rays.total() - traced_before, Ordering::Relaxed);
     }
-    Some(block)
+    Some(TileBlock { sums, counts })
+}
+
+/// A picture of `tile` from the first sample of the middle pixel of each block; `None` when cancelled.
+fn coarse_tile(scene: &PreparedScene, tile: Region, cancel: &CancelToken) -> Option<Vec<[f32; 3]>> {
+    let width = tile.width as usize;
+    let mut rgb = vec![[0.0; 3]; tile.pixel_count()];
+    for top in (0..tile.height).step_by(COARSE_BLOCK as usize) {
+        for left in (0..tile.width).step_by(COARSE_BLOCK as usize) {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            let (right, bottom) = (
+                tile.width.min(left + COARSE_BLOCK),
+                tile.height.min(top + COARSE_BLOCK),
+            );
+            let (x, y) = (
+                tile.x + u32::midpoint(left, right - 1),
+                tile.y + u32::midpoint(top, bottom - 1),
+            );
+            let sample = scene.sample(x, y, 0, &mut RayCounts::default());
+            for row in top..bottom {
+                let start = row as usize * width;
+                rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());
+            }
+        }
+    }
+    Some(rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn passes_grow_and_cover_every_sample_once() {
+        let sizes = |samples| passes(samples).map(|pass| pass.len()).collect::<Vec<_>>();
+        assert_eq!(sizes(1), [1]);
+        assert_eq!(sizes(7), [1, 1, 2, 3]);
+        assert_eq!(sizes(50), [1, 1, 2, 4, 8, 16, 16, 2]);
+        let covered: Vec<u32> = passes(100).flatten().collect();
+        assert_eq!(covered, (0..100).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn what_clamping_removes_is_accounted_for() {
+        let mut counts = SampleCounts::default();
+        for value in [1.0, 3.0, 10.0] {
+            let mut sample = Gathered::seen(Vec3::splat(value));
+            counts.clamp(&mut sample, 4.0);
+            assert!((sample.radiance.x - value.min(4.0)).abs() < 1e-6);
+        }
+        let Clamped {
+            samples,
+            energy_share,
+        } = counts.clamped();
+        assert_eq!(samples, 1);
+        assert!((energy_share - 6.0 / 14.0).abs() < 1e-6);
+    }
 }

@@ -99,48 +99,73 @@ impl Sampler {
     /// Two numbers in `[0, 1)`, uniform over the square as `index` runs.
     #[must_use]
     pub fn next_2d(&self, dimension: Dimension) -> Vec2 {
-        self.next_2d_of(dimension, 0, 1)
+        self.turns(dimension, 1).next_2d(0)
     }
 
-    /// [`Sampler::next_2d`] for a decision taken `count` times per sample: number `turn` of them. All turns of all samples are one
-    /// well-spread sequence.
+    /// The numbers of a decision taken `count` times per sample. All turns of all samples are one well-spread sequence.
     #[must_use]
-    pub fn next_2d_of(&self, dimension: Dimension, turn: u32, count: u32) -> Vec2 {
+    pub fn turns(&self, dimension: Dimension, count: u32) -> Turns {
         let seed = mix(self.pixel_seed ^ dimension.hash());
+        Turns {
+            first: self.index.wrapping_mul(count),
+            seeds: [seed, mix(seed ^ 1), mix(seed ^ 2)],
+        }
+    }
+}
+
+/// The random numbers of a decision that one camera sample takes several times, see [`Sampler::turns`].
+#[derive(Clone, Copy, Debug)]
+pub struct Turns {
+    first: u32,
+    /// Of the order and of the two numbers.
+    seeds: [u32; 3],
+}
+
+impl Turns {
+    /// Two numbers in `[0, 1)` for number `turn`, from 0.
+    #[must_use]
+    #[inline]
+    pub fn next_2d(&self, turn: u32) -> Vec2 {
+        let [order, x, y] = self.seeds;
         // Aligned blocks of 2ᵐ indices stay blocks, in another order and place: prefixes stay nets.
-        let index = owen_scramble(self.index.wrapping_mul(count).wrapping_add(turn), seed);
-        let [x, y] = sobol_2d(index);
+        let index = self.first.wrapping_add(turn).reverse_bits();
+        let index = owen_scramble(index, order).reverse_bits();
+        // The first Sobol dimension is the index read backwards, the second its Taylor shift.
         Vec2::new(
-            unit_from_bits(owen_scramble(x, mix(seed ^ 1))),
-            unit_from_bits(owen_scramble(y, mix(seed ^ 2))),
+            unit_from_bits(owen_scramble(index, x).reverse_bits()),
+            unit_from_bits(owen_scramble(taylor_shift(index), y).reverse_bits()),
         )
     }
 }
 
-/// The first two dimensions of the Sobol sequence as 32-bit fractions.
-fn sobol_2d(index: u32) -> [u32; 2] {
-    let mut y = 0;
-    let mut direction = 1_u32 << 31;
-    let mut rest = index;
-    while rest != 0 {
-        if rest & 1 == 1 {
-            y ^= direction;
-        }
-        direction ^= direction >> 1;
-        rest >>= 1;
+/// The second dimension of the Sobol sequence at `index`, its bits in reverse order.
+///
+/// Its direction numbers are the powers of `1 + x` over GF(2), so this is the polynomial with the bits of `index` as
+/// coefficients, taken at `1 + x`. As `(1 + x)^s = 1 + x^s` for powers of two, halves of every block add up.
+/// Source: Joe & Kuo, Constructing Sobol Sequences with Better Two-Dimensional Projections, 2008, for the numbers.
+fn taylor_shift(index: u32) -> u32 {
+    let mut bits = index;
+    for (shift, lower_halves) in [
+        (16, 0x0000_ffff),
+        (8, 0x00ff_00ff),
+        (4, 0x0f0f_0f0f),
+        (2, 0x3333_3333),
+        (1, 0x5555_5555),
+    ] {
+        bits ^= (bits >> shift) & lower_halves;
     }
-    [index.reverse_bits(), y]
+    bits
 }
 
-/// Nested uniform (Owen) scrambling of a fraction: each bit is flipped at random by a function of the bits above it.
-fn owen_scramble(fraction: u32, seed: u32) -> u32 {
-    let mut x = fraction.reverse_bits();
+/// Nested uniform (Owen) scrambling of a fraction given with its bits in reverse order: each bit is flipped at random by a
+/// function of the bits above it, here below it.
+fn owen_scramble(reversed: u32, seed: u32) -> u32 {
+    let mut x = reversed;
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
 /// A 32-bit hash without fixed structure. Source: Wellons, Prospecting for Hash Functions, 2018 (`lowbias32`), started away

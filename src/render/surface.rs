@@ -10,6 +10,8 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Bound on the rounding error of each coordinate of `position`.
     error: Vec3,
+    /// Where rays on the side of `wo` start.
+    start: Vec3,
     /// From the ray's origin, in prepared units; camera rays start a way from the eye.
     pub distance: f32,
     /// Towards where the ray came from; unit.
@@ -18,6 +20,9 @@ pub struct SurfacePoint {
     geometric_normal: Vec3,
     /// Interpolated where the object is smooth, on the side of the surface that `wo` is on; unit. It decides cosines.
     pub shading_normal: Vec3,
+    /// The normal for mirrors, glass and lobes; unit. The shading normal, but tilted as far as needed where reflection about
+    /// that would lead into the surface.
+    pub specular_normal: Vec3,
     /// Whether the ray met the side that the triangle's corners turn counter-clockwise on.
     pub front: bool,
     /// Index of the object in the description.
@@ -27,7 +32,6 @@ pub struct SurfacePoint {
 impl SurfacePoint {
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
         let triangle = &geometry.triangles()[hit.triangle as usize];
-        let [u, v, w] = hit.barycentrics;
         let (position, error) = triangle.point(hit.barycentrics);
         let outward = triangle.normal();
         let wo = -ray.direction.normalize();
@@ -35,33 +39,77 @@ impl SurfacePoint {
         let geometric_normal = if front { outward } else { -outward };
 
         let object = geometry.object_of(hit.triangle);
-        let interpolated = geometry.objects()[object]
-            .normal_corners(hit.triangle)
-            .map(|[na, nb, nc]| na * u + nb * v + nc * w);
-        let shading_normal = match interpolated.and_then(Vec3::try_normalize) {
-            Some(normal) if normal.dot(geometric_normal) < 0.0 => -normal,
-            Some(normal) => normal,
-            None => geometric_normal,
-        };
-        Self {
+        let mut point = Self {
             position,
             error,
+            start: robust::offset_origin(position, error, geometric_normal, geometric_normal),
             distance: hit.t * ray.direction.length(),
             wo,
             geometric_normal,
-            shading_normal,
+            shading_normal: geometric_normal,
+            specular_normal: geometric_normal,
             front,
             object,
+        };
+        if let Some(normals) = geometry.objects()[object].normal_corners(hit.triangle) {
+            point.smooth(&triangle.corners, normals, hit.barycentrics);
+        }
+        point
+    }
+
+    /// Takes the shading normal from those of the corners, and lifts the start of rays to the smooth surface they stand for.
+    fn smooth(&mut self, corners: &[Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) {
+        let [u, v, w] = weights;
+        let interpolated = normals[0] * u + normals[1] * v + normals[2] * w;
+        let Some(normal) = interpolated.try_normalize() else {
+            return;
+        };
+        let flip = if normal.dot(self.geometric_normal) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        self.shading_normal = normal * flip;
+        self.specular_normal = self.reflecting_outwards(self.shading_normal);
+
+        // Each corner's tangent plane, where it lies above the point, lifts it by its weight.
+        // Source: Hanika, Hacking the Shadow Terminator, Ray Tracing Gems II, 2021.
+        let lift = |corner: usize| {
+            let normal = normals[corner] * flip;
+            let height = (corners[corner] - self.position).dot(normal).max(0.0);
+            normal * (height * weights[corner])
+        };
+        let lift = lift(0) + lift(1) + lift(2);
+        if lift.dot(self.geometric_normal) > 0.0 {
+            let lifted = self.position + lift;
+            let error = self.error + lifted.abs() * robust::gamma(1);
+            self.start =
+                robust::offset_origin(lifted, error, self.geometric_normal, self.geometric_normal);
         }
     }
 
-    /// Cosine between the shading normal and `wi` (unit); 0 where `wi` leaves to the other side of the surface.
-    pub fn cosine(&self, wi: Vec3) -> f32 {
-        if self.geometric_normal.dot(wi) > 0.0 {
-            self.shading_normal.dot(wi).max(0.0)
-        } else {
-            0.0
+    /// `normal`, tilted as little as needed for `wo` to be reflected away from the surface.
+    fn reflecting_outwards(&self, normal: Vec3) -> Vec3 {
+        // The least height of the reflected direction: always below that about the geometric normal, and small, so that
+        // only what would fail is tilted.
+        let least = (0.9 * self.geometric_normal.dot(self.wo)).min(0.01);
+        let mirror = reflect(self.wo, normal);
+        let height = self.geometric_normal.dot(mirror);
+        if height >= least {
+            return normal;
         }
+        let raised = (mirror + self.geometric_normal * (least - height)).normalize();
+        (self.wo + raised)
+            .try_normalize()
+            .unwrap_or(self.geometric_normal)
+    }
+
+    /// Cosine between the shading normal and `wi` (unit); 0 behind it.
+    ///
+    /// A smooth surface may be lit from a little below its triangles: rays start where the smooth surface would be, and
+    /// where the triangles really are in the way, they are met.
+    pub fn cosine(&self, wi: Vec3) -> f32 {
+        self.shading_normal.dot(wi).max(0.0)
     }
 
     /// Of the triangle, on the side of `wo`; unit.
@@ -69,35 +117,36 @@ impl SurfacePoint {
         self.geometric_normal
     }
 
-    /// The normal for mirrors and glass: the shading normal, but the geometric one where reflection about that would lead
-    /// into the surface.
-    pub fn specular_normal(&self) -> Vec3 {
-        let normal = self.shading_normal;
-        if normal.dot(self.wo) > 0.0 && self.is_above(reflect(self.wo, normal)) {
-            normal
-        } else {
-            self.geometric_normal
-        }
+    /// The mirror direction of `wo` about [`Self::specular_normal`].
+    pub fn mirror_direction(&self) -> Vec3 {
+        reflect(self.wo, self.specular_normal)
     }
 
-    /// Whether `wi` leaves to the side of the surface that `wo` is on.
-    pub fn is_above(&self, wi: Vec3) -> bool {
-        self.geometric_normal.dot(wi) > 0.0
+    /// A ray along `direction`, on the side of the surface that `wo` is on. It can meet the triangle it leaves only where it
+    /// leads below it.
+    pub fn ray_above(&self, direction: Vec3) -> Ray {
+        Ray::new(self.start, direction)
     }
 
-    /// A ray along `direction` that cannot meet the surface it leaves.
-    pub fn ray_along(&self, direction: Vec3) -> Ray {
-        let origin =
-            robust::offset_origin(self.position, self.error, self.geometric_normal, direction);
-        Ray::new(origin, direction)
-    }
-
-    /// A ray that ends at `target` where its parameter is 1 and that cannot meet the surface it leaves.
+    /// [`Self::ray_above`] that ends at `target` where its parameter is 1.
     pub fn ray_to(&self, target: Vec3) -> Ray {
-        let towards = target - self.position;
-        let origin =
-            robust::offset_origin(self.position, self.error, self.geometric_normal, towards);
-        Ray::new(origin, target - origin)
+        Ray::new(self.start, target - self.start)
+    }
+
+    /// A ray that goes on behind the surface along `direction`, and cannot meet the triangle it leaves.
+    pub fn ray_through(&self, direction: Vec3) -> Ray {
+        Ray::new(self.start_behind(), direction)
+    }
+
+    /// [`Self::ray_through`] that ends at `target` where its parameter is 1.
+    pub fn ray_through_to(&self, target: Vec3) -> Ray {
+        let start = self.start_behind();
+        Ray::new(start, target - start)
+    }
+
+    fn start_behind(&self) -> Vec3 {
+        let behind = -self.geometric_normal;
+        robust::offset_origin(self.position, self.error, behind, behind)
     }
 }
 
@@ -183,7 +232,7 @@ mod tests {
                 if wi.dot(surface.geometric_normal) < 0.0 {
                     wi = -wi;
                 }
-                let bounce = surface.ray_to(surface.position + wi * (20.0 * size));
+                let bounce = surface.ray_above(wi * (20.0 * size));
                 assert!(
                     geometry
                         .accelerator()

@@ -77,6 +77,8 @@ pub struct TilePixels<'a> {
     pub region: Region,
     /// Mean linear radiance, row by row.
     pub rgb: &'a [[f32; 3]],
+    /// Means of the layers that are kept, in the order of [`super::PreparedScene::layers`].
+    pub layers: &'a [Vec<[f32; 3]>],
 }
 
 impl TilePixels<'_> {

@@ -23,6 +23,22 @@ pub enum Background {
     },
 }
 
+impl Background {
+    /// Whether it gives no light at all.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        match *self {
+            Self::Constant { radiance } => radiance == Rgb::ZERO,
+            Self::Gradient {
+                zenith,
+                horizon,
+                ground,
+                ..
+            } => [zenith, horizon, ground].iter().all(|&c| c == Rgb::ZERO),
+        }
+    }
+}
+
 impl Default for Background {
     fn default() -> Self {
         Self::Constant {

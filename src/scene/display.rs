@@ -24,10 +24,21 @@ impl Choice for ToneCurve {
 }
 
 /// How pictures are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
     /// Bits per channel of PNG files.
     pub png_bits: PngBits,
+    /// Whether the parts of a picture are kept, to be looked at and stored in OpenEXR files.
+    pub layers: bool,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            png_bits: PngBits::default(),
+            layers: true,
+        }
+    }
 }
 
 /// Bits per channel of a PNG file.

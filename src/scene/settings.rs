@@ -42,6 +42,9 @@ pub struct RenderSettings {
     pub antialiasing: bool,
     /// Which Phong formula shades.
     pub phong: PhongModel,
+    /// The most radiance a camera sample may bring in its brightest channel, more than 0; `None` for no limit. It takes away
+    /// bright specks and, with them, energy, which the render's statistics report.
+    pub clamp: Option<f64>,
     /// Which structure finds the hits; it never changes the picture.
     pub accelerator: AcceleratorChoice,
 }
@@ -87,6 +90,7 @@ impl Default for RenderSettings {
             depth_of_field: true,
             antialiasing: true,
             phong: PhongModel::Modified,
+            clamp: None,
             accelerator: AcceleratorChoice::Auto,
         }
     }
@@ -195,6 +199,9 @@ pub enum Shadows {
     /// From the light's whole surface. Point lights have none: their shadows stay hard.
     #[default]
     Soft,
+    /// The rule of 2011: what a light's centre would give, times the share of the light that is seen. Biased, since light
+    /// that reaches a surface from the rim counts as if it came from the centre.
+    Fraction,
 }
 
 impl Choice for Shadows {
@@ -202,6 +209,7 @@ impl Choice for Shadows {
         (Self::Off, "off"),
         (Self::Hard, "hard"),
         (Self::Soft, "soft"),
+        (Self::Fraction, "fraction"),
     ];
 }
 

@@ -181,6 +181,14 @@ fn check_settings(settings: &RenderSettings) -> Result<(), SceneError> {
         &settings.shadow_samples,
         &expected,
     )?;
+    require(
+        settings
+            .clamp
+            .is_none_or(|most| most > 0.0 && most.is_finite()),
+        "render.clamp",
+        &settings.clamp.unwrap_or_default(),
+        "a radiance above 0, or no such key",
+    )?;
     let occlusion = settings.ambient_occlusion;
     let key = "render.ambient_occlusion.samples";
     require(

@@ -245,6 +245,7 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
     keys.flag("depth_of_field", &mut render.depth_of_field);
     keys.flag("antialiasing", &mut render.antialiasing);
     keys.choice("phong", &mut render.phong);
+    keys.optional_number("clamp", &mut render.clamp, Allowed::Positive);
     keys.choice("accelerator", &mut render.accelerator);
     let occlusion = &mut render.ambient_occlusion;
     keys.record("ambient_occlusion", |keys| {
@@ -274,4 +275,5 @@ fn output(keys: &mut Keys<'_>, output: &mut Output) {
         &mut output.png_bits,
         &[(PngBits::Eight, 8), (PngBits::Sixteen, 16)],
     );
+    keys.flag("layers", &mut output.layers);
 }

@@ -136,6 +136,7 @@ fn every_key_round_trips() {
             depth_of_field: false,
             antialiasing: false,
             phong: crate::scene::PhongModel::Classic,
+            clamp: Some(12.5),
             accelerator: crate::scene::AcceleratorChoice::BruteForce,
         },
         display: Display {
@@ -144,6 +145,7 @@ fn every_key_round_trips() {
         },
         output: Output {
             png_bits: PngBits::Sixteen,
+            layers: false,
         },
         meshes: std::collections::BTreeMap::new(),
     };

@@ -1,0 +1,77 @@
+//! Mirrors and glass: where light that meets them goes on.
+
+use super::fresnel::{fresnel, refract};
+use super::layers::Layer;
+use super::surface::SurfacePoint;
+use crate::math::{Ray, Vec3};
+
+/// A surface that sends light on in one direction.
+#[derive(Clone, Copy, Debug)]
+pub enum Specular {
+    Mirror {
+        reflectance: Vec3,
+    },
+    Glass {
+        ior: f32,
+        /// Per prepared unit.
+        attenuation: Vec3,
+    },
+}
+
+/// How light goes on from a mirror or glass.
+#[derive(Clone, Copy, Debug)]
+pub struct Onward {
+    pub ray: Ray,
+    /// Share of the light that is kept, on the way here through glass included.
+    pub throughput: Vec3,
+    /// [`Layer::Reflection`] or [`Layer::Refraction`].
+    pub layer: Layer,
+}
+
+impl Specular {
+    /// Follows light on from `point`. `start`: how far from the eye the ray began, 0 for all but camera rays; `u`: uniform in
+    /// `[0, 1)`, asked for where there is a choice.
+    ///
+    /// Glass is never split in two: it reflects with the probability that Fresnel's equations give, else refracts. The share
+    /// chosen cancels its probability.
+    pub fn onward(&self, point: &SurfacePoint, start: f64, u: impl FnOnce() -> f32) -> Onward {
+        let reflected = |throughput| Onward {
+            ray: point.ray_above(point.mirror_direction()),
+            throughput,
+            layer: Layer::Reflection,
+        };
+        match *self {
+            Self::Mirror { reflectance } => reflected(reflectance),
+            Self::Glass { ior, attenuation } => {
+                let throughput = if point.front {
+                    Vec3::ONE
+                } else {
+                    #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+                    let distance = point.distance + start as f32;
+                    transmittance(attenuation, distance)
+                };
+                let normal = point.specular_normal;
+                let eta = if point.front { ior } else { 1.0 / ior };
+                let boundary = fresnel(normal.dot(point.wo), eta);
+                if u() < boundary.reflectance {
+                    return reflected(throughput);
+                }
+                let direction = refract(point.wo, normal, eta, boundary.cos_transmitted);
+                Onward {
+                    ray: point.ray_through(direction),
+                    throughput,
+                    layer: Layer::Refraction,
+                }
+            }
+        }
+    }
+}
+
+/// Share of the light that is left after `distance` through a medium.
+pub fn transmittance(attenuation: Vec3, distance: f32) -> Vec3 {
+    if attenuation == Vec3::ZERO {
+        Vec3::ONE
+    } else {
+        (-attenuation * distance).map(libm::expf)
+    }
+}
