@@ -122,6 +122,42 @@ fn the_penumbra_of_an_edge_has_its_profile() {
     assert_eq!(picture(&scene).pixel(0, 0), [0.0; 3]);
 }
 
+/// The same edge under the rule of 2011: the unoccluded irradiance of the disk's centre, times the free fraction.
+#[test]
+fn the_rule_of_2011_has_its_own_penumbra() {
+    let mut scene = looking_at_floor(0.0, diffuse(1.0));
+    add(
+        &mut scene,
+        "edge",
+        rectangle(
+            DVec3::new(-10.0, 0.0, 1.0),
+            DVec3::X * 10.0,
+            DVec3::Y * 20.0,
+        ),
+        diffuse(1.0),
+    );
+    scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
+    scene.render.shadows = Shadows::Fraction;
+    scene.render.samples_per_pixel = 1 << 13;
+    scene.render.shadow_samples = 4;
+    let cases: [(f64, f64); 5] = [
+        (-0.25, 0.072_146_806),
+        (-0.1, 0.311_918_832),
+        (0.0, 0.5),
+        (0.2, 0.857_621_510),
+        (0.25, 0.927_853_194),
+    ];
+    for (x, fraction) in cases {
+        scene.camera.target.x = x;
+        scene.camera.eye.x = x;
+        // A small disk's irradiance: π R² cos² θ / d², both cosines the same.
+        let distance_squared = x * x + 16.0;
+        let center = PI * 16.0 / distance_squared.powi(2);
+        let expected = fraction * center / PI;
+        assert_near(value(&scene), expected, 4e-3, &format!("x = {x}"));
+    }
+}
+
 /// Error falls at least like N^−0.70 in the penumbra and N^−0.95 unoccluded.
 #[test]
 fn the_error_of_soft_shadows_falls_as_a_low_discrepancy_sequence_should() {

@@ -617,7 +617,8 @@ fn tiles_deliver_the_whole_picture() {
     let (prepared, progress) = (prepare(&scene), RenderProgress::default());
     let streamed = std::sync::Mutex::new(Image::black(48, 32));
     let outcome = render(&prepared, None, &RunConfig::default(), &progress, &|tile| {
-        tile.copy_to(&mut streamed.lock().expect("no panic"));
+        tile.region
+            .copy_into(tile.rgb, &mut streamed.lock().expect("no panic"));
     });
     assert_eq!(
         streamed.into_inner().expect("no panic"),

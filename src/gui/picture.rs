@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
 
 use crate::control::CancelToken;
-use crate::render::{Image, RenderProgress, RenderStats, TilePixels, display};
+use crate::render::{Image, Layer, RenderProgress, RenderStats, TilePixels, display};
 use crate::scene::{Display, Scene};
 
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
@@ -42,37 +42,59 @@ pub struct PictureBuffer {
     height: u32,
     /// Picture pixels per texel along each axis.
     step: u32,
+    layers: Vec<Layer>,
     state: Mutex<BufferState>,
 }
 
 #[derive(Debug)]
 struct BufferState {
-    image: Image,
+    /// The picture, then its layers.
+    planes: Vec<Image>,
+    /// Which of them is on the screen.
+    shown: usize,
     display: Display,
 }
 
 impl PictureBuffer {
-    /// A black picture, shown with `display` on textures of at most `largest_texture` texels a side. `None` when it does
-    /// not fit into memory.
+    /// A black picture with these layers, shown with `display` on textures of at most `largest_texture` texels a side. `None`
+    /// when it does not fit into memory.
     #[must_use]
-    pub fn new(width: u32, height: u32, display: Display, largest_texture: u32) -> Option<Self> {
+    pub fn new(
+        [width, height]: [u32; 2],
+        layers: Vec<Layer>,
+        display: Display,
+        largest_texture: u32,
+    ) -> Option<Self> {
         let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
         let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
+        let planes = 1 + layers.len();
         // Ask first: the allocation below ends the program where there is no room. It takes zeroed pages, which cost
         // nothing until they are used.
-        Vec::<[f32; 3]>::new().try_reserve_exact(count).ok()?;
-        let pixels = vec![[0.0; 3]; count];
-        let image = Image {
+        Vec::<[f32; 3]>::new()
+            .try_reserve_exact(count.checked_mul(planes)?)
+            .ok()?;
+        let black = || Image {
             width,
             height,
-            pixels,
+            pixels: vec![[0.0; 3]; count],
         };
         Some(Self {
             width,
             height,
             step: width.max(height).div_ceil(largest).max(1),
-            state: Mutex::new(BufferState { image, display }),
+            layers,
+            state: Mutex::new(BufferState {
+                planes: std::iter::repeat_with(black).take(planes).collect(),
+                shown: 0,
+                display,
+            }),
         })
+    }
+
+    /// The layers that are kept beside the picture.
+    #[must_use]
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
     }
 
     /// Picture pixels per texel along each axis: 1 unless the picture is too large for a texture.
@@ -90,7 +112,21 @@ impl PictureBuffer {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.lock().image.clone()
+        self.lock().planes[0].clone()
+    }
+
+    /// Its layers so far.
+    #[must_use]
+    pub fn layer_images(&self) -> Vec<(Layer, Image)> {
+        let images = self.lock().planes[1..].to_vec();
+        self.layers.iter().copied().zip(images).collect()
+    }
+
+    /// Shows a layer, or the picture, from now on; what is already shown needs [`PictureBuffer::encode_all`]. A layer that is not
+    /// kept shows the picture.
+    pub fn set_shown(&self, layer: Option<Layer>) {
+        let index = layer.and_then(|layer| self.layers.iter().position(|&kept| kept == layer));
+        self.lock().shown = index.map_or(0, |index| index + 1);
     }
 
     /// Shows the picture with `display` from now on; tiles already shown need [`PictureBuffer::encode_all`].
@@ -101,15 +137,29 @@ impl PictureBuffer {
     /// Takes in a tile of the render and returns what to show; `None` where the reduced picture has no pixel of it.
     #[must_use]
     pub fn accept(&self, tile: &TilePixels<'_>) -> Option<EncodedTile> {
-        let display = {
-            let mut state = self.lock();
-            tile.copy_to(&mut state.image);
-            state.display
-        };
         let region = tile.region;
+        let (display, rgb) = {
+            let mut state = self.lock();
+            // The coarse picture that comes first has no layers.
+            let planes = std::iter::once(tile.rgb).chain(tile.layers.iter().map(Vec::as_slice));
+            for (image, rgb) in state.planes.iter_mut().zip(planes) {
+                region.copy_into(rgb, image);
+            }
+            let shown = state
+                .shown
+                .checked_sub(1)
+                .map(|index| tile.layers.get(index));
+            (
+                state.display,
+                match shown {
+                    None => tile.rgb,
+                    Some(layer) => layer?.as_slice(),
+                },
+            )
+        };
         let encode = |x: u32, y: u32| {
             let index = (y - region.y) as usize * region.width as usize + (x - region.x) as usize;
-            color(tile.rgb[index], &display)
+            color(rgb[index], &display)
         };
         self.encode(
             region.x..region.x + region.width,
@@ -129,7 +179,10 @@ impl PictureBuffer {
                 let state = self.lock();
                 let row = self.width as usize;
                 let range = rows.start as usize * row..rows.end as usize * row;
-                (state.image.pixels[range].to_vec(), state.display)
+                (
+                    state.planes[state.shown].pixels[range].to_vec(),
+                    state.display,
+                )
             };
             let encode = |x: u32, y: u32| {
                 let index = (y - rows.start) as usize * self.width as usize + x as usize;
@@ -247,6 +300,13 @@ impl Picture {
         texture.set_partial(tile.position, tile.pixels, TEXTURE_OPTIONS);
     }
 
+    /// Goes on showing what `previous` showed until the first tiles are there, where both are of one size.
+    pub fn continue_from(&mut self, previous: Self) {
+        if previous.buffer.texture_size() == self.buffer.texture_size() {
+            self.texture = previous.texture;
+        }
+    }
+
     /// What there is to show; `None` before the first tile.
     #[must_use]
     pub fn texture(&self) -> Option<egui::TextureId> {
@@ -303,13 +363,22 @@ mod tests {
     use super::*;
     use crate::render::Region;
 
+    fn buffer(width: u32, height: u32, largest_texture: u32) -> Option<PictureBuffer> {
+        PictureBuffer::new(
+            [width, height],
+            Vec::new(),
+            Display::default(),
+            largest_texture,
+        )
+    }
+
     fn tile(region: Region, value: f32) -> (Region, Vec<[f32; 3]>) {
         (region, vec![[value; 3]; region.pixel_count()])
     }
 
     #[test]
     fn tiles_are_shown_where_they_belong() {
-        let buffer = PictureBuffer::new(70, 40, Display::default(), 8192).unwrap();
+        let buffer = buffer(70, 40, 8192).unwrap();
         let region = Region {
             x: 32,
             y: 8,
@@ -317,7 +386,13 @@ mod tests {
             height: 16,
         };
         let (region, rgb) = tile(region, 1.0);
-        let encoded = buffer.accept(&TilePixels { region, rgb: &rgb }).unwrap();
+        let encoded = buffer
+            .accept(&TilePixels {
+                region,
+                rgb: &rgb,
+                layers: &[],
+            })
+            .unwrap();
         assert_eq!(encoded.position, [32, 8]);
         assert_eq!(encoded.pixels.size, [38, 16]);
         assert!(encoded.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
@@ -327,7 +402,7 @@ mod tests {
 
     #[test]
     fn a_picture_too_large_for_a_texture_is_reduced_without_gaps() {
-        let buffer = PictureBuffer::new(100, 37, Display::default(), 30).unwrap();
+        let buffer = buffer(100, 37, 30).unwrap();
         assert_eq!(buffer.step(), 4);
         let [width, height] = buffer.texture_size();
         assert!(width <= 30 && height <= 30);
@@ -343,7 +418,11 @@ mod tests {
                     height: 7.min(full.height - y),
                 };
                 let (region, rgb) = tile(region, 0.5);
-                let Some(shown) = buffer.accept(&TilePixels { region, rgb: &rgb }) else {
+                let Some(shown) = buffer.accept(&TilePixels {
+                    region,
+                    rgb: &rgb,
+                    layers: &[],
+                }) else {
                     continue;
                 };
                 for row in 0..shown.pixels.height() {
@@ -359,9 +438,15 @@ mod tests {
 
     #[test]
     fn encoding_anew_shows_the_new_exposure_everywhere() {
-        let buffer = PictureBuffer::new(33, 150, Display::default(), 8192).unwrap();
+        let buffer = buffer(33, 150, 8192).unwrap();
         let (region, rgb) = tile(Region::full(33, 150), 0.25);
-        let before = buffer.accept(&TilePixels { region, rgb: &rgb }).unwrap();
+        let before = buffer
+            .accept(&TilePixels {
+                region,
+                rgb: &rgb,
+                layers: &[],
+            })
+            .unwrap();
         buffer.set_display(Display {
             exposure: 2.0,
             ..Display::default()
@@ -376,9 +461,37 @@ mod tests {
     }
 
     #[test]
+    fn layers_are_shown_in_place_of_the_picture() {
+        let layers = vec![Layer::Emission, Layer::Shadow];
+        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
+        let (region, rgb) = tile(Region::full(16, 16), 0.25);
+        let layers = [tile(region, 0.0).1, tile(region, 1.0).1];
+        let whole = TilePixels {
+            region,
+            rgb: &rgb,
+            layers: &layers,
+        };
+        buffer.set_shown(Some(Layer::Shadow));
+        let shown = buffer.accept(&whole).unwrap();
+        assert_eq!(shown.pixels.pixels[0], Color32::WHITE);
+        // The coarse picture has none, so the layer on the screen stays as it was.
+        let coarse = TilePixels {
+            layers: &[],
+            ..whole
+        };
+        assert!(buffer.accept(&coarse).is_none());
+        buffer.set_shown(Some(Layer::Ambient));
+        assert_ne!(
+            buffer.accept(&whole).unwrap().pixels.pixels[0],
+            Color32::WHITE
+        );
+        assert_eq!(buffer.layer_images()[1].1.pixel(3, 3), [1.0; 3]);
+    }
+
+    #[test]
     fn a_picture_no_memory_holds_is_refused() {
         if usize::BITS == 64 {
-            assert!(PictureBuffer::new(u32::MAX, u32::MAX, Display::default(), 8192).is_none());
+            assert!(buffer(u32::MAX, u32::MAX, 8192).is_none());
         }
     }
 }

@@ -102,6 +102,10 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
                 let count = grouped(stats.non_finite_samples);
                 parts.push(format!("{count} samples are not numbers"));
             }
+            if render.clamp.is_some() {
+                let share = stats.clamped.energy_share * 100.0;
+                parts.push(format!("clamping took {share:.2} % of the light"));
+            }
         }
         Outcome::Cancelled => {
             let share = picture.progress.samples.fraction() * 100.0;

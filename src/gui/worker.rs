@@ -176,6 +176,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let run = RunConfig {
         threads: request.threads,
         cancel: job.cancel.clone(),
+        layers: !request.buffer.layers().is_empty(),
+        coarse_first: true,
     };
     let is_first = AtomicBool::new(true);
     let outcome = render::render(&prepared, None, &run, &request.progress, &|tile| {
@@ -189,7 +191,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
             job.send_within(Event::Tile(tile), delay);
         }
     });
-    if let Some(RenderOutcome { image, stats }) = outcome {
+    if let Some(RenderOutcome { image, stats, .. }) = outcome {
         let hash = image.hash();
         job.send(Event::Rendered { hash, stats });
     }
@@ -215,7 +217,13 @@ pub fn save_picture(
     output: &Output,
     path: PathBuf,
 ) {
-    let result = io::write_image(&buffer.image(), display, output, &path);
+    let result = io::write_image(
+        &buffer.image(),
+        &buffer.layer_images(),
+        display,
+        output,
+        &path,
+    );
     let result = result.map_err(|error| error.to_string());
     job.send(Event::PictureSaved { path, result });
 }

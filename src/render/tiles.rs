@@ -40,6 +40,17 @@ impl Region {
         within(self.x, self.width, width) && within(self.y, self.height, height)
     }
 
+    /// Copies the region's pixels, row by row, into `image`, a picture of the full size.
+    ///
+    /// # Panics
+    /// When the region does not lie in the image.
+    pub fn copy_into(&self, pixels: &[[f32; 3]], image: &mut Image) {
+        for (row, pixels) in pixels.chunks_exact(self.width as usize).enumerate() {
+            let start = (self.y as usize + row) * image.width as usize + self.x as usize;
+            image.pixels[start..start + pixels.len()].copy_from_slice(pixels);
+        }
+    }
+
     /// Cuts the region into tiles of at most `side` × `side` pixels, those nearest its middle first: what people look at.
     pub(super) fn tiles(&self, side: u32) -> Vec<Region> {
         let mut tiles = Vec::new();
@@ -79,24 +90,6 @@ pub struct TilePixels<'a> {
     pub rgb: &'a [[f32; 3]],
     /// Means of the layers that are kept, in the order of [`super::PreparedScene::layers`].
     pub layers: &'a [Vec<[f32; 3]>],
-}
-
-impl TilePixels<'_> {
-    /// Copies the tile into `image`, a picture of the full size.
-    ///
-    /// # Panics
-    /// When the tile does not lie in the image.
-    pub fn copy_to(&self, image: &mut Image) {
-        for (row, pixels) in self
-            .rgb
-            .chunks_exact(self.region.width as usize)
-            .enumerate()
-        {
-            let start =
-                (self.region.y as usize + row) * image.width as usize + self.region.x as usize;
-            image.pixels[start..start + pixels.len()].copy_from_slice(pixels);
-        }
-    }
 }
 
 #[cfg(test)]

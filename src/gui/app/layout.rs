@@ -91,6 +91,8 @@ impl App {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
                             threads: &mut self.threads,
+                            shown_layer: &mut self.shown_layer,
+                            layers: self.picture.as_ref().map_or(&[], |p| p.buffer.layers()),
                         };
                         panels::panels_ui(ui, &mut state);
                     });

@@ -33,6 +33,7 @@ use super::viewport::Viewport;
 use super::worker::{Event, Prepared};
 use crate::control::Progress;
 use crate::math::DBounds;
+use crate::render::Layer;
 use crate::scene::Scene;
 
 /// How the window starts.
@@ -68,6 +69,8 @@ pub struct App {
     /// Why the scene as it is cannot be rendered.
     problem: Option<String>,
     picture: Option<Picture>,
+    /// The layer of the picture to show, where it is kept; `None` shows all of it.
+    shown_layer: Option<Layer>,
     /// A render was asked for at this time and waits for its geometry.
     waiting_render: Option<Instant>,
     loading: Option<Loading>,
@@ -112,6 +115,7 @@ impl App {
             preparing: None,
             problem: None,
             picture: None,
+            shown_layer: None,
             waiting_render: None,
             loading: None,
             jobs: Jobs::new(creation.egui_ctx.clone()),
@@ -366,7 +370,7 @@ impl eframe::App for App {
         } else {
             Vec::new()
         };
-        let render_before = self.document.scene.display;
+        let (display_before, layer_before) = (self.document.scene.display, self.shown_layer);
         commands.extend(self.window_ui(ui));
         self.dialogs_ui(&ctx);
         for command in commands {
@@ -374,9 +378,13 @@ impl eframe::App for App {
         }
 
         self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
-        if self.document.scene.display != render_before {
+        if self.document.scene.display != display_before {
             self.show_picture_with(self.document.scene.display);
         }
+        if self.shown_layer != layer_before {
+            self.show_layer(self.shown_layer);
+        }
+        self.restart_edited_render();
         self.update_background_work();
         self.update_title(&ctx);
     }

@@ -14,7 +14,7 @@ use crate::gui::picture::{Outcome, Picture, PictureBuffer};
 use crate::gui::preview_image::PreviewImage;
 use crate::gui::top_bar::View;
 use crate::gui::worker::{self, Prepared, RenderRequest};
-use crate::render::{RenderProgress, RenderStats};
+use crate::render::{Layer, RenderProgress, RenderStats};
 use crate::scene::Display;
 
 impl App {
@@ -97,7 +97,12 @@ impl App {
             preview.device().limits().max_texture_dimension_2d
         });
         let size = &scene.render;
-        let buffer = PictureBuffer::new(size.width, size.height, scene.display, largest);
+        let layers = if scene.output.layers {
+            Layer::all_of(&scene)
+        } else {
+            Vec::new()
+        };
+        let buffer = PictureBuffer::new([size.width, size.height], layers, scene.display, largest);
         let Some(buffer) = buffer.map(Arc::new) else {
             let text = format!(
                 "A picture of {} × {} pixels does not fit into memory. Make it smaller.",
@@ -106,13 +111,13 @@ impl App {
             self.messages.error("Cannot render", text);
             return;
         };
+        buffer.set_shown(self.shown_layer);
         let progress = RenderProgress::default();
-        self.picture = Some(Picture::new(
-            scene.clone(),
-            Arc::clone(&buffer),
-            progress.clone(),
-            asked,
-        ));
+        let mut picture = Picture::new(scene.clone(), Arc::clone(&buffer), progress.clone(), asked);
+        if let Some(previous) = self.picture.take().filter(|_| self.view == View::Picture) {
+            picture.continue_from(previous);
+        }
+        self.picture = Some(picture);
         self.view = View::Picture;
 
         let request = RenderRequest {
@@ -126,6 +131,14 @@ impl App {
         self.jobs.cancel(Lane::Encode);
         self.jobs
             .start(Lane::Render, move |job| worker::render(job, &request));
+    }
+
+    /// Starts a render anew whose scene was edited while it is looked at. In the preview, editing goes on beside it.
+    pub(super) fn restart_edited_render(&mut self) {
+        let is_running = self.picture.as_ref().is_some_and(Picture::is_running);
+        if is_running && self.view == View::Picture && self.picture_is_outdated() {
+            self.ask_for_render();
+        }
     }
 
     /// Time between two frames while a render runs and the user does nothing. Where the processor draws the window, each
@@ -166,8 +179,21 @@ impl App {
         };
         picture.scene.display = display;
         picture.buffer.set_display(display);
-        if picture.texture().is_some() {
-            let buffer = Arc::clone(&picture.buffer);
+        self.encode_picture();
+    }
+
+    /// Shows a layer of the picture, or all of it.
+    pub(super) fn show_layer(&mut self, layer: Option<Layer>) {
+        self.shown_layer = layer;
+        if let Some(picture) = &self.picture {
+            picture.buffer.set_shown(layer);
+            self.encode_picture();
+        }
+    }
+
+    fn encode_picture(&mut self) {
+        let shown = self.picture.as_ref().filter(|p| p.texture().is_some());
+        if let Some(buffer) = shown.map(|picture| Arc::clone(&picture.buffer)) {
             self.jobs
                 .start(Lane::Encode, move |job| worker::encode(job, &buffer));
         }

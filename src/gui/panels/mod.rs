@@ -13,6 +13,7 @@ use egui::Ui;
 
 use super::selection::Selection;
 use super::widgets::section_ui;
+use crate::render::Layer;
 use crate::scene::Scene;
 
 /// What the panels edit.
@@ -24,6 +25,10 @@ pub struct PanelState<'a> {
     pub selection: &'a mut Selection,
     /// Render threads; 0 is one per core.
     pub threads: &'a mut usize,
+    /// The layer of the picture that is shown; `None` shows all of it.
+    pub shown_layer: &'a mut Option<Layer>,
+    /// The layers that the picture has.
+    pub layers: &'a [Layer],
 }
 
 impl PanelState<'_> {
@@ -56,6 +61,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         settings::effects_ui(ui, &mut state.scene.render);
     });
     section_ui(ui, "Display", true, |ui| {
+        settings::layers_ui(ui, state);
         settings::display_ui(ui, state.scene);
     });
 }

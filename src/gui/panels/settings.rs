@@ -1,8 +1,10 @@
 use egui::Ui;
 
+use super::PanelState;
 use crate::gui::widgets::{
     Number, choice_row_ui, combo_row_ui, integer_row_ui, number_row_ui, row_ui, switch_row_ui,
 };
+use crate::render::Layer;
 use crate::scene::{
     Choice, Filter, LightSampling, Mode, PhongModel, PngBits, RenderSettings, Scene, Shadows,
     ToneCurve,
@@ -131,6 +133,9 @@ pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             0.1,
         );
     }
+    if matches!(settings.mode, Mode::Direct | Mode::Path) {
+        clamp_ui(ui, settings);
+    }
     switch_row_ui(
         ui,
         "Depth of field",
@@ -168,9 +173,14 @@ fn shadows_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             Shadows::Off => ("Off", "Light passes through everything"),
             Shadows::Hard => ("Hard", "As if each light shone from its centre"),
             Shadows::Soft => ("Soft", "From the whole of each light"),
+            Shadows::Fraction => (
+                "2011",
+                "The rule of 2011: what each light's centre would give, times the share of the light that is seen; darker \
+                 or brighter than the truth where that share changes",
+            ),
         },
     );
-    if settings.shadows == Shadows::Soft {
+    if matches!(settings.shadows, Shadows::Soft | Shadows::Fraction) {
         integer_row_ui(
             ui,
             "Shadow rays",
@@ -260,6 +270,56 @@ fn path_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     );
 }
 
+/// A limit on what one sample may bring, off by default.
+fn clamp_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    const UNIT: &str = " W/m²/sr";
+    let mut is_on = settings.clamp.is_some();
+    switch_row_ui(
+        ui,
+        "Clamp",
+        "Limit what one sample may bring: bright specks go, and some of the light with them; how much is reported",
+        &mut is_on,
+    );
+    if !is_on {
+        settings.clamp = None;
+        return;
+    }
+    let mut most = settings.clamp.unwrap_or(10.0);
+    number_row_ui(
+        ui,
+        "Clamp at",
+        "The most radiance of a sample in its brightest channel, in watts per square metre and steradian",
+        &mut most,
+        &Number::within(f64::MIN_POSITIVE..=f64::MAX, 0.1).with_suffix(UNIT),
+    );
+    settings.clamp = Some(most);
+}
+
+/// Which part of the picture shows, and whether parts are kept.
+pub fn layers_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    if !state.layers.is_empty() {
+        let mut choices = vec![(None, "Whole picture".to_owned())];
+        let layers = state.layers.iter().copied();
+        choices.extend(layers.map(|layer| (Some(layer), layer_name(layer).to_owned())));
+        if !choices.iter().any(|(layer, _)| layer == state.shown_layer) {
+            *state.shown_layer = None;
+        }
+        combo_row_ui(
+            ui,
+            "Layer",
+            "Which part of the picture to look at; the parts add up to the whole, shadow and occlusion are factors beside them",
+            state.shown_layer,
+            &choices,
+        );
+    }
+    switch_row_ui(
+        ui,
+        "Keep layers",
+        "Keep the parts of the next picture, to look at them and to save them in .exr files; they take memory",
+        &mut state.scene.output.layers,
+    );
+}
+
 /// From radiance to the screen. It changes no radiance and needs no new render.
 pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
     number_row_ui(
@@ -292,6 +352,21 @@ pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
             (PngBits::Sixteen, "16 bits".to_owned()),
         ],
     );
+}
+
+/// What a layer is called on screen.
+fn layer_name(layer: Layer) -> &'static str {
+    match layer {
+        Layer::Emission => "Lights and background",
+        Layer::DirectDiffuse => "Direct light, diffuse",
+        Layer::DirectSpecular => "Direct light, highlights",
+        Layer::Ambient => "Ambient light",
+        Layer::Reflection => "Reflections",
+        Layer::Refraction => "Seen through glass",
+        Layer::Indirect => "Indirect light",
+        Layer::Shadow => "Shadow factor",
+        Layer::Occlusion => "Occlusion factor",
+    }
 }
 
 /// What a mode is called on screen.
