@@ -627,6 +627,41 @@ fn tiles_deliver_the_whole_picture() {
     assert_eq!(progress.samples.done(), progress.samples.total());
 }
 
+/// For whoever waits, a picture in blocks comes before the first sample counts, and changes no bit of the rest.
+#[test]
+fn a_coarse_picture_comes_first_where_asked_for() {
+    let mut scene = shards_scene();
+    scene.render.samples_per_pixel = 3;
+    let (prepared, progress) = (prepare(&scene), RenderProgress::default());
+    let coarse = std::sync::Mutex::new(Image::black(48, 32));
+    let covered = std::sync::Mutex::new(0);
+    let config = RunConfig {
+        coarse_first: true,
+        ..RunConfig::default()
+    };
+    let outcome = render(&prepared, None, &config, &progress, &|tile| {
+        let mut covered = covered.lock().expect("no panic");
+        if *covered < 48 * 32 {
+            assert_eq!(progress.samples.done(), 0);
+            let mut coarse = coarse.lock().expect("no panic");
+            tile.region.copy_into(tile.rgb, &mut coarse);
+        }
+        *covered += tile.region.pixel_count();
+    });
+    let outcome = outcome.expect("nobody cancels");
+    let coarse = coarse.into_inner().expect("no panic");
+    for y in 0..32 {
+        for x in 0..48 {
+            assert_eq!(coarse.pixel(x, y), coarse.pixel(x / 8 * 8, y / 8 * 8));
+        }
+    }
+    assert_ne!(coarse, Image::black(48, 32));
+    let plain = render(&prepared, None, &RunConfig::default(), &progress, &|_| ());
+    let plain = plain.expect("nobody cancels");
+    assert_eq!(outcome.image.hash(), plain.image.hash());
+    assert_eq!(outcome.stats.rays, plain.stats.rays);
+}
+
 #[test]
 fn only_changed_geometry_is_prepared_again() {
     let mut scene = shards_scene();

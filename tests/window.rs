@@ -16,7 +16,7 @@ use raymini::gui::top_bar::View;
 use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
 use raymini::io;
 use raymini::math::DVec3;
-use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
+use raymini::render::{Layer, PreparedScene, RenderProgress, RunConfig, render};
 use raymini::scene::{Light, Scene, Shadows};
 
 /// Longest wait for anything; machines differ, tests must not hang.
@@ -633,6 +633,59 @@ fn without_a_gpu_everything_but_the_preview_works() {
 }
 
 /// From the click to the first tile in the window, the window's own time per frame while all cores render, and from
+/// Switching an effect while the picture is looked at renders it anew; the figure is printed.
+#[test]
+fn switching_an_effect_restarts_a_running_render() {
+    let mut window = Window::start(Vec::new(), true);
+    set_samples(&mut window, 4096);
+    window.harness.get_by_label("Render").click();
+    window.until("the first tile shows", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    assert_ne!(window.scene().render.shadows, Shadows::Off);
+    window.operate("Shadows: Off");
+    window.until("tiles of the new picture show", |app| {
+        app.picture().is_some_and(|p| {
+            p.is_running() && p.first_tile.is_some() && p.scene.render.shadows == Shadows::Off
+        })
+    });
+    let restarted = window.app().picture().unwrap().first_tile.unwrap();
+    println!("first tile {restarted:.1?} after the switch");
+    assert!(restarted < Duration::from_secs(2), "{restarted:?}");
+
+    // In the preview, editing goes on beside the render.
+    window.click("Preview");
+    window.operate("Shadows: Hard");
+    window.harness.run_steps(3);
+    assert_eq!(
+        window.app().picture().unwrap().scene.render.shadows,
+        Shadows::Off
+    );
+    assert!(window.app().picture().unwrap().is_running());
+    window.click("Cancel");
+}
+
+/// Layers are kept, looked at, and left out when not wanted.
+#[test]
+fn a_layer_of_the_picture_is_shown() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let buffer = std::sync::Arc::clone(&window.app().picture().unwrap().buffer);
+    assert!(buffer.layers().contains(&Layer::Shadow));
+    let layers = buffer.layer_images();
+    let shadow = &layers.iter().find(|(l, _)| *l == Layer::Shadow).unwrap().1;
+    assert!(shadow.pixels.iter().any(|&p| p == [1.0; 3]));
+    window.operate("Layer");
+    window.operate("Shadow factor");
+    window.harness.run_steps(5);
+    assert!(window.has("Layer"));
+    window.operate("Keep layers");
+    window.render();
+    assert!(window.app().picture().unwrap().buffer.layers().is_empty());
+    assert!(!window.has("Layer"));
+}
+
 /// Cancel to idle threads, on a scene of 100,000 triangles. The figures are printed; the bars are those of the product
 /// with room for a loaded test machine and an unoptimised build.
 #[test]
