@@ -124,12 +124,10 @@ fn the_parts_add_up_to_the_picture() {
                 .map(|(_, image)| image)
                 .collect();
             for (index, pixel) in outcome.image.pixels.iter().enumerate() {
-                for channel in 0..3 {
-                    let sum: f64 = parts
-                        .iter()
-                        .map(|image| f64::from(image.pixels[index][channel]))
-                        .sum();
-                    let whole = f64::from(pixel[channel]);
+                for (channel, &whole) in pixel.iter().enumerate() {
+                    let values = parts.iter().map(|image| image.pixels[index][channel]);
+                    let sum: f64 = values.map(f64::from).sum();
+                    let whole = f64::from(whole);
                     assert!(
                         (sum - whole).abs() <= 1e-6 * whole.abs(),
                         "{mode:?}: {sum} {whole}"

@@ -675,7 +675,7 @@ fn a_layer_of_the_picture_is_shown() {
     assert!(buffer.layers().contains(&Layer::Shadow));
     let layers = buffer.layer_images();
     let shadow = &layers.iter().find(|(l, _)| *l == Layer::Shadow).unwrap().1;
-    assert!(shadow.pixels.iter().any(|&p| p == [1.0; 3]));
+    assert!(shadow.pixels.contains(&[1.0; 3]));
     window.operate("Layer");
     window.operate("Shadow factor");
     window.harness.run_steps(5);

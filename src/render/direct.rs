@@ -63,7 +63,7 @@ pub fn gather(
                 };
                 if !phong.is_black() {
                     let ambient = phong.diffuse * shading.ambient();
-                    let lobes = shading.from_lights();
+                    let lobes = shading.light_from_all();
                     gathered.add_ambient(beginning, throughput * ambient);
                     gathered.add_reflected(beginning, lobes * throughput);
                 }
@@ -154,18 +154,18 @@ impl Shading<'_> {
     }
 
     /// Reflected light of all lights and emitting objects.
-    fn from_lights(&mut self) -> ByLobe {
+    fn light_from_all(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
         let scene = self.scene;
         for (index, light) in (0..).zip(scene.lights()) {
-            sum += self.from_light(index, light);
+            sum += self.light_from(index, light);
         }
-        sum += self.from_objects();
+        sum += self.light_from_objects();
         sum
     }
 
     /// Reflected light of emitting objects, aimed at by their power; as many rays as to a light with area.
-    fn from_objects(&mut self) -> ByLobe {
+    fn light_from_objects(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
         let emitters = self.scene.emitters();
         if emitters.is_empty() {
@@ -178,17 +178,17 @@ impl Shading<'_> {
             let (choice, u) = (choices.next_2d(turn), points.next_2d(turn));
             let lights = self.scene.lights();
             if let Some(aim) = emitters.aim(lights, self.point.position, choice, u) {
-                sum += self.from_sample(aim.light, &aim.sample, |_| 1.0);
+                sum += self.light_from_sample(aim.light, &aim.sample, |_| 1.0);
             }
         }
         sum * Vec3::splat(1.0 / count as f32)
     }
 
-    fn from_light(&mut self, index: u32, light: &PreparedLight) -> ByLobe {
+    fn light_from(&mut self, index: u32, light: &PreparedLight) -> ByLobe {
         let from = self.point.position;
         let settings = self.scene.settings();
         if !light.has_area() || settings.shadows == Shadows::Hard {
-            return self.from_sample(Some(index), &light.center(from), |_| 1.0);
+            return self.light_from_sample(Some(index), &light.center(from), |_| 1.0);
         }
         let count = settings.shadow_samples;
         let points = self.turns(Decision::Light, index, count);
@@ -206,14 +206,14 @@ impl Shading<'_> {
                         let towards = Ray::new(from, sample.position - from);
                         power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
                     };
-                    sum += self.from_sample(Some(index), &sample, weight);
+                    sum += self.light_from_sample(Some(index), &sample, weight);
                     sum += self.looking_for_disk(index, disk, &directions, turn);
                 }
             }
             _ => {
                 for turn in 0..count {
                     let sample = light.sample(from, points.next_2d(turn));
-                    sum += self.from_sample(Some(index), &sample, |_| 1.0);
+                    sum += self.light_from_sample(Some(index), &sample, |_| 1.0);
                 }
             }
         }
@@ -246,7 +246,7 @@ impl Shading<'_> {
     }
 
     /// Reflected light of one point of a light, times what `weight` says of its direction.
-    fn from_sample(
+    fn light_from_sample(
         &mut self,
         light: Option<u32>,
         sample: &LightSample,
@@ -268,7 +268,7 @@ impl Shading<'_> {
     }
 
     /// Reflected light of a near disk, looked for in a direction of the hemisphere: the other half of
-    /// [`Self::from_sample`], which is noisy where the light is near.
+    /// [`Self::light_from_sample`], which is noisy where the light is near.
     fn looking_for_disk(
         &mut self,
         index: u32,
