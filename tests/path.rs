@@ -285,12 +285,10 @@ fn glass_in_a_white_furnace_is_invisible() {
         roulette: false,
         ..RenderSettings::default()
     };
-    assert!(
-        picture(&scene)
-            .pixels
-            .iter()
-            .all(|&pixel| pixel == [0.5; 3])
-    );
+    // But for the rounding of n² on the way in and out.
+    for pixel in &picture(&scene).pixels {
+        assert!((pixel[0] - 0.5).abs() < 1e-6, "{pixel:?}");
+    }
 }
 
 #[test]

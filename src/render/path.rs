@@ -32,6 +32,8 @@ pub fn gather(
     let mut gathered = Gathered::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
+    // How much denser radiance is where the path is than at the eye.
+    let mut concentration = 1.0;
     // Density of the last scattered direction; `None` where no light could be aimed at instead: from the eye, a mirror, glass.
     let mut scattered_pdf = None;
 
@@ -101,6 +103,7 @@ pub fn gather(
                 let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
+                concentration *= onward.concentration;
                 scattered_pdf = None;
                 beginning = beginning.then_specular(onward.layer);
                 ray = onward.ray;
@@ -108,9 +111,9 @@ pub fn gather(
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         }
 
-        // Paths that carry little end at random; the rest carry more for them.
+        // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
         if settings.roulette && bounce + 1 >= ROULETTE_FROM {
-            let survival = throughput.max_element().min(MOST_SURVIVAL);
+            let survival = (throughput.max_element() * concentration).min(MOST_SURVIVAL);
             if sampler.next_2d(Dimension::at(Decision::Roulette, bounce)).x >= survival {
                 break;
             }

@@ -22,8 +22,11 @@ pub enum Specular {
 #[derive(Clone, Copy, Debug)]
 pub struct Onward {
     pub ray: Ray,
-    /// Share of the light that is kept, on the way here through glass included.
+    /// Share of the radiance that is kept, on the way here through glass included.
     pub throughput: Vec3,
+    /// By how much radiance is concentrated behind the boundary, which `throughput` undoes: the square of the relative index of
+    /// refraction, 1 where light is reflected.
+    pub concentration: f32,
     /// [`Layer::Reflection`] or [`Layer::Refraction`].
     pub layer: Layer,
 }
@@ -33,11 +36,13 @@ impl Specular {
     /// `[0, 1)`, asked for where there is a choice.
     ///
     /// Glass is never split in two: it reflects with the probability that Fresnel's equations give, else refracts. The share
-    /// chosen cancels its probability.
+    /// chosen cancels its probability. What refraction keeps is radiance over the square of the index of refraction.
+    /// Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997, section 5.2.
     pub fn onward(&self, point: &SurfacePoint, start: f64, u: impl FnOnce() -> f32) -> Onward {
         let reflected = |throughput| Onward {
             ray: point.ray_above(point.mirror_direction()),
             throughput,
+            concentration: 1.0,
             layer: Layer::Reflection,
         };
         match *self {
@@ -59,7 +64,8 @@ impl Specular {
                 let direction = refract(point.wo, normal, eta, boundary.cos_transmitted);
                 Onward {
                     ray: point.ray_through(direction),
-                    throughput,
+                    throughput: throughput / (eta * eta),
+                    concentration: eta * eta,
                     layer: Layer::Refraction,
                 }
             }
