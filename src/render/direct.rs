@@ -11,6 +11,7 @@ use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
+use super::sky_light;
 use super::surface::SurfacePoint;
 use crate::math::{Ray, Vec3, warp};
 use crate::scene::Shadows;
@@ -172,8 +173,14 @@ impl Shading<'_> {
         if background.is_black() {
             return Vec3::ZERO;
         }
-        if !self.scene.settings().ambient_occlusion.enabled {
-            return background.mean_over_hemisphere(self.point.shading_normal);
+        if let Some(image) = background.image() {
+            let numbers = (self.sampler, self.bounce);
+            return sky_light::mean_over_hemisphere(self.scene, image, self.point, numbers, rays);
+        }
+        let occluded = self.scene.settings().ambient_occlusion.enabled;
+        let closed_form = background.mean_over_hemisphere(self.point.shading_normal);
+        if let (false, Some(mean)) = (occluded, closed_form) {
+            return mean;
         }
         let dimension = Dimension::at(Decision::AmbientOcclusion, self.bounce);
         ambient_occlusion(

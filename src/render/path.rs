@@ -4,6 +4,7 @@
 //! Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997; the loop follows the shape that Pharr et al.,
 //! Physically Based Rendering (4th ed.), teach.
 
+use super::aim::Target;
 use super::camera::CameraRay;
 use super::direct::{narrowed, power_heuristic, through_boundary};
 use super::fresnel::reflect;
@@ -13,7 +14,7 @@ use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
-use crate::math::Vec3;
+use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::LightSampling;
 
 /// Scattering events before roulette may end a path.
@@ -29,6 +30,7 @@ pub fn radiance(
     rays: &mut RayCounts,
 ) -> Vec3 {
     let settings = scene.settings();
+    let shares = scene.aim_shares();
     let mut radiance = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
     // Density of the last scattered direction; `None` where no light could be aimed at instead: from the eye, a mirror, glass.
@@ -43,22 +45,28 @@ pub fn radiance(
         };
         let point = match scene.nearest(&ray) {
             Seen::Background => {
-                return radiance
-                    + throughput * scene.background().radiance(ray.direction.normalize());
+                let direction = ray.direction.normalize();
+                let Some(image) = scene.background().image() else {
+                    return radiance + throughput * scene.background().radiance(direction);
+                };
+                let (met, pdf) = image.radiance_and_pdf(direction);
+                return radiance + throughput * met * weight(pdf * shares.background);
             }
             Seen::Disk { disk, index, t } => {
-                let pdf = scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
+                let pdf =
+                    shares.emitters * scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
                 return radiance + throughput * disk.emitted(ray.direction) * weight(pdf);
             }
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance: emitted } = *material {
-            let pdf = scene.emitters().pdf_of_object(
-                point.object,
-                point.geometric_normal(),
-                point.position - ray.origin,
-            );
+            let pdf = shares.emitters
+                * scene.emitters().pdf_of_object(
+                    point.object,
+                    point.geometric_normal(),
+                    point.position - ray.origin,
+                );
             return radiance + throughput * emitted * weight(pdf);
         }
         if bounce == settings.max_bounces {
@@ -114,7 +122,8 @@ pub fn radiance(
     radiance
 }
 
-/// What `point` reflects towards `wo` of one light chosen by power, divided by the probability of the choice.
+/// What `point` reflects towards `wo` of the background's image or of one light chosen by power, divided by the probability of
+/// the choice.
 fn aimed_light(
     scene: &PreparedScene,
     phong: &Phong,
@@ -124,36 +133,80 @@ fn aimed_light(
 ) -> Vec3 {
     let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
     let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
-    let Some(aim) = scene
-        .emitters()
-        .aim(scene.lights(), point.position, choice, u)
-    else {
+    let aimed = match scene.aim_shares().choose(choice) {
+        Target::Background => aim_at_background(scene, point, u),
+        Target::Emitter(choice) => aim_at_emitter(scene, point, choice, u),
+    };
+    let Some(aimed) = aimed else {
         return Vec3::ZERO;
     };
-    let Some(wi) = (aim.sample.position - point.position).try_normalize() else {
-        return Vec3::ZERO;
-    };
-    let weight = match (aim.pdf_solid_angle, scene.settings().light_sampling) {
+    let weight = match (aimed.pdf_solid_angle, scene.settings().light_sampling) {
         (None, _) | (_, LightSampling::Nee) => 1.0,
         (_, LightSampling::Bsdf) => return Vec3::ZERO,
         (Some(pdf), LightSampling::Mis) => power_heuristic(
             pdf,
-            phong.pdf_solid_angle(point.shading_normal, point.wo, wi),
+            phong.pdf_solid_angle(point.shading_normal, point.wo, aimed.wi),
         ),
     };
-    let cosine = point.cosine(wi);
-    if cosine <= 0.0 || aim.sample.irradiance == Vec3::ZERO {
+    let cosine = point.cosine(aimed.wi);
+    if cosine <= 0.0 || aimed.irradiance == Vec3::ZERO {
         return Vec3::ZERO;
     }
-    let reflected = phong.brdf(point.shading_normal, point.wo, wi) * cosine;
+    let reflected = phong.brdf(point.shading_normal, point.wo, aimed.wi) * cosine;
     if reflected == Vec3::ZERO {
         return Vec3::ZERO;
     }
     rays.shadow += 1;
-    let ray = point.ray_to(aim.sample.position);
-    if scene.occluded(&ray, 1.0, aim.light) {
+    if scene.occluded(&aimed.ray, aimed.reach, aimed.light) {
         Vec3::ZERO
     } else {
-        reflected * aim.sample.irradiance * weight
+        reflected * aimed.irradiance * weight
     }
+}
+
+/// Light aimed at from a point.
+struct Aimed {
+    /// Where it comes from; unit.
+    wi: Vec3,
+    /// On a surface that faces it, over the probability of all choices.
+    irradiance: Vec3,
+    /// Density of its direction with that of the choice, per steradian; `None` where no other strategy can find it.
+    pdf_solid_angle: Option<f32>,
+    /// Towards it; nothing may be in the way before `reach`, but for the light number `light`.
+    ray: Ray,
+    reach: f32,
+    light: Option<u32>,
+}
+
+fn aim_at_background(scene: &PreparedScene, point: &SurfacePoint, u: Vec2) -> Option<Aimed> {
+    let sample = scene.background().image()?.sample(u)?;
+    let pdf = sample.pdf_solid_angle * scene.aim_shares().background;
+    Some(Aimed {
+        wi: sample.direction,
+        irradiance: sample.radiance / pdf,
+        pdf_solid_angle: Some(pdf),
+        ray: point.ray_along(sample.direction),
+        reach: f32::INFINITY,
+        light: None,
+    })
+}
+
+fn aim_at_emitter(
+    scene: &PreparedScene,
+    point: &SurfacePoint,
+    choice: Vec2,
+    u: Vec2,
+) -> Option<Aimed> {
+    let share = scene.aim_shares().emitters;
+    let aim = scene
+        .emitters()
+        .aim(scene.lights(), point.position, choice, u)?;
+    Some(Aimed {
+        wi: (aim.sample.position - point.position).try_normalize()?,
+        irradiance: aim.sample.irradiance / share,
+        pdf_solid_angle: aim.pdf_solid_angle.map(|pdf| pdf * share),
+        ray: point.ray_to(aim.sample.position),
+        reach: 1.0,
+        light: aim.light,
+    })
 }

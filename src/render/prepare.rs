@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::aim::AimShares;
 use super::background::PreparedBackground;
 use super::camera::PreparedCamera;
 use super::direct;
@@ -29,6 +30,8 @@ pub struct PreparedScene {
     lights: Vec<PreparedLight>,
     /// What one light is chosen from.
     emitters: Emitters,
+    /// How often they are aimed at, and how often the background.
+    aim_shares: AimShares,
     /// Whether any object is of glass, so that shadow rays must ask what they meet.
     has_glass: bool,
     /// In prepared units.
@@ -62,8 +65,12 @@ impl PreparedScene {
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
         scene.validate()?;
-        let previous = previous.map(|previous| &previous.geometry);
-        let Some(geometry) = PreparedGeometry::prepare(scene, previous, cancel)? else {
+        let known = previous.map(|previous| &previous.geometry);
+        let Some(geometry) = PreparedGeometry::prepare(scene, known, cancel)? else {
+            return Ok(None);
+        };
+        let known = previous.map(|previous| &previous.background);
+        let Some(background) = PreparedBackground::new(scene, known, cancel)? else {
             return Ok(None);
         };
         let frame = geometry.frame();
@@ -124,15 +131,18 @@ impl PreparedScene {
         } else {
             &[]
         };
+        let emitters = Emitters::new(aimed_at, &geometry, &materials);
+        let radius = bounds.diagonal() / 2.0;
         Ok(Some(Self {
             camera,
-            background: PreparedBackground::new(&scene.background),
+            aim_shares: AimShares::new(&background, radius, emitters.power()),
+            background,
             has_glass: materials
                 .iter()
                 .any(|material| matches!(material, PreparedMaterial::Glass { .. })),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
-            emitters: Emitters::new(aimed_at, &geometry, &materials),
+            emitters,
             materials,
             lights,
             settings: scene.render.clone(),
@@ -271,6 +281,10 @@ impl PreparedScene {
 
     pub(super) fn emitters(&self) -> &Emitters {
         &self.emitters
+    }
+
+    pub(super) fn aim_shares(&self) -> AimShares {
+        self.aim_shares
     }
 
     pub(super) fn has_glass(&self) -> bool {
