@@ -201,7 +201,7 @@ fn the_preview_looks_like_a_render_without_shadows() {
     for mode in modes {
         let mut scene = base.clone();
         scene.render.mode = mode;
-        scene.background = gradient;
+        scene.background = gradient.clone();
         assert_same_colors(&scene);
     }
     let mut scene = base.clone();

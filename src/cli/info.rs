@@ -15,7 +15,7 @@ use crate::scene::{Choice, Scene};
 /// What `raymini info` takes.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A mesh, a scene file, or a picture (.png, .exr)
+    /// A mesh, a scene file, or a picture (.png, .exr, .hdr)
     file: PathBuf,
 
     /// Print the facts as JSON
@@ -80,6 +80,7 @@ struct PictureFacts {
     height: usize,
     /// Hash of the radiance the picture was made from, where it is known.
     image_hash: Option<String>,
+    warnings: Vec<String>,
 }
 
 /// Corners of a box.
@@ -122,7 +123,7 @@ fn facts(path: &Path) -> Result<Facts> {
             Ok(Facts::Scene(scene_facts(&loaded.scene, warnings)))
         }
         Some("png") => Ok(Facts::Picture(png_facts(path)?)),
-        Some("exr") => Ok(Facts::Picture(exr_facts(path)?)),
+        Some("exr" | "hdr") => Ok(Facts::Picture(radiance_facts(path)?)),
         _ => {
             let file = io::load_mesh(path, &cancel, &progress)?.ok_or_else(cancelled)?;
             Ok(Facts::Mesh(mesh_facts(file)))
@@ -186,37 +187,26 @@ fn png_facts(path: &Path) -> Result<PictureFacts> {
         width: info.width as usize,
         height: info.height as usize,
         image_hash: hash.map(|chunk| chunk.text.clone()),
+        warnings: Vec::new(),
     })
 }
 
-fn exr_facts(path: &Path) -> Result<PictureFacts> {
-    open(path)?;
-    let picture = exr::prelude::read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.width(), vec![[0.0; 3]; size.area()]),
-        |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b, _): (f32, f32, f32, f32)| {
-            pixels[at.y() * *width + at.x()] = [r, g, b];
-        },
-    )
-    .with_context(|| {
-        format!(
-            "{}: expected an OpenEXR picture with red, green and blue",
-            path.display()
-        )
-    })?;
-    let (width, pixels) = picture.layer_data.channel_data.pixels;
-    let height = pixels.len() / width.max(1);
-    let side = |side: usize| u32::try_from(side).context("the picture is too large");
-    let image = Image {
-        width: side(width)?,
-        height: side(height)?,
-        pixels,
-    };
+fn radiance_facts(path: &Path) -> Result<PictureFacts> {
+    let loaded = io::load_radiance(path, &CancelToken::new(), &Progress::new())?;
+    let file = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
+    let map = &file.map;
+    // The hash is that of the file's own values.
+    let image = (file.cleaned == 0).then(|| Image {
+        width: map.width(),
+        height: map.height(),
+        pixels: map.pixels().to_vec(),
+    });
     Ok(PictureFacts {
-        format: "OpenEXR",
-        width,
-        height,
-        image_hash: Some(image.hash()),
+        format: file.format,
+        width: map.width() as usize,
+        height: map.height() as usize,
+        image_hash: image.map(|image| image.hash()),
+        warnings: file.warnings,
     })
 }
 
@@ -299,7 +289,7 @@ fn describe(path: &Path, facts: &Facts) -> String {
                     .clone()
                     .unwrap_or_else(|| "unknown: not a picture by RayMini".to_owned()),
             );
-            &Vec::new()
+            &picture.warnings
         }
     };
     for warning in warnings {

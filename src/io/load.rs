@@ -1,4 +1,4 @@
-//! From paths to a scene with its meshes, and back.
+//! From paths to a scene with its meshes and images, and back.
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -7,14 +7,15 @@ use std::sync::Arc;
 use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
+use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
 use crate::control::{CancelToken, Progress};
-use crate::scene::{Object, Scene, SceneError, presets};
+use crate::scene::{Background, Object, Scene, SceneError, presets};
 
 /// A scene ready to be prepared.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// The description with its meshes.
+    /// The description with its meshes and images.
     pub scene: Scene,
     /// What was dropped or looks wrong, in sentences.
     pub warnings: Vec<String>,
@@ -37,6 +38,9 @@ pub enum LoadError {
     /// A mesh named on its own could not be loaded.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// The background's image could not be loaded.
+    #[error(transparent)]
+    Image(#[from] RadianceError),
     /// Meshes that make no scene, such as one a double cannot measure.
     #[error(transparent)]
     Description(#[from] SceneError),
@@ -66,7 +70,7 @@ pub fn demo_scene() -> Scene {
     let file =
         SceneFile::parse(builtin::DEMO_SCENE, "demo.toml").expect("the embedded scene is right");
     let mut warnings = Vec::new();
-    let loaded = load_meshes(
+    let loaded = load_parts(
         &file,
         Path::new("."),
         &mut warnings,
@@ -78,7 +82,8 @@ pub fn demo_scene() -> Scene {
         .expect("nobody cancels")
 }
 
-/// Loads a scene file, or a mesh as a scene of its own. `progress` counts bytes of meshes. `None` when cancelled.
+/// Loads a scene file, or a mesh as a scene of its own. `progress` counts bytes of meshes and images.
+/// `None` when cancelled.
 ///
 /// # Errors
 /// What cannot be read or understood, with file and line.
@@ -121,7 +126,7 @@ pub fn load_mesh(
     mesh_file::load_mesh(path, cancel, progress)
 }
 
-/// Writes `scene` to `path`, mesh paths made relative to it. The file appears whole or not at all.
+/// Writes `scene` to `path`, paths of meshes and images made relative to it. The file appears whole or not at all.
 ///
 /// # Errors
 /// What the system says.
@@ -134,14 +139,17 @@ pub fn save_scene(scene: &Scene, path: &Path) -> Result<(), SaveError> {
     let folder = absolute.parent().unwrap_or(&absolute);
     let mut portable = scene.clone();
     for object in &mut portable.objects {
-        object.mesh = relative_mesh(&object.mesh, folder);
+        object.mesh = relative_path(&object.mesh, folder);
+    }
+    if let Background::Image { image, .. } = &mut portable.background {
+        *image = relative_path(image, folder);
     }
     let text = scene_file::write(&portable);
     write_atomically(path, |file| file.write_all(text.as_bytes())).map_err(error)
 }
 
-/// Changes values of a loaded scene as [`scene_file::apply_overrides`] does, and loads meshes that are new by it; their paths
-/// are relative to the working folder.
+/// Changes values of a loaded scene as [`scene_file::apply_overrides`] does, and loads meshes and images that are new by it; their
+/// paths are relative to the working folder.
 ///
 /// # Errors
 /// What about an assignment cannot be understood or loaded.
@@ -164,6 +172,9 @@ pub fn override_scene(
             scene.meshes.insert(mesh, Arc::new(file.mesh));
         }
     }
+    let progress = Progress::new();
+    let here = Path::new(".");
+    load_background(&mut scene, here, &mut loaded.warnings, cancel, &progress)?;
     loaded.scene = scene;
     Ok(())
 }
@@ -180,6 +191,21 @@ pub fn is_scene_file(path: &Path) -> bool {
 pub fn mesh_warnings(name: &str, file: &MeshFile) -> Vec<String> {
     file.warnings
         .iter()
+        .map(|warning| format!("{name}: {warning}"))
+        .collect()
+}
+
+/// What an image file loaded as a background leaves to say to the user; `name` is what the user calls it.
+#[must_use]
+pub fn image_warnings(name: &str, file: &RadianceFile) -> Vec<String> {
+    let (width, height) = (file.map.width(), file.map.height());
+    let stretched = format!(
+        "the image is {width}×{height}; one that shows all directions is twice as wide as high, so it is stretched"
+    );
+    let is_stretched = u64::from(width) != 2 * u64::from(height);
+    file.warnings
+        .iter()
+        .chain(is_stretched.then_some(&stretched))
         .map(|warning| format!("{name}: {warning}"))
         .collect()
 }
@@ -204,12 +230,12 @@ fn load_scene_file(
     let file = SceneFile::parse(&text, &path.display().to_string())?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut warnings = Vec::new();
-    let scene = load_meshes(&file, folder, &mut warnings, cancel, progress)?;
+    let scene = load_parts(&file, folder, &mut warnings, cancel, progress)?;
     Ok(scene.map(|scene| LoadedScene { scene, warnings }))
 }
 
-/// The file's scene with its meshes, found relative to `folder`; `None` when cancelled.
-fn load_meshes(
+/// The file's scene with its meshes and images, found relative to `folder`; `None` when cancelled.
+fn load_parts(
     file: &SceneFile,
     folder: &Path,
     warnings: &mut Vec<String>,
@@ -220,13 +246,12 @@ fn load_meshes(
     for object in &mut scene.objects {
         object.mesh = absolute_mesh(&object.mesh, folder);
     }
-    progress.set_total(
-        scene
-            .objects
-            .iter()
-            .map(|object| work_of(&object.mesh))
-            .sum(),
-    );
+    let meshes = scene.objects.iter().map(|object| work_of(&object.mesh));
+    let image = match &scene.background {
+        Background::Image { image, .. } => work_of(&absolute_image(image, folder)),
+        _ => 0,
+    };
+    progress.set_total(meshes.sum::<u64>() + image);
     for index in 0..scene.objects.len() {
         let mesh = scene.objects[index].mesh.clone();
         if scene.meshes.contains_key(&mesh) {
@@ -241,7 +266,32 @@ fn load_meshes(
         warnings.extend(mesh_warnings(&mesh, &loaded));
         scene.meshes.insert(mesh, Arc::new(loaded.mesh));
     }
-    Ok(Some(scene))
+    let whole = load_background(&mut scene, folder, warnings, cancel, progress)
+        .map_err(|error| file.error_at("background.image", error.to_string()))?;
+    Ok(whole.then_some(scene))
+}
+
+/// Loads the image of the background, if that is one and not loaded yet, relative to `folder`; false when cancelled.
+fn load_background(
+    scene: &mut Scene,
+    folder: &Path,
+    warnings: &mut Vec<String>,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<bool, RadianceError> {
+    let Background::Image { image, .. } = &mut scene.background else {
+        return Ok(true);
+    };
+    *image = absolute_image(image, folder);
+    if scene.images.contains_key(image) {
+        return Ok(true);
+    }
+    let Some(loaded) = load_radiance(Path::new(image), cancel, progress)? else {
+        return Ok(false);
+    };
+    warnings.extend(image_warnings(image, &loaded));
+    scene.images.insert(image.clone(), Arc::new(loaded.map));
+    Ok(true)
 }
 
 fn load_bare_meshes(
@@ -302,6 +352,13 @@ pub fn absolute_mesh(written: &str, folder: &Path) -> String {
     if written.starts_with(builtin::PREFIX) {
         return written.to_owned();
     }
+    absolute_image(written, folder)
+}
+
+/// The name under which a scene keeps the image that a file in `folder` calls `written`; like [`absolute_mesh`], without what
+/// is built in.
+#[must_use]
+pub fn absolute_image(written: &str, folder: &Path) -> String {
     let path = folder.join(written);
     // Fails for an empty path only, which then cannot be read either.
     let path = std::path::absolute(&path).unwrap_or(path);
@@ -325,13 +382,13 @@ fn without_dots(path: &Path) -> PathBuf {
     result
 }
 
-/// How a scene file in `folder`, an absolute path, calls the mesh kept under the name `mesh`.
-fn relative_mesh(mesh: &str, folder: &Path) -> String {
-    let (path, folder) = (Path::new(mesh), without_dots(folder));
+/// How a scene file in `folder`, an absolute path, calls the mesh or image kept under `name`.
+fn relative_path(name: &str, folder: &Path) -> String {
+    let (path, folder) = (Path::new(name), without_dots(folder));
     let (mut there, mut here) = (path.components().peekable(), folder.components().peekable());
     // On another drive, or built in: the full name.
     if !path.is_absolute() || there.peek() != here.peek() {
-        return mesh.to_owned();
+        return name.to_owned();
     }
     while there.peek().is_some() && there.peek() == here.peek() {
         there.next();
@@ -355,16 +412,16 @@ mod tests {
         let name = absolute_mesh("../assets/./ram.off", Path::new("/home/a/scenes"));
         assert_eq!(name, "/home/a/assets/ram.off");
         assert_eq!(
-            relative_mesh(&name, Path::new("/home/a/scenes")),
+            relative_path(&name, Path::new("/home/a/scenes")),
             "../assets/ram.off"
         );
         assert_eq!(
-            relative_mesh(&name, Path::new("/home/b")),
+            relative_path(&name, Path::new("/home/b")),
             "../a/assets/ram.off"
         );
-        assert_eq!(relative_mesh(&name, Path::new("/home/a/assets")), "ram.off");
+        assert_eq!(relative_path(&name, Path::new("/home/a/assets")), "ram.off");
         assert_eq!(absolute_mesh("builtin:ram", Path::new("/x")), "builtin:ram");
-        assert_eq!(relative_mesh("builtin:ram", Path::new("/x")), "builtin:ram");
+        assert_eq!(relative_path("builtin:ram", Path::new("/x")), "builtin:ram");
     }
 
     #[test]
@@ -383,6 +440,89 @@ mod tests {
             assert!(progress.total() > 0, "{name}");
             assert_eq!(progress.done(), progress.total(), "{name}");
         }
+    }
+
+    /// A folder with an image and a scene in a folder beside it that names the image.
+    fn scene_under_a_sky() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let image = crate::render::Image {
+            width: 4,
+            height: 2,
+            pixels: (0..8_u8).map(|i| [f32::from(i); 3]).collect(),
+        };
+        let path = folder.path().join("sky.exr");
+        let scene = Scene::default();
+        crate::io::write_image(&image, &[], &scene.display, &scene.output, &path)
+            .expect("is written");
+        std::fs::create_dir(folder.path().join("scenes")).expect("is made");
+        let path = folder.path().join("scenes/a.toml");
+        let text = "[background]\nimage = \"../sky.exr\"\nrotation = 30\n\
+                    [[objects]]\nmesh = \"builtin:ground\"\n";
+        std::fs::write(&path, text).expect("is written");
+        (folder, path)
+    }
+
+    fn load(path: &Path) -> Result<LoadedScene, LoadError> {
+        let progress = Progress::new();
+        let loaded = load_scene(path, &CancelToken::new(), &progress)?.expect("nobody cancels");
+        assert_eq!(progress.done(), progress.total());
+        Ok(loaded)
+    }
+
+    #[test]
+    fn a_background_image_is_loaded_saved_and_found_again() {
+        let (folder, path) = scene_under_a_sky();
+        let LoadedScene { scene, warnings } = load(&path).expect("is right");
+        assert_eq!(warnings, Vec::<String>::new());
+        let map = scene
+            .background_image()
+            .expect("is loaded")
+            .expect("is one");
+        assert_eq!(map.row(1)[2], [6.0; 3]);
+
+        // Saved elsewhere, the scene still finds its image, by a path relative to itself.
+        std::fs::create_dir_all(folder.path().join("b/c")).expect("is made");
+        let other = folder.path().join("b/c/other.toml");
+        save_scene(&scene, &other).expect("is written");
+        let text = std::fs::read_to_string(&other).expect("is there");
+        assert!(text.contains("image = \"../../sky.exr\""), "{text}");
+        assert_eq!(load(&other).expect("is right").scene, scene);
+    }
+
+    #[test]
+    fn an_image_that_cannot_be_loaded_is_an_error_at_its_place() {
+        let (folder, path) = scene_under_a_sky();
+        std::fs::write(folder.path().join("sky.exr"), "OFF\n").expect("is written");
+        let found = load(&path).expect_err("is no image").to_string();
+        let at = format!("{}:2:9: ", path.display());
+        let expected = "sky.exr: this is not an image of radiance; expected OpenEXR";
+        assert!(
+            found.starts_with(&at) && found.contains(expected),
+            "{found}"
+        );
+    }
+
+    #[test]
+    fn overrides_load_a_background_image() {
+        let (folder, path) = scene_under_a_sky();
+        let mut loaded = load(&path).expect("is right");
+        let set = |loaded: &mut LoadedScene, assignment: String| {
+            override_scene(loaded, &[assignment], &CancelToken::new())
+        };
+        set(&mut loaded, "background.radiance=[1,1,1]".into()).expect("is right");
+        let sky = folder.path().join("sky.exr");
+        loaded.scene.images.clear();
+        let assignment = format!("background.image={}", sky.display());
+        set(&mut loaded, assignment).expect("is right");
+        assert!(
+            loaded
+                .scene
+                .background_image()
+                .is_ok_and(|map| map.is_some())
+        );
+        let error = set(&mut loaded, "background.image=/nowhere/a.exr".into());
+        let error = error.expect_err("is not there").to_string();
+        assert_eq!(error, "/nowhere/a.exr: there is no such file");
     }
 
     #[test]

@@ -3,10 +3,9 @@
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
 use super::off;
+use super::whole_file::read_file;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
 use thiserror::Error;
 
@@ -95,7 +94,12 @@ pub fn load_mesh(
     progress: &Progress,
 ) -> Result<Option<MeshFile>, MeshError> {
     let name = path.display().to_string();
-    let Some(bytes) = read_file(path, &name, cancel, progress)? else {
+    let bytes = read_file(path, "a mesh file", cancel, progress);
+    let unreadable = |reason| MeshError::Unreadable {
+        name: name.clone(),
+        reason,
+    };
+    let Some(bytes) = bytes.map_err(unreadable)? else {
         return Ok(None);
     };
     read_mesh(&name, &bytes, cancel, progress)
@@ -180,52 +184,6 @@ fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
     ];
     let starts = |(magic, _): &&(&[u8], &str)| bytes.starts_with(magic);
     formats.iter().find(starts).map(|(_, format)| *format)
-}
-
-/// All bytes of a regular file, read in pieces so that cancelling answers; `None` when cancelled.
-fn read_file(
-    path: &Path,
-    name: &str,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<Vec<u8>>, MeshError> {
-    const PIECE: u64 = 1 << 20;
-    let failed = |error: io::Error| unreadable(name, &error);
-    // Asked before opening: opening a pipe waits for a writer.
-    let kind = std::fs::metadata(path).map_err(failed)?;
-    if !kind.is_file() {
-        let what = if kind.is_dir() {
-            "a folder"
-        } else {
-            "not a regular file"
-        };
-        return Err(MeshError::Unreadable {
-            name: name.to_owned(),
-            reason: format!("this is {what}, a mesh file was expected"),
-        });
-    }
-    let mut file = File::open(path).map_err(failed)?;
-    let mut bytes = Vec::new();
-    while !cancel.is_cancelled() {
-        match file.by_ref().take(PIECE).read_to_end(&mut bytes) {
-            Ok(0) => return Ok(Some(bytes)),
-            Ok(count) => progress.advance(count as u64),
-            Err(error) => return Err(failed(error)),
-        }
-    }
-    Ok(None)
-}
-
-fn unreadable(name: &str, error: &io::Error) -> MeshError {
-    let reason = match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        io::ErrorKind::PermissionDenied => "you are not allowed to read this file".to_owned(),
-        _ => format!("the file cannot be read: {error}"),
-    };
-    MeshError::Unreadable {
-        name: name.to_owned(),
-        reason,
-    }
 }
 
 #[cfg(test)]

@@ -6,14 +6,19 @@ mod image_file;
 mod load;
 mod mesh_file;
 pub mod off;
+mod radiance_file;
 pub mod scene_file;
+mod whole_file;
 
 pub use atomic::write_atomically;
 pub use image_file::{
     ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, write_image,
 };
 pub use load::{
-    LoadError, LoadedScene, SaveError, absolute_mesh, demo_scene, is_scene_file, load_mesh,
-    load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
+    LoadError, LoadedScene, SaveError, absolute_image, absolute_mesh, demo_scene, image_warnings,
+    is_scene_file, load_mesh, load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
+pub use radiance_file::{
+    RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, load_radiance,
+};

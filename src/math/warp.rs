@@ -68,6 +68,20 @@ pub fn power_cosine_pdf(power: f32, exponent: f32) -> f32 {
     (exponent + 1.0) / (2.0 * PI) * power
 }
 
+/// The unit interval onto itself with a density that runs straight from `from` at 0 to `to` at 1, up to a factor; neither
+/// negative. Even where both are 0.
+///
+/// Source: Pharr et al., Physically Based Rendering (4th ed.), section on sampling the linear function.
+#[must_use]
+pub fn linear(u: f32, from: f64, to: f64) -> f64 {
+    let u = f64::from(u);
+    let root = (from * from + (to * to - from * from) * u).max(0.0).sqrt();
+    if from + root <= 0.0 {
+        return u;
+    }
+    (u * (from + to) / (from + root)).min(1.0)
+}
+
 /// Two unit vectors that make a right-handed frame with the unit vector `normal` as its Z.
 ///
 /// Source: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017.
@@ -227,6 +241,29 @@ mod tests {
             });
             assert_even(&format!("exponent {exponent}"), even);
         }
+    }
+
+    /// By the integral of the density up to the point, which is even.
+    #[test]
+    fn linear_densities_are_followed() {
+        for (from, to) in [
+            (1.0, 1.0),
+            (0.0, 2.0),
+            (3.0, 0.0),
+            (1e38, 2.5e38),
+            (1e-30, 1.0),
+        ] {
+            let even = points().map(|u| {
+                let x = linear(u.x, from, to);
+                let share = (2.0 * from * x + (to - from) * x * x) / (from + to);
+                #[expect(clippy::cast_possible_truncation, reason = "a share")]
+                let share = share.clamp(0.0, 1.0) as f32;
+                (share, u.y)
+            });
+            assert_even(&format!("from {from} to {to}"), even);
+        }
+        assert_eq!(linear(0.25, 0.0, 0.0), 0.25);
+        assert_eq!(linear(0.0, 0.0, 1.0), 0.0);
     }
 
     #[test]

@@ -1,10 +1,13 @@
 use std::f32::consts::PI;
+use std::sync::Arc;
 
-use crate::math::Vec3;
-use crate::scene::Background;
+use super::radiance_image::RadianceImage;
+use crate::control::CancelToken;
+use crate::math::{DVec3, Vec2, Vec3};
+use crate::scene::{Background, ImageAxes, Scene, SceneError};
 
 /// The background in `f32`. Directions are unit vectors.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum PreparedBackground {
     /// The same from everywhere.
     Constant(Vec3),
@@ -15,11 +18,41 @@ pub enum PreparedBackground {
         ground: Vec3,
         up: Vec3,
     },
+    Image(ImageBackground),
+}
+
+/// An image around the scene.
+#[derive(Clone, Debug)]
+pub struct ImageBackground {
+    /// Shared with whatever was prepared of the same pixels: another rotation, scale or up costs nothing.
+    image: Arc<RadianceImage>,
+    axes: ImageAxes,
+    scale: f32,
+}
+
+/// A direction of the background aimed at.
+#[derive(Clone, Copy, Debug)]
+pub struct SkySample {
+    /// Unit.
+    pub direction: Vec3,
+    /// What is seen there.
+    pub radiance: Vec3,
+    /// Density of the direction, per steradian.
+    pub pdf_solid_angle: f32,
 }
 
 impl PreparedBackground {
-    pub fn new(background: &Background) -> Self {
-        match *background {
+    /// Prepares the background of a validated `scene`; keeps the tables of `previous` where the image is the same. `None` when
+    /// cancelled.
+    ///
+    /// # Errors
+    /// An image that is not loaded, or too bright for 32 bits.
+    pub fn new(
+        scene: &Scene,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, SceneError> {
+        Ok(Some(match scene.background {
             Background::Constant { radiance } => Self::Constant(radiance.as_vec3()),
             Background::Gradient {
                 zenith,
@@ -30,8 +63,20 @@ impl PreparedBackground {
                 zenith: zenith.as_vec3(),
                 horizon: horizon.as_vec3(),
                 ground: ground.as_vec3(),
-                up: up.normalize_or(crate::math::DVec3::Z).as_vec3(),
+                up: up.normalize_or(DVec3::Z).as_vec3(),
             },
+            Background::Image { .. } => {
+                let image = ImageBackground::new(scene, previous, cancel)?;
+                return Ok(image.map(Self::Image));
+            }
+        }))
+    }
+
+    /// The image that can be aimed at: one that gives light.
+    pub fn image(&self) -> Option<&ImageBackground> {
+        match self {
+            Self::Image(image) if !self.is_black() => Some(image),
+            _ => None,
         }
     }
 
@@ -39,6 +84,7 @@ impl PreparedBackground {
     pub fn is_black(&self) -> bool {
         match *self {
             Self::Constant(radiance) => radiance == Vec3::ZERO,
+            Self::Image(ref image) => image.mean_luminance() <= 0.0,
             Self::Gradient {
                 zenith,
                 horizon,
@@ -52,6 +98,7 @@ impl PreparedBackground {
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         match *self {
             Self::Constant(radiance) => radiance,
+            Self::Image(ref image) => image.radiance(direction),
             Self::Gradient {
                 zenith,
                 horizon,
@@ -69,13 +116,15 @@ impl PreparedBackground {
     }
 
     /// The cosine-weighted mean of the radiance over the hemisphere about `normal`, nothing being in the way: irradiance / π.
+    /// `None` for an image, which has no closed form.
     ///
     /// A gradient is `horizon` plus multiples of the two halves of the cosine to `up`. The mean of such a half is
     /// `2/(3π) · (sin γ + (π − γ) cos γ)`, where γ is the angle between `normal` and the half's axis: the directional albedo
     /// of a Phong lobe of exponent 1 (Lafortune & Willems 1994) but for its factor.
-    pub fn mean_over_hemisphere(&self, normal: Vec3) -> Vec3 {
-        match *self {
+    pub fn mean_over_hemisphere(&self, normal: Vec3) -> Option<Vec3> {
+        Some(match *self {
             Self::Constant(radiance) => radiance,
+            Self::Image(_) => return None,
             Self::Gradient {
                 zenith,
                 horizon,
@@ -91,22 +140,112 @@ impl PreparedBackground {
                 let below = mean_half(PI - angle, -cosine);
                 horizon + (zenith - horizon) * above + (ground - horizon) * below
             }
+        })
+    }
+}
+
+impl ImageBackground {
+    fn new(
+        scene: &Scene,
+        previous: Option<&PreparedBackground>,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, SceneError> {
+        let (
+            Some(map),
+            &Background::Image {
+                up,
+                rotation,
+                scale,
+                ..
+            },
+        ) = (scene.background_image()?, &scene.background)
+        else {
+            unreachable!("only an image is prepared as one");
+        };
+        let known = match previous {
+            Some(PreparedBackground::Image(known)) if Arc::ptr_eq(known.image.map(), map) => {
+                Some(Arc::clone(&known.image))
+            }
+            _ => None,
+        };
+        let Some(image) = known.or_else(|| RadianceImage::new(map, cancel).map(Arc::new)) else {
+            return Ok(None);
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+        let narrow_scale = scale as f32;
+        if !(image.largest() * narrow_scale).is_finite() {
+            return Err(SceneError::BadValue {
+                key: "background.scale".to_owned(),
+                value: scale.to_string(),
+                expected: format!(
+                    "a factor that leaves the brightest pixel, {:e}, below what 32 bits can hold",
+                    image.largest()
+                ),
+            });
         }
+        Ok(Some(Self {
+            image,
+            axes: ImageAxes::new(up, rotation).expect("a validated background has an up"),
+            scale: narrow_scale,
+        }))
+    }
+
+    /// Radiance seen along `direction`.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        self.image.radiance(self.local(direction)) * self.scale
+    }
+
+    /// [`Self::radiance`], and the density of [`Self::sample`] at `direction`, per steradian.
+    pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+        let radiance = self.image.radiance(self.local(direction));
+        let pdf_solid_angle = self.image.pdf_solid_angle(radiance);
+        (radiance * self.scale, pdf_solid_angle)
+    }
+
+    /// A direction in proportion to the luminance seen there, by `u`, uniform over the unit square. `None` for a black image.
+    pub fn sample(&self, u: Vec2) -> Option<SkySample> {
+        let ImageAxes { front, left, up } = self.axes;
+        let local = self.image.sample(u)?;
+        let direction = front * local.x + left * local.y + up * local.z;
+        // Of the direction as drawn, before it is narrowed: a cell's edge is not rounded across.
+        let radiance = self.image.radiance(local);
+        let pdf_solid_angle = self.image.pdf_solid_angle(radiance);
+        (pdf_solid_angle > 0.0).then_some(SkySample {
+            direction: direction.as_vec3(),
+            radiance: radiance * self.scale,
+            pdf_solid_angle,
+        })
+    }
+
+    /// Luminance averaged over all directions.
+    pub fn mean_luminance(&self) -> f64 {
+        self.image.integral() * f64::from(self.scale) / (4.0 * std::f64::consts::PI)
+    }
+
+    fn local(&self, direction: Vec3) -> DVec3 {
+        let direction = direction.as_dvec3();
+        let ImageAxes { front, left, up } = self.axes;
+        DVec3::new(direction.dot(front), direction.dot(left), direction.dot(up))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DVec3;
-
     fn gradient() -> PreparedBackground {
-        PreparedBackground::new(&Background::Gradient {
+        let background = Background::Gradient {
             zenith: DVec3::new(1.0, 0.0, 0.25),
             horizon: DVec3::new(0.5, 1.0, 0.25),
             ground: DVec3::new(0.0, 0.5, 0.25),
             up: DVec3::new(0.0, 0.0, 2.0),
-        })
+        };
+        let scene = Scene {
+            background,
+            ..Scene::default()
+        };
+        PreparedBackground::new(&scene, None, &CancelToken::new())
+            .expect("can be rendered")
+            .expect("nobody cancels")
     }
 
     #[test]
@@ -141,7 +280,10 @@ mod tests {
                 }
             }
             let quadrature = sum / f64::from(steps * steps);
-            let closed = sky.mean_over_hemisphere(normal).as_dvec3();
+            let closed = sky
+                .mean_over_hemisphere(normal)
+                .expect("a closed form")
+                .as_dvec3();
             assert!(
                 closed.abs_diff_eq(quadrature, 2e-5),
                 "tilt {tilt}: {closed} against {quadrature}"

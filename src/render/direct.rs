@@ -13,6 +13,7 @@ use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler, Turns};
+use super::sky_light;
 use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
 use crate::math::{Ray, Vec3, warp};
@@ -141,14 +142,22 @@ impl Shading<'_> {
     /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
     fn ambient(&mut self) -> Vec3 {
         let background = self.scene.background();
-        let is_looked_for = self.scene.settings().ambient_occlusion.enabled;
-        if !is_looked_for || background.is_black() {
-            return background.mean_over_hemisphere(self.point.shading_normal);
+        let occlusion = self.scene.settings().ambient_occlusion;
+        if background.is_black() {
+            return Vec3::ZERO;
         }
-        let samples = self.scene.settings().ambient_occlusion.samples;
-        let turns = self.turns(Decision::AmbientOcclusion, 0, samples);
-        let radiance = |wi| background.radiance(wi);
-        let found = ambient_occlusion(self.scene, self.point, &turns, self.rays, radiance);
+        let found = if let Some(image) = background.image() {
+            let numbers = (self.sampler, self.bounce);
+            sky_light::mean_over_hemisphere(self.scene, image, self.point, numbers, self.rays)
+        } else {
+            let closed_form = background.mean_over_hemisphere(self.point.shading_normal);
+            if let (false, Some(mean)) = (occlusion.enabled, closed_form) {
+                return mean;
+            }
+            let turns = self.turns(Decision::AmbientOcclusion, 0, occlusion.samples);
+            let radiance = |wi| background.radiance(wi);
+            ambient_occlusion(self.scene, self.point, &turns, self.rays, radiance)
+        };
         self.gathered.set_occlusion(found.free);
         found.radiance
     }

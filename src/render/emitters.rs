@@ -15,6 +15,8 @@ use crate::math::{Ray, Vec2, Vec3, color::luminance, robust, warp};
 pub struct Emitters {
     items: Vec<Emitter>,
     table: AliasTable,
+    /// What all of them emit.
+    power: f64,
     /// For each object, the density per prepared area with which its points are aimed at; 0 for those that do not shine.
     pdf_area: Vec<f32>,
 }
@@ -83,6 +85,7 @@ impl Emitters {
             _ => 0.0,
         });
         Self {
+            power: total,
             table: AliasTable::new(&powers),
             pdf_area: pdf_area.collect(),
             items,
@@ -92,6 +95,11 @@ impl Emitters {
     /// Whether there is nothing to aim at.
     pub fn is_empty(&self) -> bool {
         self.table.is_empty()
+    }
+
+    /// What all of them emit in W of the prepared scene, up to the factor of [`PreparedLight::power`].
+    pub fn power(&self) -> f64 {
+        self.power
     }
 
     /// Aims at one light from `from`: `choice` and `u` uniform over the unit square. `None` where there is none.

@@ -150,6 +150,11 @@ pub enum Beginning {
 }
 
 impl Beginning {
+    /// Whether it has met nothing but mirrors and glass.
+    pub fn has_not_scattered(self) -> bool {
+        matches!(self, Self::Eye | Self::Specular(_))
+    }
+
     /// After an event at a mirror or glass, of this layer.
     pub fn then_specular(self, layer: Layer) -> Self {
         match self {

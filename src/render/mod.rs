@@ -5,6 +5,7 @@
 //! which is read as an [`Image`] of linear radiance. Every random number depends on (seed, pixel, sample, dimension) and on
 //! nothing else, and sums are formed in a fixed order, so the picture is the same for any number of threads.
 
+mod aim;
 mod alias;
 mod background;
 mod camera;
@@ -24,8 +25,11 @@ mod mis;
 mod path;
 mod phong;
 mod prepare;
+mod radiance_image;
 mod run;
 mod sampler;
+mod shares;
+mod sky_light;
 mod specular;
 mod surface;
 mod tiles;

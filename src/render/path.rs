@@ -4,6 +4,7 @@
 //! Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997; the loop follows the shape that Pharr et al.,
 //! Physically Based Rendering (4th ed.), teach.
 
+use super::aim::Aimed;
 use super::camera::CameraRay;
 use super::layers::{Beginning, ByLobe, Gathered};
 use super::material::PreparedMaterial;
@@ -29,6 +30,7 @@ pub fn gather(
     rays: &mut RayCounts,
 ) -> Gathered {
     let settings = scene.settings();
+    let shares = scene.aim_shares();
     let mut gathered = Gathered::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
@@ -46,12 +48,19 @@ pub fn gather(
         };
         let point = match scene.nearest(&ray) {
             Seen::Background => {
-                let radiance = scene.background().radiance(ray.direction.normalize());
+                let direction = ray.direction.normalize();
+                let radiance = if let Some(image) = scene.background().image() {
+                    let (met, pdf) = image.radiance_and_pdf(direction);
+                    met * weight(pdf * shares.background)
+                } else {
+                    scene.background().radiance(direction)
+                };
                 gathered.add_background(beginning, throughput * radiance);
                 break;
             }
             Seen::Disk { disk, index, t } => {
-                let pdf = scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
+                let pdf =
+                    shares.emitters * scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
                 let radiance = disk.emitted(ray.direction) * weight(pdf);
                 gathered.add_light(beginning, throughput * radiance);
                 break;
@@ -60,11 +69,12 @@ pub fn gather(
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
-            let pdf = scene.emitters().pdf_of_object(
-                point.object,
-                point.geometric_normal(),
-                point.position - ray.origin,
-            );
+            let pdf = shares.emitters
+                * scene.emitters().pdf_of_object(
+                    point.object,
+                    point.geometric_normal(),
+                    point.position - ray.origin,
+                );
             gathered.add_light(beginning, throughput * radiance * weight(pdf));
             break;
         }
@@ -76,15 +86,20 @@ pub fn gather(
         match material {
             PreparedMaterial::Phong(phong) => {
                 let mirror = point.mirror_direction();
-                let aimed = AimedLight {
+                let aiming = Aiming {
                     scene,
                     phong,
                     point: &point,
                     mirror,
                 };
-                if let Some(lit) = aimed.reflected((sampler, bounce), rays) {
-                    gathered.add_reflected(beginning, lit.lobes * throughput);
-                    if !matches!(beginning, Beginning::Scattered { .. } | Beginning::Indirect) {
+                if let Some(lit) = aiming.reflected((sampler, bounce), rays) {
+                    let lobes = lit.lobes * throughput;
+                    if lit.is_background {
+                        gathered.add_ambient(beginning, lobes.sum());
+                    } else {
+                        gathered.add_reflected(beginning, lobes);
+                    }
+                    if beginning.has_not_scattered() {
                         gathered.count_shadow_ray(lit.passed);
                     }
                 }
@@ -128,7 +143,7 @@ pub fn gather(
 }
 
 /// A surface point that aims at lights.
-struct AimedLight<'a> {
+struct Aiming<'a> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
@@ -142,9 +157,11 @@ struct Lit {
     lobes: ByLobe,
     /// Share of the light that came through.
     passed: Vec3,
+    /// Whether the light is the background.
+    is_background: bool,
 }
 
-impl AimedLight<'_> {
+impl Aiming<'_> {
     /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
     fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut RayCounts) -> Option<Lit> {
         let Self {
@@ -155,37 +172,30 @@ impl AimedLight<'_> {
         } = *self;
         let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
         let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
-        let lights = scene.lights();
-        let aim = scene.emitters().aim(lights, point.position, choice, u)?;
-        let wi = (aim.sample.position - point.position).try_normalize()?;
-        let weight = match (aim.pdf_solid_angle, scene.settings().light_sampling) {
+        let aimed = Aimed::choose(scene, point, choice, u)?;
+        let weight = match (aimed.pdf_solid_angle, scene.settings().light_sampling) {
             (None, _) | (_, LightSampling::Nee) => 1.0,
             (_, LightSampling::Bsdf) => return None,
             (Some(pdf), LightSampling::Mis) => {
-                let scattered = phong.pdf_solid_angle(point.shading_normal, mirror, wi);
+                let scattered = phong.pdf_solid_angle(point.shading_normal, mirror, aimed.wi);
                 power_heuristic(pdf, scattered)
             }
         };
-        let cosine = point.cosine(wi);
-        if cosine <= 0.0 || aim.sample.irradiance == Vec3::ZERO {
+        let cosine = point.cosine(aimed.wi);
+        if cosine <= 0.0 || aimed.irradiance == Vec3::ZERO {
             return None;
         }
-        let reflected = phong.brdf(mirror, wi) * Vec3::splat(cosine);
+        let reflected = phong.brdf(mirror, aimed.wi) * Vec3::splat(cosine);
         if reflected.sum() == Vec3::ZERO {
             return None;
         }
         rays.shadow += 1;
-        let ray = point.ray_to(aim.sample.position);
-        Some(if scene.occluded(&ray, 1.0, aim.light) {
-            Lit {
-                lobes: ByLobe::default(),
-                passed: Vec3::ZERO,
-            }
-        } else {
-            Lit {
-                lobes: reflected * (aim.sample.irradiance * weight),
-                passed: Vec3::ONE,
-            }
+        let is_occluded = scene.occluded(&aimed.ray, aimed.reach, aimed.light);
+        let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
+        Some(Lit {
+            lobes: reflected * (aimed.irradiance * weight * passed),
+            passed,
+            is_background: aimed.is_background,
         })
     }
 }

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::aim::AimShares;
 use super::background::PreparedBackground;
 use super::camera::PreparedCamera;
 use super::direct;
@@ -31,6 +32,8 @@ pub struct PreparedScene {
     lights: Vec<PreparedLight>,
     /// What one light is chosen from.
     emitters: Emitters,
+    /// How often they are aimed at, and how often the background.
+    aim_shares: AimShares,
     /// Whether any object is of glass, so that shadow rays must ask what they meet.
     has_glass: bool,
     /// In prepared units.
@@ -67,8 +70,12 @@ impl PreparedScene {
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
         scene.validate()?;
-        let previous = previous.map(|previous| &previous.geometry);
-        let Some(geometry) = PreparedGeometry::prepare(scene, previous, cancel)? else {
+        let known = previous.map(|previous| &previous.geometry);
+        let Some(geometry) = PreparedGeometry::prepare(scene, known, cancel)? else {
+            return Ok(None);
+        };
+        let known = previous.map(|previous| &previous.background);
+        let Some(background) = PreparedBackground::new(scene, known, cancel)? else {
             return Ok(None);
         };
         let frame = geometry.frame();
@@ -129,9 +136,12 @@ impl PreparedScene {
         } else {
             &[]
         };
+        let emitters = Emitters::new(aimed_at, &geometry, &materials);
+        let radius = bounds.diagonal() / 2.0;
         Ok(Some(Self {
             camera,
-            background: PreparedBackground::new(&scene.background),
+            aim_shares: AimShares::new(&background, radius, emitters.power()),
+            background,
             has_glass: materials
                 .iter()
                 .any(|m| matches!(m, PreparedMaterial::Specular(Specular::Glass { .. }))),
@@ -140,7 +150,7 @@ impl PreparedScene {
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             clamp: scene.render.clamp.map(|most| most as f32),
             layers: Layer::all_of(scene),
-            emitters: Emitters::new(aimed_at, &geometry, &materials),
+            emitters,
             materials,
             lights,
             settings: scene.render.clone(),
@@ -286,6 +296,10 @@ impl PreparedScene {
 
     pub(super) fn emitters(&self) -> &Emitters {
         &self.emitters
+    }
+
+    pub(super) fn aim_shares(&self) -> AimShares {
+        self.aim_shares
     }
 
     pub(super) fn has_glass(&self) -> bool {

@@ -25,6 +25,8 @@ pub enum Decision {
     Direction,
     /// Whether a path ends.
     Roulette,
+    /// In which direction the background's image is looked at.
+    Background,
 }
 
 /// A pair of dimensions of its own for every decision at every bounce. Because dimensions are named and not counted, a

@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod object;
 pub mod presets;
+mod radiance_map;
 mod settings;
 mod validate;
 
@@ -19,12 +20,13 @@ use std::sync::Arc;
 use crate::geometry::TriangleMesh;
 use crate::math::DBounds;
 
-pub use background::Background;
+pub use background::{Background, ImageAxes};
 pub use camera::{Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
 pub use light::{Facing, Light};
 pub use material::Material;
 pub use object::{Copies, Object, Placement};
+pub use radiance_map::RadianceMap;
 pub use settings::{
     AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel, RenderSettings,
     Shadows,
@@ -75,6 +77,8 @@ pub struct Scene {
     pub output: Output,
     /// The geometry behind every [`Object::mesh`], shared with copies of the scene.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
+    /// The pixels behind the image of a [`Background`], shared with copies of the scene.
+    pub images: BTreeMap<String, Arc<RadianceMap>>,
 }
 
 impl Scene {
@@ -109,6 +113,20 @@ impl Scene {
                 object: object.name.clone(),
                 mesh: object.mesh.clone(),
             })
+    }
+
+    /// The image of the background; `None` where that is none.
+    ///
+    /// # Errors
+    /// When it was not loaded.
+    pub fn background_image(&self) -> Result<Option<&Arc<RadianceMap>>, SceneError> {
+        let Background::Image { image, .. } = &self.background else {
+            return Ok(None);
+        };
+        let map = self.images.get(image);
+        map.map(Some).ok_or_else(|| SceneError::ImageNotLoaded {
+            image: image.clone(),
+        })
     }
 
     /// The world box of all objects with all their copies; lights do not count. Objects whose mesh is not loaded are
@@ -183,6 +201,12 @@ pub enum SceneError {
         object: String,
         /// The mesh it asks for.
         mesh: String,
+    },
+    /// The background's image has not been loaded.
+    #[error("the image \"{image}\" of the background is not loaded")]
+    ImageNotLoaded {
+        /// The image it asks for.
+        image: String,
     },
     /// More triangles than can be numbered.
     #[error("the scene has {count} triangles with all copies; at most {} can be rendered", u32::MAX / 2)]

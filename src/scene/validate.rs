@@ -14,14 +14,7 @@ impl Scene {
     /// The first value that cannot be rendered, and what it may be.
     pub fn validate(&self) -> Result<(), SceneError> {
         check_camera(&self.camera)?;
-        if let Background::Gradient { up, .. } = &self.background {
-            require(
-                up.try_normalize().is_some(),
-                "background.up",
-                up,
-                "a direction",
-            )?;
-        }
+        check_background(&self.background)?;
         for (index, light) in self.lights.iter().enumerate() {
             check_light(index, light)?;
         }
@@ -105,6 +98,25 @@ fn check_camera(camera: &Camera) -> Result<(), SceneError> {
         &focus,
         "a distance above 0",
     )
+}
+
+fn check_background(background: &Background) -> Result<(), SceneError> {
+    if let Background::Gradient { up, .. } | Background::Image { up, .. } = background {
+        let has_direction = up.try_normalize().is_some();
+        require(has_direction, "background.up", up, "a direction")?;
+    }
+    if let Background::Image {
+        rotation, scale, ..
+    } = background
+    {
+        let degrees = rotation.0;
+        let key = "background.rotation";
+        require(degrees.is_finite(), key, &degrees, "a finite number")?;
+        let expected = "a finite number of at least 0";
+        let is_factor = scale.is_finite() && *scale >= 0.0;
+        require(is_factor, "background.scale", scale, expected)?;
+    }
+    Ok(())
 }
 
 fn check_light(index: usize, light: &Light) -> Result<(), SceneError> {

@@ -22,7 +22,11 @@ pub fn background_ui(ui: &mut Ui, scene: &mut Scene) {
     if is_gradient != was_gradient {
         scene.background = converted(&scene.background, scene.camera.up);
     }
+    if let Background::Image { image, .. } = &scene.background {
+        ui.label(image);
+    }
     match &mut scene.background {
+        Background::Image { .. } => {}
         Background::Constant { radiance } => {
             light_row_ui(
                 ui,
@@ -66,5 +70,6 @@ fn converted(background: &Background, up: crate::math::DVec3) -> Background {
             up,
         },
         Background::Gradient { horizon, .. } => Background::Constant { radiance: horizon },
+        Background::Image { .. } => Background::default(),
     }
 }

@@ -7,7 +7,7 @@ use crate::gui::icons::{self, Icon, color_of, hue_of};
 use crate::gui::preview::uniforms::MAX_LIGHTS;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{counted, grouped};
-use crate::scene::{Background, Light, Material, Scene};
+use crate::scene::{Background, Light, Material, Rgb, Scene};
 
 /// Most points of height the tree takes before it scrolls.
 const MOST_HEIGHT: f32 = 320.0;
@@ -21,7 +21,7 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
             part_ui(ui, state, Selection::Camera, Icon::Camera, "Camera", "");
-            let background = background_icon(&state.scene.background);
+            let background = background_icon(state.scene);
             part_ui(
                 ui,
                 state,
@@ -164,15 +164,25 @@ fn material_color(material: &Material) -> Color32 {
     color_of(material.color())
 }
 
-fn background_icon(background: &Background) -> Icon {
-    match *background {
-        Background::Constant { radiance } => Icon::Background {
-            sky: color_of(radiance),
-            ground: color_of(radiance),
-        },
-        Background::Gradient { zenith, ground, .. } => Icon::Background {
-            sky: color_of(zenith),
-            ground: color_of(ground),
-        },
+fn background_icon(scene: &Scene) -> Icon {
+    let (sky, ground) = match &scene.background {
+        Background::Constant { radiance } => (*radiance, *radiance),
+        Background::Gradient { zenith, ground, .. } => (*zenith, *ground),
+        Background::Image { scale, .. } => {
+            let map = scene.background_image().ok().flatten();
+            // Halfway up and halfway down, straight ahead.
+            let [above, below] = [1, 3].map(|quarter| {
+                map.map_or(Rgb::ZERO, |map| {
+                    let row = map.row(map.height() * quarter / 4);
+                    let pixel = row[row.len() / 2];
+                    Rgb::from_array(pixel.map(f64::from)) * *scale
+                })
+            });
+            (above, below)
+        }
+    };
+    Icon::Background {
+        sky: color_of(sky),
+        ground: color_of(ground),
     }
 }

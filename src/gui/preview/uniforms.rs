@@ -185,6 +185,10 @@ fn near_distance(eye: DVec3, bounds: &Bounds, target_distance: f64) -> f64 {
 /// Zenith, horizon, ground and up of a background.
 fn sky(background: &Background) -> (DVec3, DVec3, DVec3, DVec3) {
     match *background {
+        Background::Image { up, .. } => {
+            let black = DVec3::ZERO;
+            (black, black, black, up.normalize_or(DVec3::Z))
+        }
         Background::Constant { radiance } => (radiance, radiance, radiance, DVec3::Z),
         Background::Gradient {
             zenith,

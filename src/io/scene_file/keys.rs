@@ -463,7 +463,9 @@ impl<'a> Keys<'a> {
 
     /// Makes `key` one that may be written here.
     pub fn know(&mut self, key: &'static str) {
-        if let Direction::Reading { known, .. } = &mut self.direction {
+        if let Direction::Reading { known, .. } = &mut self.direction
+            && !known.contains(&key)
+        {
             known.push(key);
         }
     }

@@ -79,8 +79,8 @@ pub fn write(scene: &Scene) -> String {
 
 /// Changes values: each assignment is `KEY=VALUE` with a dotted key, list items by number (`objects.0.scale=2`), and a TOML
 /// value; quotes around a single word may be left out. All are applied before any is judged. Keys that another one excludes go:
-/// those of the former kind with a new `kind`, `radiance` with a gradient's key, `normal` with `target`. Meshes stay as they
-/// are.
+/// those of the former kind with a new `kind` or another kind of background, `normal` with `target`. Meshes and images stay as
+/// they are.
 ///
 /// # Errors
 /// What about a key or value cannot be understood.
@@ -100,6 +100,7 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
         message: problem.message,
     })?;
     changed.meshes.clone_from(&scene.meshes);
+    changed.images.clone_from(&scene.images);
     Ok(changed)
 }
 
@@ -112,12 +113,9 @@ fn assign(tree: &mut Node, assignment: &str) -> Result<(), String> {
     let node = parse_value(value).ok_or_else(|| format!("{value} is not a TOML value"))?;
     let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     match (table, key) {
-        ("background", "zenith" | "horizon" | "ground" | "up") => {
-            tree.remove("background.radiance");
-        }
-        ("background", "radiance") => ["zenith", "horizon", "ground", "up"]
+        ("background", _) => records::excluded_by(key)
             .iter()
-            .for_each(|key| tree.remove(&format!("background.{key}"))),
+            .for_each(|other| tree.remove(&format!("background.{other}"))),
         (_, "target") if table != "camera" => tree.remove(&format!("{table}.normal")),
         (_, "normal") => tree.remove(&format!("{table}.target")),
         (_, "kind") if tree.text_at(path) != node.text() => tree.clear(table),

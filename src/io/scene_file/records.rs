@@ -1,7 +1,7 @@
 //! The keys of every record of a scene, in the order in which they are written.
 
 use super::keys::{Allowed, Keys};
-use crate::math::DVec3;
+use crate::math::{DVec3, Degrees};
 use crate::scene::{
     Background, Camera, Choice, Copies, Display, Facing, Light, Material, Object, Output, PngBits,
     RenderSettings, Rgb, Scene,
@@ -44,21 +44,13 @@ fn camera(keys: &mut Keys<'_>, camera: &mut Camera) {
     );
 }
 
+/// What a background may have, by its kind; `up` goes with the latter two.
+const GRADIENT_KEYS: [&str; 3] = ["zenith", "horizon", "ground"];
+const IMAGE_KEYS: [&str; 3] = ["image", "rotation", "scale"];
+
 fn background(keys: &mut Keys<'_>, background: &mut Background, camera_up: DVec3) {
-    if ["zenith", "horizon", "ground", "up"]
-        .iter()
-        .any(|key| keys.has(key))
-    {
-        *background = Background::Gradient {
-            zenith: Rgb::ZERO,
-            horizon: Rgb::ZERO,
-            ground: Rgb::ZERO,
-            up: camera_up,
-        };
-        keys.refuse(
-            "radiance",
-            "is for a background that is the same everywhere; leave it out beside a gradient",
-        );
+    if keys.is_reading() {
+        *background = background_of_kind(keys, camera_up);
     }
     match background {
         Background::Constant { radiance } => keys.color("radiance", radiance),
@@ -76,11 +68,66 @@ fn background(keys: &mut Keys<'_>, background: &mut Background, camera_up: DVec3
             keys.color("ground", ground);
             keys.vector("up", up);
         }
+        Background::Image {
+            image,
+            up,
+            rotation,
+            scale,
+        } => {
+            keys.text("image", image);
+            keys.vector("up", up);
+            keys.number("rotation", &mut rotation.0, Allowed::Any);
+            keys.number("scale", scale, Allowed::NotNegative);
+        }
     }
-    // Known here too, so that a misspelt gradient key finds its neighbour.
-    for key in ["zenith", "horizon", "ground", "up"] {
+    // Known here too, so that a misspelt key of another kind finds its neighbour.
+    for key in GRADIENT_KEYS.into_iter().chain(IMAGE_KEYS).chain(["up"]) {
         keys.know(key);
     }
+}
+
+/// The keys of a background that make way for a new `key` of it.
+pub fn excluded_by(key: &str) -> &'static [&'static str] {
+    match key {
+        "radiance" => &[
+            "zenith", "horizon", "ground", "up", "image", "rotation", "scale",
+        ],
+        "zenith" | "horizon" | "ground" => &["radiance", "image", "rotation", "scale"],
+        "image" => &["radiance", "zenith", "horizon", "ground"],
+        "up" => &["radiance"],
+        _ => &[],
+    }
+}
+
+/// The kind of background that the keys of a file ask for, with its defaults. Keys of another kind are refused.
+fn background_of_kind(keys: &mut Keys<'_>, camera_up: DVec3) -> Background {
+    const NOT_EVEN: &str = "is for a background that is the same everywhere; leave it out beside";
+    let has_any = |keys: &Keys<'_>, of: &[&str]| of.iter().any(|key| keys.has(key));
+    if keys.has("image") {
+        keys.refuse("radiance", &format!("{NOT_EVEN} an image"));
+        for key in GRADIENT_KEYS {
+            keys.refuse(key, "is for a gradient; leave it out beside an image");
+        }
+        return Background::Image {
+            image: String::new(),
+            up: camera_up,
+            rotation: Degrees(0.0),
+            scale: 1.0,
+        };
+    }
+    for key in ["rotation", "scale"] {
+        keys.refuse(key, "is for a background with an `image`");
+    }
+    if has_any(keys, &GRADIENT_KEYS) || keys.has("up") {
+        keys.refuse("radiance", &format!("{NOT_EVEN} a gradient"));
+        return Background::Gradient {
+            zenith: Rgb::ZERO,
+            horizon: Rgb::ZERO,
+            ground: Rgb::ZERO,
+            up: camera_up,
+        };
+    }
+    Background::default()
 }
 
 /// The values of `kind` in `[materials.NAME]`.

@@ -148,6 +148,7 @@ fn every_key_round_trips() {
             layers: false,
         },
         meshes: std::collections::BTreeMap::new(),
+        images: std::collections::BTreeMap::new(),
     };
     let text = write(&scene);
     assert_eq!(
@@ -158,6 +159,29 @@ fn every_key_round_trips() {
     assert_eq!(write(&parse(&text).expect("is right")), text);
     let plain = Scene::default();
     assert_eq!(parse(&write(&plain)).expect("is right"), plain);
+}
+
+#[test]
+fn an_image_background_round_trips_and_has_defaults() {
+    let with = |background| Scene {
+        background,
+        ..Scene::default()
+    };
+    let scene = with(Background::Image {
+        image: "skies/\"ü\".exr".into(),
+        up: DVec3::new(0.0, 1.0, -2.0),
+        rotation: Degrees(-123.25),
+        scale: 0.1,
+    });
+    assert_eq!(parse(&write(&scene)).expect("can be read"), scene);
+    let short = "[camera]\nup = [0, 3, 0]\n[background]\nimage = \"sky.hdr\"";
+    let expected = Background::Image {
+        image: "sky.hdr".into(),
+        up: DVec3::new(0.0, 3.0, 0.0),
+        rotation: Degrees(0.0),
+        scale: 1.0,
+    };
+    assert_eq!(parse(short).expect("is right").background, expected);
 }
 
 #[test]
@@ -290,6 +314,34 @@ fn mistakes_name_place_and_expectation() {
             "2:1: `radiance` is for a background that is the same",
         ),
         (
+            "[background]\nradiance = [1,1,1]\nimage = \"sky.exr\"",
+            "2:1: `radiance` is for a background that is the same everywhere; leave it out beside an image",
+        ),
+        (
+            "[background]\nimage = \"sky.exr\"\nground = [1,1,1]",
+            "3:1: `ground` is for a gradient; leave it out beside an image",
+        ),
+        (
+            "[background]\nrotation = 20",
+            "2:1: `rotation` is for a background with an `image`",
+        ),
+        (
+            "[background]\nimage = \"sky.exr\"\nscale = -1",
+            "3:9: `background.scale` is -1; expected a finite number of at least 0",
+        ),
+        (
+            "[background]\nimage = 3",
+            "2:9: `background.image` is 3; expected a text in quotes",
+        ),
+        (
+            "[background]\nimage = \"sky.exr\"\nup = [0, 0, 0]",
+            "3:6: background.up is [0, 0, 0]; expected a direction",
+        ),
+        (
+            "[background]\nimge = \"sky.exr\"",
+            "2:1: unknown key `imge`; the nearest known one is `image`",
+        ),
+        (
             "[background]\nzenit = [1,1,1]",
             "2:1: unknown key `zenit`; the nearest known one is `zenith`",
         ),
@@ -379,6 +431,30 @@ fn overrides_change_any_key() {
         .expect("is right")
         .background;
     assert!(matches!(sky, Background::Gradient { .. }));
+    let image = |assignments: &[&str]| {
+        let all: Vec<String> = assignments.iter().map(ToString::to_string).collect();
+        apply_overrides(&scene, &all).expect("is right").background
+    };
+    let up = DVec3::new(0.0, 0.0, 1.0);
+    let expected = Background::Image {
+        image: "sky.hdr".into(),
+        up,
+        rotation: Degrees(20.0),
+        scale: 1.0,
+    };
+    let assignments = ["background.image=sky.hdr", "background.rotation=20"];
+    assert_eq!(image(&assignments), expected);
+    let back = [
+        assignments[0],
+        assignments[1],
+        "background.radiance=[1, 1, 1]",
+    ];
+    assert_eq!(
+        image(&back),
+        Background::Constant {
+            radiance: DVec3::ONE
+        }
+    );
     let aimed = ["lights.0.kind=disk", "lights.0.target=[0, 0, -3]"].map(str::to_owned);
     assert!(apply_overrides(&scene, &aimed).is_ok());
     let from_above = [

@@ -1,0 +1,179 @@
+//! OpenEXR: the first layer with colour, at full resolution, of any compression and sample type the `exr` crate reads.
+
+use std::io::Cursor;
+
+use exr::block::reader::{ChunksReader, SequentialBlockDecompressor};
+use exr::block::{self, UncompressedBlock, lines::LineRef};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
+use exr::prelude::f16;
+
+use super::{RawImage, Reading, black, refuse_size};
+use crate::control::{CancelToken, Progress};
+
+/// Most bytes of one compressed block: more than the largest image needs, less than a forged header may ask for.
+const MOST_BLOCK_BYTES: u64 = 1 << 30;
+
+/// Reads `bytes`; `progress` advances by as many, block by block. Alpha and other channels are not looked at.
+pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RawImage> {
+    let in_words = |error: exr::error::Error| format!("not a whole OpenEXR file: {error}");
+    let reader = block::read(Cursor::new(bytes), false).map_err(in_words)?;
+    let headers = reader.headers();
+    for header in headers {
+        check_claims(header, bytes.len() as u64)?;
+    }
+    let Some((layer, roles)) = headers.iter().enumerate().find_map(color_of_layer) else {
+        return Err(no_color(headers));
+    };
+    let channels = headers[layer].channels.clone();
+    let size = headers[layer].layer_size;
+    let (width, height) = refuse_size(size.x() as u64, size.y() as u64)?;
+    let mut pixels = black(width, height)?;
+
+    let chunks = reader
+        .filter_chunks(false, |_, _, index| {
+            index.layer == layer && index.level.x() == 0 && index.level.y() == 0
+        })
+        .map_err(in_words)?;
+    let count = chunks.expected_chunk_count() as u64;
+    let mut blocks: SequentialBlockDecompressor<_> = chunks.sequential_decompressor(false);
+    let mut advanced = 0;
+    for done in 1..=count {
+        if cancel.is_cancelled() {
+            return Ok(None);
+        }
+        let block = blocks
+            .decompress_next_block()
+            .ok_or("the file ends before the image does")?
+            .map_err(in_words)?;
+        take_block(&block, &channels, &roles, &mut pixels, width as usize)?;
+        let share = bytes.len() as u64 * done / count;
+        progress.advance(share - advanced);
+        advanced = share;
+    }
+    Ok(Some(RawImage {
+        width,
+        height,
+        pixels,
+        warnings: missing(&roles),
+    }))
+}
+
+/// Which of red, green and blue a channel is; a luminance is all three.
+type Roles = Vec<[bool; 3]>;
+
+/// The first flat layer with colour: its number, and what its channels are.
+fn color_of_layer((layer, header): (usize, &Header)) -> Option<(usize, Roles)> {
+    let named = |wanted: &str| header.channels.list.iter().any(|c| c.name.eq(wanted));
+    let has_rgb = ["R", "G", "B"].into_iter().any(named);
+    let role = |name: &str| match name {
+        "R" => [true, false, false],
+        "G" => [false, true, false],
+        "B" => [false, false, true],
+        "Y" if !has_rgb => [true; 3],
+        _ => [false; 3],
+    };
+    let channels = header.channels.list.iter();
+    let roles: Roles = channels.map(|c| role(&c.name.to_string())).collect();
+    (!header.deep && roles.contains(&[true; 3]) || has_rgb).then_some((layer, roles))
+}
+
+/// What is said where a colour has no channel.
+fn missing(roles: &Roles) -> Vec<String> {
+    let names = ["red", "green", "blue"];
+    let absent = (0..3).filter(|&i| !roles.iter().any(|role| role[i]));
+    absent
+        .map(|i| format!("there is no {} channel; it is taken as 0", names[i]))
+        .collect()
+}
+
+fn no_color(headers: &[Header]) -> String {
+    let names: Vec<String> = headers
+        .iter()
+        .flat_map(|header| &header.channels.list)
+        .map(|channel| channel.name.to_string())
+        .collect();
+    format!(
+        "the file has the channels {}; expected R, G and B, or Y, of a flat layer",
+        names.join(", ")
+    )
+}
+
+/// Refuses sizes and counts that a file of `length` bytes cannot mean, before anything is allocated by them.
+fn check_claims(header: &Header, length: u64) -> Result<(), String> {
+    let size = header.layer_size;
+    refuse_size(size.x() as u64, size.y() as u64)?;
+    // Every block has a place in a table of 8 bytes each.
+    if header.chunk_count as u64 > length / 8 {
+        return Err(format!(
+            "the file ends early: {length} bytes cannot hold {} blocks of pixels",
+            header.chunk_count
+        ));
+    }
+    let block_pixels = match header.blocks {
+        BlockDescription::Tiles(tiles) => {
+            (tiles.tile_size.x() as u64).checked_mul(tiles.tile_size.y() as u64)
+        }
+        BlockDescription::ScanLines => {
+            Some(header.compression.scan_lines_per_block() as u64 * size.x() as u64)
+        }
+    };
+    let block_bytes =
+        block_pixels.and_then(|p| p.checked_mul(header.channels.bytes_per_pixel as u64));
+    if block_bytes.is_none_or(|bytes| bytes > MOST_BLOCK_BYTES) {
+        return Err("its blocks of pixels are larger than any image needs".to_owned());
+    }
+    Ok(())
+}
+
+/// Puts the colours of one block into the image.
+fn take_block(
+    block: &UncompressedBlock,
+    channels: &exr::meta::attribute::ChannelList,
+    roles: &Roles,
+    pixels: &mut [[f32; 3]],
+    width: usize,
+) -> Result<(), String> {
+    for line in block.lines(channels) {
+        let role = roles[line.location.channel];
+        if role == [false; 3] {
+            continue;
+        }
+        let start = line.location.position.y() * width + line.location.position.x();
+        let row = pixels
+            .get_mut(start..start + line.location.sample_count)
+            .ok_or("a block of pixels lies outside the image")?;
+        let sample_type = channels.list[line.location.channel].sample_type;
+        for (pixel, value) in row.iter_mut().zip(samples(&line, sample_type)) {
+            for channel in 0..3 {
+                if role[channel] {
+                    pixel[channel] = value;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The values of one line. Its bytes are in the order of this machine.
+fn samples<'a>(line: &LineRef<'a>, sample_type: SampleType) -> Box<dyn Iterator<Item = f32> + 'a> {
+    let bytes = line.value;
+    match sample_type {
+        SampleType::F16 => Box::new(
+            bytes
+                .as_chunks()
+                .0
+                .iter()
+                .map(|&b| f16::from_ne_bytes(b).to_f32()),
+        ),
+        SampleType::F32 => Box::new(bytes.as_chunks().0.iter().map(|&b| f32::from_ne_bytes(b))),
+        SampleType::U32 => Box::new(
+            bytes
+                .as_chunks()
+                .0
+                .iter()
+                .map(|&b| u32::from_ne_bytes(b) as f32),
+        ),
+    }
+}

@@ -1,0 +1,166 @@
+//! Images of radiance from files: OpenEXR and Radiance HDR, for backgrounds.
+//!
+//! A reader takes bytes and gives the values as they stand in the file; this module finds the reader, refuses sizes that no
+//! image has before anything is allocated, and cleans what is no radiance.
+
+mod exr;
+mod hdr;
+
+use std::path::Path;
+
+use super::whole_file::read_file;
+use crate::control::{CancelToken, Progress};
+use crate::scene::RadianceMap;
+
+/// The formats that have a reader, for messages and file dialogs.
+pub const RADIANCE_FORMATS: &str = "OpenEXR (.exr) and Radiance HDR (.hdr)";
+
+/// File name extensions, in lower case, of the formats that have a reader.
+pub const RADIANCE_EXTENSIONS: &[&str] = &["exr", "hdr"];
+
+/// What an image file held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RadianceFile {
+    /// Its pixels.
+    pub map: RadianceMap,
+    /// Short name of the format, as people write it.
+    pub format: &'static str,
+    /// In how many pixels a value was no radiance and became 0.
+    pub cleaned: u64,
+    /// What looks wrong or was left out, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Why an image could not be loaded.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{name}: {reason}")]
+pub struct RadianceError {
+    /// The file, as it was asked for.
+    pub name: String,
+    /// What is wrong and what was expected, in a plain sentence.
+    pub reason: String,
+}
+
+/// Values as they stand in a file, row by row from the top left.
+#[derive(Debug)]
+struct RawImage {
+    width: u32,
+    height: u32,
+    pixels: Vec<[f32; 3]>,
+    warnings: Vec<String>,
+}
+
+/// What a reader of one format returns: `None` when cancelled, errors as sentences.
+type Reading<T> = Result<Option<T>, String>;
+
+/// Loads the image at `path`.
+///
+/// `progress` advances by bytes, each once when it is read and once when it is understood; setting its total is the
+/// caller's. Returns `None` when cancelled.
+///
+/// # Errors
+/// When the file cannot be read, is of a format without reader, is malformed, or holds a size that cannot be held.
+pub fn load_radiance(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<RadianceFile>, RadianceError> {
+    let name = path.display().to_string();
+    let expected = "an image file";
+    let read = read_file(path, expected, cancel, progress).and_then(|bytes| match bytes {
+        Some(bytes) => parse_radiance(&bytes, cancel, progress),
+        None => Ok(None),
+    });
+    read.map_err(|reason| RadianceError { name, reason })
+}
+
+/// The image in `bytes`, which are those of a whole file.
+fn parse_radiance(
+    bytes: &[u8],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<RadianceFile> {
+    let (format, raw) = match recognise(bytes)? {
+        Format::Exr => ("OpenEXR", exr::read(bytes, cancel, progress)?),
+        Format::Hdr => ("Radiance HDR", hdr::read(bytes, cancel, progress)?),
+    };
+    let Some(raw) = raw else { return Ok(None) };
+    let RawImage {
+        width,
+        height,
+        pixels,
+        mut warnings,
+    } = raw;
+    let (map, cleaned) = RadianceMap::cleaned(width, height, pixels);
+    if cleaned > 0 {
+        warnings.push(format!(
+            "in {cleaned} of {} pixels a value is negative, infinite or not a number; it is taken as 0",
+            map.pixels().len()
+        ));
+    }
+    Ok(Some(RadianceFile {
+        map,
+        format,
+        cleaned,
+        warnings,
+    }))
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Exr,
+    Hdr,
+}
+
+/// The format of a file by its content; its name may say what it likes.
+fn recognise(bytes: &[u8]) -> Result<Format, String> {
+    if bytes.is_empty() {
+        return Err("the file is empty".to_owned());
+    }
+    if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        return Ok(Format::Exr);
+    }
+    if bytes.starts_with(b"#?") {
+        return Ok(Format::Hdr);
+    }
+    let known: [(&[u8], &str); 6] = [
+        (b"\x89PNG", "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture"),
+        (b"II*\0", "a TIFF picture"),
+        (b"MM\0*", "a TIFF picture"),
+        (b"PF\n", "a PFM picture"),
+        (b"BM", "a BMP picture"),
+    ];
+    let what = known
+        .iter()
+        .find(|(magic, _)| bytes.starts_with(magic))
+        .map_or("not an image of radiance", |(_, what)| what);
+    Err(format!("this is {what}; expected {RADIANCE_FORMATS}"))
+}
+
+/// An error about a size that no image has or that cannot be held.
+fn refuse_size(width: u64, height: u64) -> Result<(u32, u32), String> {
+    if !RadianceMap::can_hold(width, height) {
+        return Err(format!(
+            "the image is said to be {width}×{height}; expected sides of 1 to {} and at most {} pixels",
+            RadianceMap::MAX_SIDE,
+            RadianceMap::MAX_PIXELS
+        ));
+    }
+    let side = |side| u32::try_from(side).expect("the limit is far below");
+    Ok((side(width), side(height)))
+}
+
+/// Room for an image of a size that a header claims: memory that is not there is an error, not an end.
+fn black(width: u32, height: u32) -> Result<Vec<[f32; 3]>, String> {
+    let count = width as usize * height as usize;
+    let mut pixels = Vec::new();
+    pixels
+        .try_reserve_exact(count)
+        .map_err(|_| format!("there is no memory for an image of {width}×{height}"))?;
+    pixels.resize(count, [0.0; 3]);
+    Ok(pixels)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,155 @@
+//! What one surface point aims at in mode `path`: the background's image or one of the emitters.
+
+use super::background::PreparedBackground;
+use super::prepare::PreparedScene;
+use super::surface::SurfacePoint;
+use crate::math::{Ray, Vec2, Vec3};
+
+/// The least that either of the two is aimed at where both give light: power as counted here says little about what one point
+/// sees, and neither should starve.
+const LEAST_SHARE: f32 = 0.1;
+
+/// How often each of the two is aimed at; the shares sum to 1. Without an image all is left to the emitters.
+#[derive(Clone, Copy, Debug)]
+pub struct AimShares {
+    /// Probability of the background.
+    pub background: f32,
+    /// Probability of the emitters together.
+    pub emitters: f32,
+}
+
+/// What is aimed at.
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    Background,
+    /// One of the emitters, chosen by this number.
+    Emitter(Vec2),
+}
+
+impl AimShares {
+    /// Shares by power: of an image, what falls from it on the ball of this `radius` around the scene; of the emitters,
+    /// `emitters_power`, all that they emit.
+    pub fn new(background: &PreparedBackground, radius: f32, emitters_power: f64) -> Self {
+        use std::f64::consts::PI;
+        let Some(image) = background.image() else {
+            return Self {
+                background: 0.0,
+                emitters: 1.0,
+            };
+        };
+        let cross_section = PI * f64::from(radius).powi(2);
+        let power = cross_section * 4.0 * PI * image.mean_luminance();
+        let background = if emitters_power > 0.0 {
+            #[expect(clippy::cast_possible_truncation, reason = "a probability")]
+            let share = (power / (power + emitters_power)) as f32;
+            share.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
+        } else {
+            1.0
+        };
+        Self {
+            background,
+            emitters: 1.0 - background,
+        }
+    }
+
+    /// Chooses by `choice`, uniform over the unit square; what is left of it chooses among the emitters.
+    fn choose(self, choice: Vec2) -> Target {
+        if choice.x < self.background {
+            return Target::Background;
+        }
+        let rest = (choice.x - self.background) / self.emitters;
+        Target::Emitter(Vec2::new(rest, choice.y))
+    }
+}
+
+/// Light aimed at from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Aimed {
+    /// Where it comes from; unit.
+    pub wi: Vec3,
+    /// On a surface that faces it, over the probability of all choices.
+    pub irradiance: Vec3,
+    /// Density of its direction with that of the choice, per steradian; `None` where no other strategy can find it.
+    pub pdf_solid_angle: Option<f32>,
+    /// Towards it; nothing may be in the way before `reach`, but for the light number `light`.
+    pub ray: Ray,
+    pub reach: f32,
+    pub light: Option<u32>,
+    /// Whether it is the background's.
+    pub is_background: bool,
+}
+
+impl Aimed {
+    /// Aims at the background or an emitter from `point`; `choice` and `u`: uniform over the unit square. `None` where there is
+    /// nothing to aim at.
+    pub fn choose(
+        scene: &PreparedScene,
+        point: &SurfacePoint,
+        choice: Vec2,
+        u: Vec2,
+    ) -> Option<Self> {
+        match scene.aim_shares().choose(choice) {
+            Target::Background => Self::at_background(scene, point, u),
+            Target::Emitter(choice) => Self::at_emitter(scene, point, choice, u),
+        }
+    }
+
+    fn at_background(scene: &PreparedScene, point: &SurfacePoint, u: Vec2) -> Option<Self> {
+        let sample = scene.background().image()?.sample(u)?;
+        let pdf = sample.pdf_solid_angle * scene.aim_shares().background;
+        Some(Self {
+            wi: sample.direction,
+            irradiance: sample.radiance / pdf,
+            pdf_solid_angle: Some(pdf),
+            ray: point.ray_above(sample.direction),
+            reach: f32::INFINITY,
+            light: None,
+            is_background: true,
+        })
+    }
+
+    fn at_emitter(
+        scene: &PreparedScene,
+        point: &SurfacePoint,
+        choice: Vec2,
+        u: Vec2,
+    ) -> Option<Self> {
+        let share = scene.aim_shares().emitters;
+        let (emitters, lights) = (scene.emitters(), scene.lights());
+        let aim = emitters.aim(lights, point.position, choice, u)?;
+        Some(Self {
+            wi: (aim.sample.position - point.position).try_normalize()?,
+            irradiance: aim.sample.irradiance / share,
+            pdf_solid_angle: aim.pdf_solid_angle.map(|pdf| pdf * share),
+            ray: point.ray_to(aim.sample.position),
+            reach: 1.0,
+            light: aim.light,
+            is_background: false,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_of_the_number_chooses_evenly_among_emitters() {
+        let shares = AimShares {
+            background: 0.25,
+            emitters: 0.75,
+        };
+        let steps = 1000_u16;
+        let mut rests = Vec::new();
+        for step in 0..steps {
+            match shares.choose(Vec2::new(f32::from(step) / f32::from(steps), 0.5)) {
+                Target::Background => {}
+                Target::Emitter(rest) => rests.push(rest.x),
+            }
+        }
+        assert_eq!(rests.len(), 750);
+        assert!(rests.iter().all(|rest| (0.0..1.0).contains(rest)));
+        let mean = rests.iter().sum::<f32>() / 750.0;
+        assert!((mean - 0.5).abs() < 1e-3, "{mean}");
+    }
+}
