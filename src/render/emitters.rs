@@ -62,7 +62,7 @@ impl Emitters {
                 continue;
             };
             for index in object.triangles.clone() {
-                let triangle = geometry.triangles()[index as usize];
+                let triangle = geometry.triangle(index).in_scene();
                 let area = triangle.area();
                 items.push(Emitter::Triangle {
                     triangle,

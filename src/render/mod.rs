@@ -29,7 +29,7 @@ mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
 pub use film::Film;
-pub use geometry::{ObjectNormals, PreparedGeometry, PreparedObject};
+pub use geometry::{PreparedGeometry, PreparedObject, ShadingNormals};
 pub use image::Image;
 pub use prepare::PreparedScene;
 pub use run::{RayCounts, RenderOutcome, RenderProgress, RenderStats, RunConfig, render};

@@ -13,7 +13,7 @@ use super::path;
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
-use crate::accel::Accelerator;
+use crate::accel::Assembly;
 use crate::control::CancelToken;
 use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
@@ -253,7 +253,7 @@ impl PreparedScene {
         })
     }
 
-    pub(super) fn accelerator(&self) -> &Accelerator {
+    pub(super) fn accelerator(&self) -> &Assembly {
         self.geometry.accelerator()
     }
 
