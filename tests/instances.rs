@@ -11,7 +11,8 @@ use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::{DVec3, Degrees};
 use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
 use raymini::scene::{
-    AcceleratorChoice, Background, Camera, Copies, Light, Mode, Object, RenderSettings, Rgb, Scene,
+    AcceleratorChoice, Background, Camera, Copies, Light, LightSampling, Material, Mode, Object,
+    RenderSettings, Rgb, Scene,
 };
 
 fn prepare(scene: &Scene, previous: Option<&PreparedScene>) -> PreparedScene {
@@ -259,4 +260,52 @@ fn objects_are_told_apart() {
         }
     }
     assert_eq!(seen.len(), 4);
+}
+
+/// Copies that shine give the light of the same triangles written out, however it is found. In the middle of the scene, where
+/// points are rounded least, no lamp shadows the points on it that are aimed at: then the two would not lose the same.
+#[test]
+fn shining_copies_give_the_light_of_their_triangles() {
+    let mut scene = balls();
+    scene.materials.insert(
+        "lamp".into(),
+        Material::Emitter {
+            radiance: Rgb::new(4.0, 3.0, 2.0),
+        },
+    );
+    // Small balls around the middle of the scene, where coordinates have the most digits.
+    scene.objects[0] = Object {
+        material: Some("lamp".into()),
+        scale: 0.05,
+        translate: DVec3::new(-0.2, -0.1, 0.0),
+        copies: Copies {
+            count: [3, 2, 1],
+            step: DVec3::new(0.2, 0.2, 0.0),
+        },
+        ..scene.objects[0].clone()
+    };
+    scene.lights.clear();
+    scene.background = Background::default();
+    (scene.render.width, scene.render.height) = (40, 25);
+    let mean = |scene: &Scene| {
+        let image = picture(scene);
+        let sum: f64 = image.pixels.iter().map(|rgb| f64::from(rgb[0])).sum();
+        sum / image.pixels.len() as f64
+    };
+    for (mode, sampling) in [
+        (Mode::Direct, LightSampling::Mis),
+        (Mode::Path, LightSampling::Nee),
+        (Mode::Path, LightSampling::Mis),
+    ] {
+        let mut scene = scene.clone();
+        scene.render.mode = mode;
+        scene.render.max_bounces = 1;
+        scene.render.light_sampling = sampling;
+        scene.render.samples_per_pixel = 16;
+        let (shared, flat) = (mean(&scene), mean(&written_out(&scene)));
+        assert!(
+            (shared / flat - 1.0).abs() < 1e-4,
+            "{mode:?}, {sampling:?}: {shared}, not {flat}"
+        );
+    }
 }

@@ -20,7 +20,7 @@ pub use assembly::{Assembly, Copies, Part};
 pub use box_tree::BoxTree;
 pub use brute_force::BruteForce;
 pub use kd::{KdParameters, KdStatistics, KdTree};
-pub use placed::PlacedTriangle;
+pub use placed::{AimingError, PlacedTriangle};
 
 use crate::geometry::{Triangle, TriangleHit};
 use crate::math::{Bounds, Ray};

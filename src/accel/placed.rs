@@ -81,6 +81,25 @@ impl PlacedTriangle<'_> {
         (point, error)
     }
 
+    /// How far a ray aimed at a point of [`PlacedTriangle::in_scene`] may miss it.
+    #[must_use]
+    pub fn aiming_error(&self) -> AimingError {
+        let Some(place) = &self.place else {
+            return AimingError {
+                near: Vec3::ZERO,
+                per_distance: gamma(1),
+            };
+        };
+        // The corners' rounding on the way into the scene, and that of a local ray near the triangle.
+        let [a, b, c] = self.triangle.corners.map(|corner| corner.abs().as_dvec3());
+        let local = a.max(b).max(c) * f64::from(gamma(2));
+        let [a, b, c] = self.in_scene().corners.map(Vec3::abs);
+        AimingError {
+            near: place.turn.largest(local).as_vec3() + a.max(b).max(c) * gamma(1),
+            per_distance: gamma(3),
+        }
+    }
+
     /// The unit normal on the outside; zero for a triangle without area.
     #[must_use]
     pub fn normal(&self) -> Vec3 {
@@ -109,6 +128,23 @@ impl PlacedTriangle<'_> {
     /// Edge lengths of the box around the stored triangle.
     fn width(&self) -> DVec3 {
         self.triangle.bounds().size().as_dvec3()
+    }
+}
+
+/// Bound on how far, along each axis, a ray may miss a point of a triangle that it is aimed at, beyond the rounding of that
+/// point. A light's point this much in front of the light is not shadowed by it.
+#[derive(Clone, Copy, Debug)]
+pub struct AimingError {
+    near: Vec3,
+    /// The way to the point is rounded when it becomes a direction; so are origin and direction of a local ray.
+    per_distance: f32,
+}
+
+impl AimingError {
+    /// The bound for a ray from `distance` away.
+    #[must_use]
+    pub fn from(&self, distance: f32) -> Vec3 {
+        self.near + distance * self.per_distance
     }
 }
 
