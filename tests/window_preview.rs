@@ -12,7 +12,9 @@ use raymini::gui::worker::preview_mesh;
 use raymini::io;
 use raymini::math::{DVec3, Degrees};
 use raymini::render::{self, PreparedScene, RenderProgress, RunConfig, display};
-use raymini::scene::{Background, Camera, Mode, Object, PhongModel, Scene, Shadows, ToneCurve};
+use raymini::scene::{
+    Background, Camera, Copies, Mode, Object, PhongModel, Scene, Shadows, ToneCurve,
+};
 
 /// How near to an edge a pixel's centre may be for preview and picture to differ there, in pixels.
 const EDGE: f64 = 1.0 / 128.0;
@@ -173,6 +175,79 @@ fn a_tiny_scene_far_out_is_framed_alike() {
     camera.target = camera.target * scale + offset;
     (scene.render.width, scene.render.height) = (333, 217);
     assert_same_frame(&scene);
+}
+
+/// The demo with more rams and gargoyles, which share their triangles: turned, mirrored, among single objects.
+fn demo_with_copies() -> Scene {
+    let mut scene = io::demo_scene();
+    let find = |scene: &Scene, name: &str| {
+        let index = scene.objects.iter().position(|object| object.name == name);
+        index.expect("the demo has it")
+    };
+    let ram = find(&scene, "ram");
+    scene.objects[ram].copies = Copies {
+        count: [1, 3, 2],
+        step: DVec3::new(0.0, 1.3, 0.9),
+    };
+    let gargoyle = find(&scene, "gargoyle");
+    let mirrored = Object {
+        name: "mirrored".into(),
+        scale: -0.5,
+        rotate: DVec3::new(180.0, 0.0, 25.0),
+        translate: DVec3::new(0.2, -1.2, 0.0),
+        smooth: false,
+        ..scene.objects[gargoyle].clone()
+    };
+    scene.objects.insert(1, mirrored);
+    scene
+}
+
+#[test]
+fn copies_are_framed_alike() {
+    for size in SIZES {
+        let mut scene = demo_with_copies();
+        (scene.render.width, scene.render.height) = size;
+        assert_same_frame(&scene);
+    }
+    // From among them, far from the origin.
+    let mut scene = demo_with_copies();
+    let offset = DVec3::new(1e5, -3e4, 7e3);
+    for object in &mut scene.objects {
+        object.translate += offset;
+    }
+    scene.camera.eye = offset + DVec3::new(-1.2, -1.6, 1.0);
+    scene.camera.target = offset + DVec3::new(-1.7, 1.0, 0.7);
+    scene.camera.vertical_fov = Degrees(90.0);
+    (scene.render.width, scene.render.height) = (333, 217);
+    assert_same_frame(&scene);
+}
+
+#[test]
+fn copies_have_the_colors_of_a_render() {
+    let mut base = demo_with_copies();
+    (base.render.width, base.render.height) = (161, 97);
+    base.render.samples_per_pixel = 1;
+    base.render.antialiasing = false;
+    base.render.shadows = Shadows::Off;
+    for mode in [Mode::Direct, Mode::Normals, Mode::Facing, Mode::Depth] {
+        base.render.mode = mode;
+        assert_same_colors(&base);
+    }
+}
+
+/// What the preview holds grows with meshes and places, not with what is drawn.
+#[test]
+fn shared_triangles_are_uploaded_once() {
+    let mut scene = io::demo_scene();
+    scene.objects.retain(|object| object.name == "ram");
+    let once = preview_mesh(prepared(&scene).geometry()).vertices.len();
+    scene.objects[0].copies = Copies {
+        count: [100, 100, 1],
+        step: DVec3::new(2.0, 2.0, 0.0),
+    };
+    let mesh = preview_mesh(prepared(&scene).geometry());
+    assert_eq!(mesh.vertices.len(), once);
+    assert_eq!(mesh.objects[0].places.len(), 10_000);
 }
 
 /// Without shadows and with one sample at each pixel's centre, preview and picture differ by rounding only: same shading,

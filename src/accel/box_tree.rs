@@ -89,8 +89,15 @@ impl BoxTree {
     /// Visits the boxes that `ray` may pass in `0 < t < t_max`, about in the order of its way, until all that is left begins
     /// beyond the `t` that the last call of `visit` returned.
     #[inline]
-    pub fn walk(&self, ray: &Ray, t_max: f32, mut visit: impl FnMut(u32) -> f32) {
-        let slabs = Slabs::new(ray);
+    pub fn walk(&self, ray: &Ray, t_max: f32, visit: impl FnMut(u32) -> f32) {
+        self.walk_grown(ray, t_max, 0.0, visit);
+    }
+
+    /// [`Self::walk`] with every box larger by `slack`, which is 0 or several units in the last place of the ray's origin, on
+    /// every side: for things that do not meet the ray itself but one that lies so near.
+    #[inline]
+    pub fn walk_grown(&self, ray: &Ray, t_max: f32, slack: f32, mut visit: impl FnMut(u32) -> f32) {
+        let slabs = Slabs::new(ray, slack);
         let mut limit = t_max;
         let mut stack = [(0_u32, 0.0_f32); MAX_DEPTH];
         let mut waiting = 0;
@@ -135,14 +142,17 @@ impl BoxTree {
 
 /// A ray prepared for tests against many boxes.
 struct Slabs {
-    origin: [f32; 3],
+    /// The ray's origin as the lower sides of the boxes see it, moved up instead of each of them down.
+    from_low: [f32; 3],
+    from_high: [f32; 3],
     inverse: [f32; 3],
 }
 
 impl Slabs {
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray, slack: f32) -> Self {
         Self {
-            origin: ray.origin.to_array(),
+            from_low: (ray.origin + slack).to_array(),
+            from_high: (ray.origin - slack).to_array(),
             inverse: ray.direction.to_array().map(f32::recip),
         }
     }
@@ -153,8 +163,8 @@ impl Slabs {
     fn enter(&self, bounds: &Bounds) -> Option<f32> {
         let (mut enter, mut exit) = (0.0_f32, f32::INFINITY);
         for axis in 0..3 {
-            let low = (bounds.min[axis] - self.origin[axis]) * self.inverse[axis];
-            let high = (bounds.max[axis] - self.origin[axis]) * self.inverse[axis];
+            let low = (bounds.min[axis] - self.from_low[axis]) * self.inverse[axis];
+            let high = (bounds.max[axis] - self.from_high[axis]) * self.inverse[axis];
             let (near, far) = if low < high { (low, high) } else { (high, low) };
             let near = near - near.abs() * MARGIN - f32::MIN_POSITIVE;
             let far = far + far.abs() * MARGIN + f32::MIN_POSITIVE;

@@ -3,17 +3,24 @@
 //! Both answer with the same bits: which hit is nearest is decided by the shared kernel's `t`, then by the smaller
 //! triangle id, never by the structure. Triangles and rays live in the prepared scene; ids are positions in the order
 //! the triangles were given in.
+//!
+//! An [`Accelerator`] is a structure over the triangles of one mesh. An [`Assembly`] is what rays of a scene meet: one such
+//! structure over everything that occurs once, and placed copies of shared ones.
 
+mod assembly;
 mod block;
 mod box_tree;
 mod brute_force;
 mod kd;
+mod placed;
 #[cfg(test)]
 mod tests;
 
+pub use assembly::{Assembly, Copies, Part};
 pub use box_tree::BoxTree;
 pub use brute_force::BruteForce;
 pub use kd::{KdParameters, KdStatistics, KdTree};
+pub use placed::{AimingError, PlacedTriangle};
 
 use crate::geometry::{Triangle, TriangleHit};
 use crate::math::{Bounds, Ray};

@@ -219,7 +219,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         build_seconds,
         render_seconds: stats.render_seconds,
         first_tile_seconds: stats.first_tile_seconds,
-        triangles: prepared.geometry().triangles().len() as u64,
+        triangles: u64::from(accelerator.triangle_count()),
         accelerator: accelerator.name(),
         accelerator_bytes: accelerator.bytes(),
         peak_memory_bytes: peak_memory_bytes(),

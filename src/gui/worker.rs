@@ -12,17 +12,14 @@ use std::time::Duration;
 use eframe::wgpu;
 
 use super::jobs::Job;
-use super::pick;
 use super::picture::{EncodedTile, PictureBuffer};
-use super::preview::geometry::{GpuGeometry, PreviewMesh, Vertex};
+use super::preview::geometry::GpuGeometry;
+pub use super::preview::pack::preview_mesh;
 use crate::control::Progress;
-use crate::geometry::Triangle;
 use crate::io::{self, LoadedScene, MeshFile};
-use crate::math::{Bounds, DBounds, Vec3};
-use crate::render::{
-    self, PreparedGeometry, PreparedObject, PreparedScene, RenderOutcome, RenderProgress, RunConfig,
-};
-use crate::scene::{Output, Scene};
+use crate::math::DBounds;
+use crate::render::{self, PreparedScene, RenderOutcome, RenderProgress, RunConfig};
+use crate::scene::{Object, Output, Scene};
 
 /// What a job tells the window. Failures are sentences for the user.
 #[derive(Debug)]
@@ -119,32 +116,37 @@ pub fn prepare(
     let Some(result) = unless_cancelled(prepared) else {
         return;
     };
-    job.send(Event::Prepared(result.map(|scene| {
-        let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), scene.geometry()));
+    job.send(Event::Prepared(result.map(|prepared| {
+        let geometry = prepared.geometry();
+        let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), geometry));
         match unchanged {
-            Some(previous) => Prepared { scene, ..previous },
-            None => new_geometry(scene, device),
+            Some(previous) => Prepared {
+                scene: prepared,
+                ..previous
+            },
+            None => new_geometry(scene, prepared, device),
         }
     })));
 }
 
 /// Uploads the triangles of a scene whose geometry is new.
-fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared {
-    let geometry = scene.geometry();
+fn new_geometry(
+    description: &Scene,
+    scene: PreparedScene,
+    device: Option<&wgpu::Device>,
+) -> Prepared {
     let triangles = device.map(|device| {
-        let mesh = preview_mesh(geometry);
+        let mesh = preview_mesh(scene.geometry());
         Arc::new(GpuGeometry::upload(device, &mesh))
     });
-    let bounds_of = |object: &PreparedObject| {
-        let range = object.triangles.start as usize..object.triangles.end as usize;
-        let boxes = geometry.triangles()[range].iter().map(Triangle::bounds);
-        pick::to_world(geometry.frame(), &boxes.fold(Bounds::EMPTY, Bounds::union))
+    let bounds_of = |object: &Object| {
+        let mesh = description.mesh_of(object);
+        mesh.map_or(DBounds::EMPTY, |mesh| object.bounds_of(mesh))
     };
-    let object_bounds = geometry.objects().iter().map(bounds_of).collect();
     Prepared {
         scene,
         triangles,
-        object_bounds,
+        object_bounds: description.objects.iter().map(bounds_of).collect(),
     }
 }
 
@@ -226,36 +228,6 @@ pub fn save_picture(
     );
     let result = result.map_err(|error| error.to_string());
     job.send(Event::PictureSaved { path, result });
-}
-
-/// The prepared triangles as the preview draws them: every corner with its normal.
-#[must_use]
-pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
-    let triangles = geometry.triangles();
-    let mut vertices = Vec::with_capacity(triangles.len() * 3);
-    let mut objects = Vec::with_capacity(geometry.objects().len());
-    for object in geometry.objects() {
-        let start = vertices.len();
-        for id in object.triangles.clone() {
-            let corners = triangles[id as usize].corners;
-            let normals = object
-                .normal_corners(id)
-                .unwrap_or_else(|| [flat_normal(corners); 3]);
-            vertices.extend((0..3).map(|i| Vertex::new(corners[i], normals[i])));
-        }
-        objects.push(start..vertices.len());
-    }
-    PreviewMesh {
-        frame: *geometry.frame(),
-        vertices,
-        objects,
-    }
-}
-
-/// A triangle's own normal. In `f64`, so that slivers have one too.
-fn flat_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
-    let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
-    (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
 /// The result in words; `None` when cancelled.

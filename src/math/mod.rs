@@ -9,6 +9,7 @@ pub mod color;
 mod frame;
 mod ray;
 pub mod robust;
+mod scaled_rotation;
 pub mod warp;
 
 pub use angle::Degrees;
@@ -16,3 +17,4 @@ pub use bounds::{Bounds, DBounds};
 pub use frame::{SceneFrame, power_of_two};
 pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 pub use ray::Ray;
+pub use scaled_rotation::ScaledRotation;

@@ -7,6 +7,7 @@ use super::alias::AliasTable;
 use super::geometry::PreparedGeometry;
 use super::light::{LightSample, PreparedLight};
 use super::material::PreparedMaterial;
+use crate::accel::AimingError;
 use crate::geometry::Triangle;
 use crate::math::{Ray, Vec2, Vec3, color::luminance, robust, warp};
 
@@ -29,6 +30,7 @@ enum Emitter {
     /// A triangle of an emitting object.
     Triangle {
         triangle: Triangle,
+        error: AimingError,
         area: f32,
         radiance: Vec3,
     },
@@ -64,10 +66,12 @@ impl Emitters {
                 continue;
             };
             for index in object.triangles.clone() {
-                let triangle = geometry.triangles()[index as usize];
+                let placed = geometry.triangle(index);
+                let triangle = placed.in_scene();
                 let area = triangle.area();
                 items.push(Emitter::Triangle {
                     triangle,
+                    error: placed.aiming_error(),
                     area,
                     radiance,
                 });
@@ -126,6 +130,7 @@ impl Emitters {
             }
             Emitter::Triangle {
                 triangle,
+                error: aiming_error,
                 area,
                 radiance,
             } => {
@@ -134,6 +139,7 @@ impl Emitters {
                 let towards = position - from;
                 let pdf = pdf_from_area(probability / area, normal, towards);
                 // In front of the surface by its rounding error, so that the triangle does not shadow itself.
+                let error = error + aiming_error.from(towards.length());
                 let position = robust::offset_origin(position, error, normal, -towards);
                 let irradiance = if pdf.is_finite() {
                     radiance / pdf

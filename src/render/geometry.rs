@@ -1,19 +1,28 @@
+//! The triangles of a scene as rendering reads them: placed, narrowed, in a structure. What occurs once is in one flat
+//! structure; a mesh that occurs often is there once, in a frame of its own, and its copies are places.
+
+mod origin;
+mod shared;
+
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::accel::{Accelerator, BruteForce, KdParameters, KdTree};
+use crate::accel::{Accelerator, Assembly, BruteForce, KdParameters, KdTree, Part, PlacedTriangle};
 use crate::control::CancelToken;
 use crate::geometry::{Triangle, TriangleMesh, corner_normals};
 use crate::math::{Degrees, SceneFrame, Vec3};
-use crate::scene::{AcceleratorChoice, Object, Placement, Scene, SceneError};
+use crate::scene::{AcceleratorChoice, Placement, Scene, SceneError};
+use origin::{GeometryOrigin, ObjectShape};
+use shared::SharedMeshes;
 
 /// The scene's triangles, placed, narrowed and in an acceleration structure. It depends on the objects and their meshes
 /// alone: moving the camera or editing a light or a material needs no new one.
 #[derive(Debug)]
 pub struct PreparedGeometry {
     frame: SceneFrame,
-    accelerator: Accelerator,
+    accelerator: Assembly,
     objects: Vec<PreparedObject>,
+    shared: SharedMeshes,
     origin: GeometryOrigin,
 }
 
@@ -24,69 +33,31 @@ pub struct PreparedObject {
     pub triangles: Range<u32>,
     /// Triangles of one copy.
     pub triangles_per_copy: u32,
-    /// Shading normals, shared by the copies; `None` for flat shading.
-    pub normals: Option<ObjectNormals>,
+    /// Shading normals, shared by the copies; `None` for flat shading. In world orientation, or that of the mesh where the
+    /// object shares it.
+    pub normals: Option<Arc<ShadingNormals>>,
 }
 
-/// Shading normals of one object, in world orientation.
+/// Shading normals of the corners of one copy.
 #[derive(Debug)]
-pub struct ObjectNormals {
+pub struct ShadingNormals {
     /// Unit vectors.
     pub normals: Vec<Vec3>,
-    /// Indices into `normals` for the three corners of each triangle of one copy.
+    /// Indices into `normals` for the three corners of each triangle.
     pub corners: Vec<[u32; 3]>,
 }
 
-/// Everything geometry is made from, kept to tell whether a changed scene needs new geometry.
-#[derive(Debug, PartialEq)]
-struct GeometryOrigin {
-    objects: Vec<(MeshIdentity, ObjectShape)>,
-    structure: AcceleratorChoice,
-}
-
-/// A mesh, equal to itself alone.
-#[derive(Debug)]
-struct MeshIdentity(Arc<TriangleMesh>);
-
-impl PartialEq for MeshIdentity {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
-    }
-}
-
-/// What an object says about its shape.
-#[derive(Debug, PartialEq)]
-struct ObjectShape {
-    placement: Placement,
-    copies: crate::scene::Copies,
-    smooth: Option<Degrees>,
-}
-
-impl GeometryOrigin {
-    fn of(scene: &Scene) -> Result<Self, SceneError> {
-        let object_origin = |object: &Object| {
-            let shape = ObjectShape {
-                placement: object.placement(),
-                copies: object.copies,
-                smooth: object.smooth.then_some(object.crease_angle),
-            };
-            Ok((MeshIdentity(Arc::clone(scene.mesh_of(object)?)), shape))
-        };
-        let objects = scene
-            .objects
-            .iter()
-            .map(object_origin)
-            .collect::<Result<_, _>>()?;
-        Ok(Self {
-            objects,
-            structure: scene.render.accelerator,
-        })
+impl ShadingNormals {
+    /// The normals of the corners of triangle `index`.
+    #[must_use]
+    pub fn of_corners(&self, index: usize) -> [Vec3; 3] {
+        self.corners[index].map(|normal| self.normals[normal as usize])
     }
 }
 
 impl PreparedGeometry {
     /// Places and narrows the scene's triangles and builds their acceleration structure; gives back `previous` where it was
-    /// made from the same objects. `None` when cancelled.
+    /// made from the same objects, and keeps its shared meshes where objects only moved. `None` when cancelled.
     ///
     /// # Errors
     /// A mesh that is not loaded, or more triangles than can be numbered.
@@ -103,40 +74,54 @@ impl PreparedGeometry {
         if count > u64::from(u32::MAX / 2) {
             return Err(SceneError::TooManyTriangles { count });
         }
+        let frame = SceneFrame::around(&scene.measured_bounds()?);
+        let previous = previous.map(|previous| &previous.shared);
+        let shared = SharedMeshes::prepare(&origin, previous, cancel);
+        Ok(shared.and_then(|shared| Self::assemble(origin, frame, shared, cancel).map(Arc::new)))
+    }
 
-        let bounds = scene.measured_bounds()?;
-        let frame = SceneFrame::around(&bounds);
+    fn assemble(
+        origin: GeometryOrigin,
+        frame: SceneFrame,
+        shared: SharedMeshes,
+        cancel: &CancelToken,
+    ) -> Option<Self> {
         let mut triangles = Vec::new();
+        let mut parts = Vec::with_capacity(origin.objects.len());
         let mut objects = Vec::with_capacity(origin.objects.len());
-        for (MeshIdentity(mesh), shape) in &origin.objects {
-            let start = triangles.len();
-            if !place_triangles(mesh, shape, &frame, &mut triangles, cancel) {
-                return Ok(None);
-            }
-            objects.push(PreparedObject {
-                triangles: id(start)..id(triangles.len()),
-                triangles_per_copy: id(mesh.triangles.len()),
-                normals: shape
+        let mut start = 0;
+        for (identity, shape) in &origin.objects {
+            let mesh = &identity.0;
+            let triangles_per_copy = id(mesh.triangles.len());
+            let placed = shared.place(identity, shape, &frame);
+            let (part, count, normals) = if let Some((copies, normals)) = placed {
+                let count = triangles_per_copy * id(copies.translations.len());
+                (Part::Copies(copies), count, normals)
+            } else {
+                let before = triangles.len();
+                place_triangles(mesh, shape, &frame, &mut triangles, cancel)?;
+                let count = id(triangles.len() - before);
+                let normals = shape
                     .smooth
-                    .map(|crease| place_normals(mesh, shape, crease)),
+                    .map(|crease| place_normals(mesh, shape, crease));
+                (Part::Flat(count), count, normals.map(Arc::new))
+            };
+            parts.push(part);
+            objects.push(PreparedObject {
+                triangles: start..start + count,
+                triangles_per_copy,
+                normals,
             });
+            start += count;
         }
-
-        let accelerator = match scene.render.accelerator {
-            AcceleratorChoice::BruteForce => Accelerator::BruteForce(BruteForce::new(triangles)),
-            AcceleratorChoice::Auto | AcceleratorChoice::KdTree => {
-                match KdTree::build(triangles, &KdParameters::default(), cancel) {
-                    Some(tree) => Accelerator::KdTree(tree),
-                    None => return Ok(None),
-                }
-            }
-        };
-        Ok(Some(Arc::new(Self {
+        let flat = build(origin.structure, triangles, cancel)?;
+        Some(Self {
             frame,
-            accelerator,
+            accelerator: Assembly::new(flat, shared.structures(), parts),
             objects,
+            shared,
             origin,
-        })))
+        })
     }
 
     /// Between the world and the prepared triangles.
@@ -145,16 +130,16 @@ impl PreparedGeometry {
         &self.frame
     }
 
-    /// The structure that finds hits.
+    /// What finds hits.
     #[must_use]
-    pub fn accelerator(&self) -> &Accelerator {
+    pub fn accelerator(&self) -> &Assembly {
         &self.accelerator
     }
 
-    /// The prepared triangles, object after object.
+    /// The prepared triangle with number `id`: its corners in the prepared scene, its points, its normal.
     #[must_use]
-    pub fn triangles(&self) -> &[Triangle] {
-        self.accelerator.triangles()
+    pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
+        self.accelerator.triangle(id)
     }
 
     /// The objects in the order of the description.
@@ -166,29 +151,43 @@ impl PreparedGeometry {
     /// The index of the object that `triangle` belongs to.
     #[must_use]
     pub fn object_of(&self, triangle: u32) -> usize {
-        self.objects
-            .partition_point(|object| object.triangles.end <= triangle)
+        self.accelerator.part_of(triangle)
     }
-}
 
-impl PreparedObject {
-    /// The shading normals of the corners of `triangle`, a number in its range; `None` for flat shading.
+    /// The shading normals of the corners of `triangle` in world orientation, in the order of its corners; `None` for flat
+    /// shading.
     #[must_use]
-    pub fn normal_corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
-        let normals = self.normals.as_ref()?;
-        let in_copy = (triangle - self.triangles.start) % self.triangles_per_copy;
-        Some(normals.corners[in_copy as usize].map(|index| normals.normals[index as usize]))
+    pub fn corner_normals(&self, triangle: &PlacedTriangle<'_>) -> Option<[Vec3; 3]> {
+        let object = &self.objects[triangle.part];
+        let normals = object.normals.as_ref()?;
+        let in_copy = triangle.number % object.triangles_per_copy;
+        Some(triangle.directions_in_scene(normals.of_corners(in_copy as usize)))
     }
 }
 
-/// Appends all copies of a mesh; false when cancelled.
+/// The structure of that choice over `triangles`; `None` when cancelled.
+fn build(
+    structure: AcceleratorChoice,
+    triangles: Vec<Triangle>,
+    cancel: &CancelToken,
+) -> Option<Accelerator> {
+    match structure {
+        AcceleratorChoice::BruteForce => Some(Accelerator::BruteForce(BruteForce::new(triangles))),
+        AcceleratorChoice::Auto | AcceleratorChoice::KdTree => {
+            let tree = KdTree::build(triangles, &KdParameters::default(), cancel)?;
+            Some(Accelerator::KdTree(tree))
+        }
+    }
+}
+
+/// Appends all copies of a mesh; `None` when cancelled.
 fn place_triangles(
     mesh: &TriangleMesh,
     shape: &ObjectShape,
     frame: &SceneFrame,
     triangles: &mut Vec<Triangle>,
     cancel: &CancelToken,
-) -> bool {
+) -> Option<()> {
     let in_world: Vec<_> = mesh
         .positions
         .iter()
@@ -196,7 +195,7 @@ fn place_triangles(
         .collect();
     for offset in shape.copies.offsets() {
         if cancel.is_cancelled() {
-            return false;
+            return None;
         }
         let prepared: Vec<Vec3> = in_world.iter().map(|&p| frame.narrow(p + offset)).collect();
         triangles.extend(mesh.triangles.iter().map(|&corners| {
@@ -205,13 +204,13 @@ fn place_triangles(
             Triangle { corners }
         }));
     }
-    true
+    Some(())
 }
 
-fn place_normals(mesh: &TriangleMesh, shape: &ObjectShape, crease: Degrees) -> ObjectNormals {
+fn place_normals(mesh: &TriangleMesh, shape: &ObjectShape, crease: Degrees) -> ShadingNormals {
     let object = corner_normals(mesh, crease);
     let linear = shape.placement.linear;
-    ObjectNormals {
+    ShadingNormals {
         normals: object
             .normals
             .iter()

@@ -35,7 +35,7 @@ mod surface;
 mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
-pub use geometry::{ObjectNormals, PreparedGeometry, PreparedObject};
+pub use geometry::{PreparedGeometry, PreparedObject, ShadingNormals};
 pub use image::Image;
 pub use layers::Layer;
 pub use prepare::PreparedScene;

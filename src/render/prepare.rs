@@ -16,7 +16,7 @@ use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::Specular;
 use super::surface::SurfacePoint;
-use crate::accel::Accelerator;
+use crate::accel::Assembly;
 use crate::control::CancelToken;
 use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
@@ -278,7 +278,7 @@ impl PreparedScene {
         })
     }
 
-    pub(super) fn accelerator(&self) -> &Accelerator {
+    pub(super) fn accelerator(&self) -> &Assembly {
         self.geometry.accelerator()
     }
 

@@ -31,14 +31,13 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
-        let triangle = &geometry.triangles()[hit.triangle as usize];
+        let triangle = geometry.triangle(hit.triangle);
         let (position, error) = triangle.point(hit.barycentrics);
         let outward = triangle.normal();
         let wo = -ray.direction.normalize();
         let front = outward.dot(wo) >= 0.0;
         let geometric_normal = if front { outward } else { -outward };
 
-        let object = geometry.object_of(hit.triangle);
         let mut point = Self {
             position,
             error,
@@ -49,10 +48,10 @@ impl SurfacePoint {
             shading_normal: geometric_normal,
             specular_normal: geometric_normal,
             front,
-            object,
+            object: triangle.part,
         };
-        if let Some(normals) = geometry.objects()[object].normal_corners(hit.triangle) {
-            point.smooth(&triangle.corners, normals, hit.barycentrics);
+        if let Some(normals) = geometry.corner_normals(&triangle) {
+            point.smooth(&triangle.in_scene().corners, normals, hit.barycentrics);
         }
         point
     }
@@ -157,8 +156,9 @@ mod tests {
     use super::*;
     use crate::control::CancelToken;
     use crate::geometry::TriangleMesh;
+    use crate::geometry::shapes::{self, Random};
     use crate::math::DVec3;
-    use crate::scene::{Object, Scene};
+    use crate::scene::{Copies, Object, Scene};
 
     /// Triangles of size 1 moved by K, a ray from ten away, a bounce to the same side. No bounce may hit
     /// the triangle it left, and the push off the surface stays of the order of the rounding error.
@@ -202,7 +202,7 @@ mod tests {
                 let geometry = PreparedGeometry::prepare(&scene, None, &CancelToken::new())
                     .expect("can be rendered")
                     .expect("nobody cancels");
-                let [a, b, c] = geometry.triangles()[0].corners;
+                let [a, b, c] = geometry.triangle(0).in_scene().corners;
                 let (u, v) = (narrow(next()), narrow(next()));
                 let (u, v) = if u + v > 1.0 {
                     (1.0 - u, 1.0 - v)
@@ -247,6 +247,91 @@ mod tests {
             assert!(
                 mean < 1e-6 * (1.0 + k),
                 "K = {k}: pushed {mean} of the triangle's size"
+            );
+        }
+    }
+
+    /// The same for copies, whose points and rays are rounded on the way between their own space and the scene's: turned,
+    /// scaled, mirrored, far from the middle; rays that leave along the surface as well.
+    #[test]
+    fn no_ray_hits_the_copy_it_leaves() {
+        let mut random = Random::new(7);
+        let placements = [
+            (DVec3::ZERO, 1.0),
+            (DVec3::new(90.0, 0.0, 180.0), 1.0),
+            (DVec3::new(10.0, -70.0, 33.0), 1.0),
+            (DVec3::new(123.0, 5.0, -61.0), 0.37),
+            (DVec3::new(-40.0, 80.0, 7.0), -29.0),
+        ];
+        for ((rotate, scale), k) in placements
+            .into_iter()
+            .flat_map(|placement| [2.0, 100.0, 1e4].map(|k| (placement, k)))
+        {
+            let mut scene = Scene::default();
+            let mesh = Arc::new(shapes::soup(600, 0.4, 5));
+            scene.meshes.insert("t".into(), mesh);
+            scene.objects.push(Object {
+                mesh: "t".into(),
+                rotate,
+                scale,
+                copies: Copies {
+                    count: [2, 2, 3],
+                    step: DVec3::new(1.0, -0.7, 0.9) * k * scale,
+                },
+                ..Object::default()
+            });
+            let geometry = PreparedGeometry::prepare(&scene, None, &CancelToken::new())
+                .expect("can be rendered")
+                .expect("nobody cancels");
+            let accelerator = geometry.accelerator();
+            assert!(accelerator.copies_of(0).is_some());
+            let size = geometry.frame().scale() * scale.abs();
+
+            let (mut met, mut pushed) = (0, 0.0);
+            for turn in 0..12_000_u32 {
+                let aimed_at = geometry.triangle(turn * 7919 % accelerator.triangle_count());
+                let [a, b, c] = aimed_at.in_scene().corners.map(Vec3::as_dvec3);
+                let (u, v) = (random.unit(), random.unit());
+                let (u, v) = if u + v > 1.0 {
+                    (1.0 - u, 1.0 - v)
+                } else {
+                    (u, v)
+                };
+                let aim = a * (1.0 - u - v) + b * u + c * v;
+                let away = random.in_cube().normalize();
+                let ray = Ray::new((aim + away * (10.0 * size)).as_vec3(), -away.as_vec3());
+                let Some(hit) = accelerator.intersect(&ray, f32::INFINITY) else {
+                    continue;
+                };
+                met += 1;
+                let surface = SurfacePoint::new(&geometry, &ray, &hit);
+                pushed += surface.error.as_dvec3().length() / size;
+                let mut wi = random.in_cube().as_vec3().normalize();
+                if turn % 2 == 0 {
+                    // Along the surface but for a few digits.
+                    let height = wi.dot(surface.geometric_normal);
+                    wi -= surface.geometric_normal * height * (1.0 - 1e-6);
+                }
+                let is_above = |wi: Vec3| surface.geometric_normal.dot(wi) > 0.0;
+                if !is_above(wi) {
+                    wi = -wi;
+                }
+                if !is_above(wi) {
+                    continue;
+                }
+                for bounce in [surface.ray_above(wi), surface.ray_above(wi * 1e-3)] {
+                    let again = accelerator.intersect(&bounce, f32::INFINITY);
+                    assert!(
+                        again.is_none_or(|again| again.triangle != hit.triangle),
+                        "{rotate}, {scale}, {k}: {bounce:?} meets {again:?}"
+                    );
+                }
+            }
+            assert!(met > 8000, "only {met} hits");
+            let mean = pushed / f64::from(met);
+            assert!(
+                mean < 2e-6 * (1.0 + k),
+                "{rotate}, {scale}, {k}: pushed {mean}"
             );
         }
     }

@@ -1,11 +1,12 @@
-//! The triangles of the preview: packed on a worker thread, uploaded once, drawn until the geometry changes.
+//! The triangles of the preview: packed on a worker thread, uploaded once, drawn until the geometry changes. A mesh that
+//! objects share is there once, with a place for every copy.
 
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use eframe::wgpu;
 
-use crate::math::{Bounds, SceneFrame, Vec3};
+use crate::math::{Bounds, DVec3, ScaledRotation, SceneFrame, Vec3};
 
 /// A triangle's corner as the GPU reads it: position in the prepared scene, and a unit normal in 16 bits per axis.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -32,23 +33,50 @@ impl Vertex {
     }
 }
 
-/// Triangles of all objects in the prepared scene, ready to upload.
+/// Where a copy's local origin is in the prepared scene, as two numbers per axis so that a near eye loses no digit.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Place {
+    high: [f32; 3],
+    low: [f32; 3],
+}
+
+impl Place {
+    /// The place `translation`.
+    #[must_use]
+    pub fn new(translation: DVec3) -> Self {
+        let high = translation.as_vec3();
+        Self {
+            high: high.to_array(),
+            low: (translation - high.as_dvec3()).as_vec3().to_array(),
+        }
+    }
+}
+
+/// Triangles of all objects, ready to upload.
 #[derive(Clone, Debug)]
 pub struct PreviewMesh {
     /// How the world became the prepared scene.
     pub frame: SceneFrame,
+    /// The box around all triangles with all copies, in the prepared scene.
+    pub bounds: Bounds,
     /// Three corners per triangle.
     pub vertices: Vec<Vertex>,
-    /// The corners of each object, by the object's place in the scene.
-    pub objects: Vec<Range<usize>>,
+    /// Where copies are.
+    pub places: Vec<Place>,
+    /// The objects in the order of the scene.
+    pub objects: Vec<PreviewObject>,
 }
 
-impl PreviewMesh {
-    /// The box around all corners.
-    #[must_use]
-    pub fn bounds(&self) -> Bounds {
-        Bounds::of_points(self.vertices.iter().map(|v| Vec3::from_array(v.position)))
-    }
+/// What is drawn of an object.
+#[derive(Clone, Debug)]
+pub struct PreviewObject {
+    /// Its corners among all, which other objects may share.
+    pub corners: Range<usize>,
+    /// Its copies among all places.
+    pub places: Range<u32>,
+    /// From the corners' directions to those of the prepared scene.
+    pub turn: ScaledRotation,
 }
 
 /// The triangles of one scene on the GPU.
@@ -58,8 +86,9 @@ pub struct GpuGeometry {
     pub(super) frame: SceneFrame,
     /// The box around all triangles, in the prepared scene.
     pub(super) bounds: Bounds,
-    /// Number of objects.
-    pub(super) object_count: usize,
+    /// For each object, how its copies are turned.
+    pub(super) turns: Vec<ScaledRotation>,
+    places: wgpu::Buffer,
     chunks: Vec<Chunk>,
 }
 
@@ -67,67 +96,101 @@ pub struct GpuGeometry {
 #[derive(Debug)]
 struct Chunk {
     buffer: wgpu::Buffer,
-    /// Corners within the buffer, and whose they are.
-    draws: Vec<(Range<u32>, u32)>,
+    draws: Vec<Draw>,
+}
+
+/// All copies of the part of one object that is in a chunk.
+#[derive(Clone, Debug)]
+struct Draw {
+    object: u32,
+    /// Corners within the chunk.
+    corners: Range<u32>,
+    places: Range<u32>,
 }
 
 impl GpuGeometry {
-    /// Uploads `mesh`. May be called from any thread.
+    /// Uploads `mesh`. May be called from any thread. Copies beyond what one buffer holds, some ten million, are left out.
     #[must_use]
     pub fn upload(device: &wgpu::Device, mesh: &PreviewMesh) -> Self {
         let largest = device.limits().max_buffer_size / size_of::<Vertex>() as u64;
         let per_chunk = usize::try_from(largest).unwrap_or(usize::MAX) / 3 * 3;
+        let most_places = device.limits().max_buffer_size / size_of::<Place>() as u64;
+        let most_places = u32::try_from(most_places).unwrap_or(u32::MAX);
+        let places = mesh.places.len().min(most_places as usize);
         let chunks = (0..mesh.vertices.len())
             .step_by(per_chunk)
             .map(|start| {
                 let range = start..(start + per_chunk).min(mesh.vertices.len());
-                Chunk::upload(device, mesh, &range)
+                Chunk::upload(device, mesh, &range, most_places)
             })
             .collect();
         Self {
             frame: mesh.frame,
-            bounds: mesh.bounds(),
-            object_count: mesh.objects.len(),
+            bounds: mesh.bounds,
+            turns: mesh.objects.iter().map(|object| object.turn).collect(),
+            places: vertex_buffer(device, "preview places", &mesh.places[..places]),
             chunks,
         }
     }
 
-    /// Draws every object; its material is the instance with the object's number.
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws every object with all copies; `choose` makes an object's number its uniform.
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        choose: impl Fn(&mut wgpu::RenderPass<'_>, u32),
+    ) {
+        pass.set_vertex_buffer(1, self.places.slice(..));
         for chunk in &self.chunks {
             pass.set_vertex_buffer(0, chunk.buffer.slice(..));
-            for (corners, object) in &chunk.draws {
-                pass.draw(corners.clone(), *object..*object + 1);
+            for draw in &chunk.draws {
+                choose(pass, draw.object);
+                pass.draw(draw.corners.clone(), draw.places.clone());
             }
         }
     }
 }
 
 impl Chunk {
-    fn upload(device: &wgpu::Device, mesh: &PreviewMesh, range: &Range<usize>) -> Self {
-        let vertices = &mesh.vertices[range.clone()];
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("preview triangles"),
-            size: size_of_val(vertices) as u64,
-            usage: wgpu::BufferUsages::VERTEX,
-            mapped_at_creation: true,
-        });
-        if let Ok(mut mapped) = buffer.get_mapped_range_mut(..) {
-            mapped.copy_from_slice(bytemuck::cast_slice(vertices));
-        }
-        buffer.unmap();
-        let draws = mesh
-            .objects
-            .iter()
-            .enumerate()
-            .filter_map(|(object, corners)| {
-                let start = corners.start.max(range.start);
-                let end = corners.end.min(range.end);
-                let within = |corner: usize| u32::try_from(corner - range.start).ok();
-                (start < end).then_some(())?;
-                Some((within(start)?..within(end)?, u32::try_from(object).ok()?))
+    fn upload(
+        device: &wgpu::Device,
+        mesh: &PreviewMesh,
+        range: &Range<usize>,
+        most_places: u32,
+    ) -> Self {
+        let draw_of = |(index, object): (usize, &PreviewObject)| {
+            let start = object.corners.start.max(range.start);
+            let end = object.corners.end.min(range.end);
+            let places = object.places.start..object.places.end.min(most_places);
+            let within = |corner: usize| u32::try_from(corner - range.start).ok();
+            (start < end && !places.is_empty()).then_some(())?;
+            Some(Draw {
+                object: u32::try_from(index).ok()?,
+                corners: within(start)?..within(end)?,
+                places,
             })
-            .collect();
-        Self { buffer, draws }
+        };
+        Self {
+            buffer: vertex_buffer(device, "preview triangles", &mesh.vertices[range.clone()]),
+            draws: mesh
+                .objects
+                .iter()
+                .enumerate()
+                .filter_map(draw_of)
+                .collect(),
+        }
     }
+}
+
+fn vertex_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> wgpu::Buffer {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: size_of_val(content) as u64,
+        usage: wgpu::BufferUsages::VERTEX,
+        mapped_at_creation: true,
+    });
+    if let Ok(mut mapped) = buffer.get_mapped_range_mut(..) {
+        mapped.copy_from_slice(bytemuck::cast_slice(content));
+    }
+    buffer.unmap();
+    buffer
 }

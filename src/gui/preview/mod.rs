@@ -4,11 +4,12 @@
 //! It leaves out shadows and everything that needs more than one ray. It knows nothing of the window: tests run it
 //! without one. Depth runs from 0 (infinitely far) to 1 (near plane); pixel (0, 0) is top left, as in pictures.
 //!
-//! - [`geometry`]: triangles, packed and uploaded by a worker when they change
+//! - [`pack`], [`geometry`]: triangles and where copies of them are, packed and uploaded by a worker when they change
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
 //! - `pipeline`, `target`: programs and textures
 
 pub mod geometry;
+pub mod pack;
 mod pipeline;
 mod target;
 pub mod uniforms;
@@ -20,9 +21,9 @@ use eframe::wgpu;
 use crate::math::DVec3;
 use crate::scene::Scene;
 use geometry::GpuGeometry;
-use pipeline::Pipelines;
+use pipeline::{ObjectUniforms, Pipelines};
 use target::{IdTarget, Target};
-use uniforms::{ObjectInstance, ViewUniform};
+use uniforms::{ObjectUniform, ViewUniform};
 
 /// Samples per pixel on a real GPU. Software adapters use one: they pay for each.
 const SAMPLES: u32 = 4;
@@ -34,7 +35,7 @@ pub struct Preview {
     queue: wgpu::Queue,
     samples: u32,
     pipelines: Pipelines,
-    instances: Option<wgpu::Buffer>,
+    objects: Option<ObjectUniforms>,
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -44,14 +45,14 @@ pub struct Preview {
 struct Drawn {
     geometry: Arc<GpuGeometry>,
     view: Box<ViewUniform>,
-    instances: Vec<ObjectInstance>,
+    objects: Vec<ObjectUniform>,
 }
 
 impl PartialEq for Drawn {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.geometry, &other.geometry)
             && self.view == other.view
-            && self.instances == other.instances
+            && self.objects == other.objects
     }
 }
 
@@ -65,7 +66,7 @@ impl Preview {
             device,
             queue,
             samples,
-            instances: None,
+            objects: None,
             target: None,
             drawn: None,
         }
@@ -155,18 +156,13 @@ impl Preview {
         let view: &ViewUniform = &wanted.view;
         self.queue
             .write_buffer(&self.pipelines.view, 0, bytemuck::bytes_of(view));
-        let bytes: &[u8] = bytemuck::cast_slice(&wanted.instances);
-        let needed = bytes.len().max(size_of::<ObjectInstance>()) as u64;
-        if self.instances.as_ref().is_none_or(|b| b.size() < needed) {
-            self.instances = Some(self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("preview objects"),
-                size: needed.next_power_of_two(),
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }));
+        let count = wanted.objects.len();
+        if self.objects.as_ref().is_none_or(|room| room.count < count) {
+            let room = count.max(1).next_power_of_two();
+            self.objects = Some(self.pipelines.object_uniforms(&self.device, room));
         }
-        if let Some(buffer) = &self.instances {
-            self.queue.write_buffer(buffer, 0, bytes);
+        if let Some(objects) = &self.objects {
+            objects.write(&self.queue, &wanted.objects);
         }
     }
 
@@ -202,29 +198,22 @@ impl Preview {
         pipeline: &wgpu::RenderPipeline,
         geometry: &GpuGeometry,
     ) {
-        let Some(instances) = &self.instances else {
+        let Some(objects) = &self.objects else {
             return;
         };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
-        pass.set_vertex_buffer(1, instances.slice(..));
-        geometry.draw(pass);
+        geometry.draw(pass, |pass, index| objects.choose(pass, index));
     }
 }
 
 impl Drawn {
     fn of(scene: &Scene, geometry: &Arc<GpuGeometry>) -> Option<Self> {
         let view = ViewUniform::new(scene, &geometry.frame, &geometry.bounds)?;
-        let mut instances = ObjectInstance::of_scene(scene);
-        // While an edit that removes an object is being prepared, the geometry still has it.
-        instances.resize(
-            instances.len().max(geometry.object_count),
-            ObjectInstance::unknown(),
-        );
         Some(Self {
             geometry: Arc::clone(geometry),
             view: Box::new(view),
-            instances,
+            objects: ObjectUniform::of_scene(scene, &geometry.turns),
         })
     }
 }

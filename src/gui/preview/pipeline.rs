@@ -2,8 +2,8 @@
 
 use eframe::wgpu;
 
-use super::geometry::Vertex;
-use super::uniforms::{ObjectInstance, ViewUniform};
+use super::geometry::{Place, Vertex};
+use super::uniforms::{ObjectUniform, ViewUniform};
 
 /// Format of the coloured picture: egui shows it as it is, so the shader encodes it for the screen.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -12,7 +12,7 @@ pub(super) const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Format of the depth buffer, read from far (0) to near (1).
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// The compiled programs and the uniform they read.
+/// The compiled programs and the uniforms they read.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) sky: wgpu::RenderPipeline,
@@ -20,30 +20,24 @@ pub(super) struct Pipelines {
     pub(super) object_ids: wgpu::RenderPipeline,
     pub(super) view: wgpu::Buffer,
     pub(super) bind_group: wgpu::BindGroup,
+    object_layout: wgpu::BindGroupLayout,
 }
 
 impl Pipelines {
     /// Compiles everything. `samples`: of the coloured picture, per pixel.
     pub(super) fn new(device: &wgpu::Device, samples: u32) -> Self {
         let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
-        let bind_group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("preview view"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("preview"),
-            bind_group_layouts: &[Some(&bind_group_layout)],
-            immediate_size: 0,
-        });
+        let view_layout = uniform_layout(device, "preview view", false);
+        let object_layout = uniform_layout(device, "preview object", true);
+        let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("preview"),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
+        };
+        let sky_layout = layout(&[Some(&view_layout)]);
+        let objects_layout = layout(&[Some(&view_layout), Some(&object_layout)]);
         let view = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("preview view"),
             size: size_of::<ViewUniform>() as u64,
@@ -52,17 +46,18 @@ impl Pipelines {
         });
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("preview view"),
-            layout: &bind_group_layout,
+            layout: &view_layout,
             entries: &[wgpu::BindGroupEntry {
                 binding: 0,
                 resource: view.as_entire_binding(),
             }],
         });
-        let program = |program: &Program<'_>| program.compile(device, &shader, &layout);
+        let program = |program: &Program<'_>| program.compile(device, &shader);
         let objects = Program {
             label: "preview objects",
+            layout: &objects_layout,
             vertex: "vertex",
-            buffers: &[Some(vertex_layout()), Some(instance_layout())],
+            buffers: &[Some(vertex_layout()), Some(place_layout())],
             fragment: "color",
             format: COLOR_FORMAT,
             samples,
@@ -71,6 +66,7 @@ impl Pipelines {
         Self {
             sky: program(&Program {
                 label: "preview sky",
+                layout: &sky_layout,
                 vertex: "sky_vertex",
                 buffers: &[],
                 fragment: "sky_color",
@@ -87,14 +83,90 @@ impl Pipelines {
             objects: program(&objects),
             view,
             bind_group,
+            object_layout,
         }
     }
+
+    /// Room for the uniforms of `count` objects.
+    pub(super) fn object_uniforms(&self, device: &wgpu::Device, count: usize) -> ObjectUniforms {
+        let alignment = device.limits().min_uniform_buffer_offset_alignment;
+        let size = size_of::<ObjectUniform>();
+        let stride = size.next_multiple_of(alignment as usize);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("preview objects"),
+            size: (stride * count) as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("preview objects"),
+            layout: &self.object_layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &buffer,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(size as u64),
+                }),
+            }],
+        });
+        ObjectUniforms {
+            buffer,
+            bind_group,
+            stride,
+            count,
+        }
+    }
+}
+
+/// The uniforms of all objects in one buffer; a draw chooses one by its offset.
+#[derive(Debug)]
+pub(super) struct ObjectUniforms {
+    buffer: wgpu::Buffer,
+    bind_group: wgpu::BindGroup,
+    stride: usize,
+    pub(super) count: usize,
+}
+
+impl ObjectUniforms {
+    /// Hands the GPU the uniforms, for which there is room.
+    pub(super) fn write(&self, queue: &wgpu::Queue, uniforms: &[ObjectUniform]) {
+        let mut bytes = vec![0; self.stride * uniforms.len()];
+        for (slot, uniform) in bytes.chunks_exact_mut(self.stride).zip(uniforms) {
+            slot[..size_of::<ObjectUniform>()].copy_from_slice(bytemuck::bytes_of(uniform));
+        }
+        queue.write_buffer(&self.buffer, 0, &bytes);
+    }
+
+    /// Makes the uniform of object `index` the one that the next draw reads.
+    pub(super) fn choose(&self, pass: &mut wgpu::RenderPass<'_>, index: u32) {
+        let offset = u32::try_from(self.stride).unwrap_or(u32::MAX) * index;
+        pass.set_bind_group(1, &self.bind_group, &[offset]);
+    }
+}
+
+/// The layout of one uniform, or of one of many that a draw chooses by an offset.
+fn uniform_layout(device: &wgpu::Device, label: &str, is_chosen: bool) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: is_chosen,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    })
 }
 
 /// What tells one pipeline from another.
 #[derive(Clone, Copy)]
 struct Program<'a> {
     label: &'a str,
+    layout: &'a wgpu::PipelineLayout,
     vertex: &'a str,
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     fragment: &'a str,
@@ -105,15 +177,10 @@ struct Program<'a> {
 }
 
 impl Program<'_> {
-    fn compile(
-        &self,
-        device: &wgpu::Device,
-        shader: &wgpu::ShaderModule,
-        layout: &wgpu::PipelineLayout,
-    ) -> wgpu::RenderPipeline {
+    fn compile(&self, device: &wgpu::Device, shader: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.label),
-            layout: Some(layout),
+            layout: Some(self.layout),
             vertex: wgpu::VertexState {
                 module: shader,
                 entry_point: Some(self.vertex),
@@ -155,12 +222,12 @@ const fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
     }
 }
 
-/// The layout of [`ObjectInstance`].
-const fn instance_layout() -> wgpu::VertexBufferLayout<'static> {
-    const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-        wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4, 5 => Uint32x2];
+/// The layout of [`Place`].
+const fn place_layout() -> wgpu::VertexBufferLayout<'static> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 2] =
+        wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32x3];
     wgpu::VertexBufferLayout {
-        array_stride: size_of::<ObjectInstance>() as u64,
+        array_stride: size_of::<Place>() as u64,
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &ATTRIBUTES,
     }

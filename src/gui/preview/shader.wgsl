@@ -1,7 +1,7 @@
 // The preview's shading: direct light without shadows, in the units of the prepared scene.
 //
 // Positions are taken relative to the eye before anything is multiplied, and the eye comes in two parts, so that a vertex
-// close to the eye keeps all its digits. Two passes share the vertex stage: colour for the screen, and object ids.
+// close to the eye keeps all its digits; so does the place of a copy. Two passes share the vertex stage: colour for the screen, and object ids.
 
 const MAX_LIGHTS: u32 = 256u;
 
@@ -51,18 +51,27 @@ struct View {
     lights: array<Light, MAX_LIGHTS>,
 }
 
+struct Object {
+    diffuse: vec4f,
+    // `w`: shininess.
+    specular: vec4f,
+    // `w`: what shortens turned directions to the length they had.
+    id_color: vec4f,
+    // Index of the object, kind of its material, 1 where its copies are mirrored.
+    about: vec4u,
+    // From the directions of its triangles to those of the prepared scene.
+    turn: mat3x3f,
+}
+
 @group(0) @binding(0) var<uniform> view: View;
+@group(1) @binding(0) var<uniform> object: Object;
 
 struct VertexInput {
     @location(0) position: vec3f,
     @location(1) normal: vec4f,
-    // Of the object, one per instance.
-    @location(2) diffuse: vec4f,
-    // `w`: shininess.
-    @location(3) specular: vec4f,
-    @location(4) id_color: vec4f,
-    // Index of the object and kind of its material.
-    @location(5) object: vec2u,
+    // Of the copy, in two parts.
+    @location(2) place_high: vec3f,
+    @location(3) place_low: vec3f,
 }
 
 struct Fragment {
@@ -70,15 +79,12 @@ struct Fragment {
     // Relative to the eye.
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
-    @location(2) @interpolate(flat) diffuse: vec3f,
-    @location(3) @interpolate(flat) specular: vec4f,
-    @location(4) @interpolate(flat) id_color: vec3f,
-    @location(5) @interpolate(flat) object: vec2u,
 }
 
 @vertex
 fn vertex(in: VertexInput) -> Fragment {
-    let position = (in.position - view.eye_high.xyz) - view.eye_low.xyz;
+    let turned = object.turn * in.position;
+    let position = ((in.place_high - view.eye_high.xyz) + turned) + (in.place_low - view.eye_low.xyz);
     var out: Fragment;
     // Reverse depth without a far plane: near / distance.
     out.clip = vec4f(
@@ -88,11 +94,7 @@ fn vertex(in: VertexInput) -> Fragment {
         dot(position, view.forward.xyz),
     );
     out.position = position;
-    out.normal = in.normal.xyz;
-    out.diffuse = in.diffuse.rgb;
-    out.specular = in.specular;
-    out.id_color = in.id_color.rgb;
-    out.object = in.object;
+    out.normal = (object.turn * in.normal.xyz) * object.id_color.w;
     return out;
 }
 
@@ -120,9 +122,9 @@ fn background_light(n: vec3f) -> vec3f {
 // All lights, without shadows. `n`, `geometric`: shading and geometric normal on the side of `wo`, the unit vector to the
 // eye.
 fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
-    let shininess = in.specular.w;
+    let shininess = object.specular.w;
     let mirrored = reflect(-wo, n);
-    var radiance = background_light(n) * in.diffuse;
+    var radiance = background_light(n) * object.diffuse.rgb;
     for (var i = 0u; i < min(view.choices.w, MAX_LIGHTS); i++) {
         let to_light = view.lights[i].position.xyz - in.position;
         let squared = dot(to_light, to_light);
@@ -134,10 +136,10 @@ fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
         let lobe = pow(max(dot(mirrored, wi), 0.0), shininess);
         var scattered: vec3f;
         if view.choices.z == PHONG_CLASSIC {
-            scattered = in.diffuse * cosine + in.specular.rgb * lobe;
+            scattered = object.diffuse.rgb * cosine + object.specular.rgb * lobe;
         } else {
             let peak = (shininess + 2.0) / (2.0 * PI);
-            scattered = (in.diffuse / PI + in.specular.rgb * (peak * lobe)) * cosine;
+            scattered = (object.diffuse.rgb / PI + object.specular.rgb * (peak * lobe)) * cosine;
         }
         let normal = view.lights[i].normal;
         let turned = select(1.0, max(dot(normal.xyz, -wi), 0.0), normal.w > 0.5);
@@ -147,18 +149,18 @@ fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
 }
 
 // Mirrors and glass show the background alone; only the picture follows rays further.
-fn smooth_surface(in: Fragment, n: vec3f, wo: vec3f) -> vec3f {
+fn smooth_surface(n: vec3f, wo: vec3f) -> vec3f {
     let mirrored = background(reflect(-wo, n));
-    if in.object.y == KIND_MIRROR {
-        return in.diffuse * mirrored;
+    if object.about.y == KIND_MIRROR {
+        return object.diffuse.rgb * mirrored;
     }
     // Schlick's approximation is good enough to look through.
-    let ior = in.specular.w;
+    let ior = object.specular.w;
     let facing = pow((ior - 1.0) / (ior + 1.0), 2.0);
     let cosine = abs(dot(n, wo));
     let reflectance = facing + (1.0 - facing) * pow(1.0 - cosine, 5.0);
     // Darker where the eye looks along the surface, so that a shape is seen before an even sky.
-    let seen_through = background(refract(-wo, n, 1.0 / ior)) * in.diffuse * (0.4 + 0.5 * cosine);
+    let seen_through = background(refract(-wo, n, 1.0 / ior)) * object.diffuse.rgb * (0.4 + 0.5 * cosine);
     return mix(seen_through, mirrored, reflectance);
 }
 
@@ -193,25 +195,26 @@ fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f
             return displayed(vec3f(length(in.position) * view.forward.w));
         }
         case MODE_ALBEDO: {
-            return displayed(in.diffuse + in.specular.rgb);
+            return displayed(object.diffuse.rgb + object.specular.rgb);
         }
         case MODE_FACING: {
             let cosine = abs(dot(n, wo));
-            return displayed(select(vec3f(cosine, 0.0, 0.0), vec3f(0.0, cosine, 0.0), front));
+            let outside = front != (object.about.z == 1u);
+            return displayed(select(vec3f(cosine, 0.0, 0.0), vec3f(0.0, cosine, 0.0), outside));
         }
         case MODE_OBJECT: {
-            return displayed(in.id_color);
+            return displayed(object.id_color.rgb);
         }
         case MODE_AO: {
             // Occlusion needs rays; the preview shows the shape in a light from the eye.
             return displayed(vec3f(0.35 + 0.65 * abs(dot(n, wo))));
         }
         default: {
-            if in.object.y == KIND_EMITTER {
-                return displayed(in.diffuse);
+            if object.about.y == KIND_EMITTER {
+                return displayed(object.diffuse.rgb);
             }
-            if in.object.y != 0u {
-                return displayed(smooth_surface(in, n, wo));
+            if object.about.y != 0u {
+                return displayed(smooth_surface(n, wo));
             }
             return displayed(direct(in, n, geometric, wo));
         }
@@ -220,8 +223,8 @@ fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f
 
 // Object ids for tests and picking: 0 where nothing is, else the object's index + 1.
 @fragment
-fn object_id(in: Fragment) -> @location(0) u32 {
-    return in.object.x + 1u;
+fn object_id() -> @location(0) u32 {
+    return object.about.x + 1u;
 }
 
 struct Sky {

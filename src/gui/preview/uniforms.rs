@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::object_color;
 use crate::gui::orbit::PictureSize;
-use crate::math::{Bounds, DVec3, SceneFrame};
+use crate::math::{Bounds, DMat3, DVec3, ScaledRotation, SceneFrame};
 use crate::scene::{Background, Light, Material, Mode, PhongModel, Scene, ToneCurve};
 
 /// Most lights the preview shows; a picture has no such limit.
@@ -111,33 +111,30 @@ impl ViewUniform {
     }
 }
 
-/// An object's material: one instance per object.
+/// The shader's `Object`: an object's material, and how its triangles are turned.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct ObjectInstance {
+pub(super) struct ObjectUniform {
     diffuse: [f32; 4],
     specular: [f32; 4],
     id_color: [f32; 4],
-    object: [u32; 4],
+    about: [u32; 4],
+    turn: [[f32; 4]; 3],
 }
 
-impl ObjectInstance {
-    /// The instance of an object whose material is not known.
-    pub(super) fn unknown() -> Self {
-        Self::new(&Material::default(), 0)
+impl ObjectUniform {
+    /// The uniforms of all objects, which `turns` turn. An object without existing material, or not there any more, gets the
+    /// default one.
+    pub(super) fn of_scene(scene: &Scene, turns: &[ScaledRotation]) -> Vec<Self> {
+        let uniform = |(index, turn): (usize, &ScaledRotation)| {
+            let object = scene.objects.get(index);
+            let material = object.and_then(|object| scene.material_of(object).ok());
+            Self::new(&material.unwrap_or_default(), index, turn)
+        };
+        turns.iter().enumerate().map(uniform).collect()
     }
 
-    /// The instances of all objects. An object that names no existing material gets the default one.
-    pub(super) fn of_scene(scene: &Scene) -> Vec<Self> {
-        scene
-            .objects
-            .iter()
-            .enumerate()
-            .map(|(index, object)| Self::new(&scene.material_of(object).unwrap_or_default(), index))
-            .collect()
-    }
-
-    fn new(material: &Material, object: usize) -> Self {
+    fn new(material: &Material, object: usize, turn: &ScaledRotation) -> Self {
         // What the shader knows of materials: two colours, a number, and which kind it is.
         let (diffuse, specular, shininess, kind) = match *material {
             Material::Phong {
@@ -150,11 +147,22 @@ impl ObjectInstance {
             Material::Glass { ior, attenuation } => ((-attenuation).exp(), DVec3::ZERO, ior, 2),
             Material::Emitter { radiance } => (radiance, DVec3::ZERO, 1.0, 3),
         };
+        let DMat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = *turn.matrix();
         Self {
             diffuse: vec4(diffuse, 0.0),
             specular: vec4(specular, shininess),
-            id_color: vec4(object_color(object), 0.0),
-            object: [u32::try_from(object).unwrap_or(u32::MAX), kind, 0, 0],
+            id_color: vec4(object_color(object), turn.scale().recip()),
+            about: [
+                u32::try_from(object).unwrap_or(u32::MAX),
+                kind,
+                u32::from(turn.is_mirrored()),
+                0,
+            ],
+            turn: [x_axis, y_axis, z_axis].map(|axis| vec4(axis, 0.0)),
         }
     }
 }

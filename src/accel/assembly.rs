@@ -1,0 +1,402 @@
+//! What the rays of a scene meet: one structure over the triangles that occur once, and placed copies of shared structures
+//! under a tree of boxes.
+//!
+//! A ray meets a copy as a local ray, rounded once ([`Place`]), with the same parameter `t`. All structures
+//! compute that ray alike and ties go to the smaller id, so the answer is the same bits for any structure. Within one
+//! copy a ray meets one mesh, and no ray passes between its triangles; between two copies that touch, two local rays may.
+//!
+//! Triangles are numbered part after part, copy after copy.
+
+use std::sync::Arc;
+
+use super::placed::{Place, PlacedTriangle, outward};
+use super::{Accelerator, BoxTree, Hit};
+use crate::geometry::TriangleHit;
+use crate::math::robust::gamma;
+use crate::math::{Bounds, DBounds, DVec3, Ray, ScaledRotation, Vec3};
+use rayon::prelude::*;
+
+/// Triangles that belong together in the scene: those of one object.
+#[derive(Clone, Debug)]
+pub enum Part {
+    /// This many of the triangles that occur once.
+    Flat(u32),
+    /// Copies of a shared structure.
+    Copies(Copies),
+}
+
+/// A shared structure in several places, all turned alike.
+#[derive(Clone, Debug)]
+pub struct Copies {
+    /// Which of the shared structures.
+    pub structure: usize,
+    /// From local directions to those of the prepared scene.
+    pub turn: ScaledRotation,
+    /// Where the local origin of each copy is in the prepared scene.
+    pub translations: Vec<DVec3>,
+}
+
+/// A flat structure and placed copies of shared ones; answers as one structure over all triangles would.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    flat: Accelerator,
+    shared: Vec<Arc<Accelerator>>,
+    parts: Vec<PlacedPart>,
+    /// For each flat part, its first triangle in the flat structure and in the scene.
+    flat_runs: Vec<(u32, u32)>,
+    /// Part after part.
+    copies: Vec<Copy>,
+    /// Over the boxes of the copies; `None` where every copy is tried, as brute force does.
+    tree: Option<BoxTree>,
+    bounds: Bounds,
+    /// No copy's local origin and radius together reach further from the scene's origin.
+    reach: f64,
+}
+
+/// A part, its ids counted.
+#[derive(Clone, Debug)]
+struct PlacedPart {
+    /// Its first triangle, and the first one after it.
+    start: u32,
+    end: u32,
+    content: Content,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    /// The first of its triangles in the flat structure.
+    Flat(u32),
+    Copies {
+        structure: usize,
+        turn: ScaledRotation,
+        is_mirrored: bool,
+        /// Its place among all copies.
+        first: usize,
+    },
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Copy {
+    translation: DVec3,
+    part: u32,
+    first_triangle: u32,
+}
+
+impl Assembly {
+    /// The scene of `parts`, of which the flat ones are the triangles of `flat`, one after the other.
+    ///
+    /// # Panics
+    /// When there are more triangles than `u32` can number, or the parts do not fit the structures.
+    #[must_use]
+    pub fn new(flat: Accelerator, shared: Vec<Arc<Accelerator>>, parts: Vec<Part>) -> Self {
+        let mut assembly = Self {
+            bounds: flat.bounds(),
+            tree: None,
+            reach: 0.0,
+            shared,
+            parts: Vec::with_capacity(parts.len()),
+            flat_runs: Vec::new(),
+            copies: Vec::new(),
+            flat,
+        };
+        let mut boxes = Vec::new();
+        let (mut start, mut in_flat) = (0, 0);
+        for part in parts {
+            let (end, content) = match part {
+                Part::Flat(count) => {
+                    let first = in_flat;
+                    assembly.flat_runs.push((first, start));
+                    in_flat += count;
+                    (start + count, Content::Flat(first))
+                }
+                Part::Copies(copies) => assembly.place(copies, start, &mut boxes),
+            };
+            assembly.parts.push(PlacedPart {
+                start,
+                end,
+                content,
+            });
+            start = end;
+        }
+        assert_eq!(
+            in_flat as usize,
+            assembly.flat.triangles().len(),
+            "flat parts and triangles"
+        );
+        if matches!(assembly.flat, Accelerator::KdTree(_)) {
+            assembly.tree = Some(BoxTree::build(&boxes));
+        }
+        let all = boxes.iter().copied();
+        assembly.bounds = all.fold(assembly.bounds, Bounds::union);
+        assembly
+    }
+
+    /// Adds copies and their boxes; returns the first id after them, too.
+    fn place(
+        &mut self,
+        Copies {
+            structure,
+            turn,
+            translations,
+        }: Copies,
+        start: u32,
+        boxes: &mut Vec<Bounds>,
+    ) -> (u32, Content) {
+        let triangles = self.shared[structure].triangles();
+        let count = u32::try_from(triangles.len()).expect("the structure counts in u32");
+        let part = u32::try_from(self.parts.len()).expect("less parts than triangles");
+        let around = triangles
+            .par_iter()
+            .map(|triangle| {
+                DBounds::of_points(triangle.corners.map(|corner| turn.apply(corner.as_dvec3())))
+            })
+            .reduce(|| DBounds::EMPTY, DBounds::union);
+
+        let radius = around.max.abs().max(around.min.abs()).length();
+
+        let first = self.copies.len();
+        let mut end = start;
+        for translation in translations {
+            self.copies.push(Copy {
+                translation,
+                part,
+                first_triangle: end,
+            });
+            end = end.checked_add(count).expect("ids are u32");
+            boxes.push(rounded_outwards(
+                around.min + translation,
+                around.max + translation,
+            ));
+            self.reach = self.reach.max(translation.length() + radius);
+        }
+        let content = Content::Copies {
+            structure,
+            turn,
+            is_mirrored: turn.is_mirrored(),
+            first,
+        };
+        (end, content)
+    }
+
+    /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
+    #[must_use]
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
+        let flat = self.flat.intersect(ray, t_max);
+        if self.copies.is_empty() {
+            flat
+        } else {
+            self.intersect_copies(ray, t_max, flat)
+        }
+    }
+
+    /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
+    #[must_use]
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
+        self.flat.occluded(ray, t_max) || !self.copies.is_empty() && self.copies_occlude(ray, t_max)
+    }
+
+    fn intersect_copies(&self, ray: &Ray, t_max: f32, flat: Option<Hit>) -> Option<Hit> {
+        let mut best = flat.map(|hit| Hit {
+            triangle: self.id_of_flat(hit.triangle),
+            ..hit
+        });
+        self.walk_copies(ray, best.map_or(t_max, |hit| hit.t), |index| {
+            // As near as the best so far counts, too: its id may be smaller.
+            let limit = best.map_or(t_max, |hit| hit.t.next_up());
+            if let Some((id, hit)) = self.intersect_copy(index, ray, limit) {
+                best = Some(Hit::nearer(best, id, hit));
+            }
+            best.map_or(t_max, |hit| hit.t)
+        });
+        best
+    }
+
+    fn intersect_copy(&self, index: u32, ray: &Ray, t_max: f32) -> Option<(u32, TriangleHit)> {
+        let copy = &self.copies[index as usize];
+        let (structure, place, is_mirrored) = self.structure_of(copy);
+        let hit = structure.intersect(&place.local_ray(ray)?, t_max)?;
+        let barycentrics = outward(hit.barycentrics, is_mirrored);
+        let id = copy.first_triangle + hit.triangle;
+        Some((
+            id,
+            TriangleHit {
+                t: hit.t,
+                barycentrics,
+            },
+        ))
+    }
+
+    fn copies_occlude(&self, ray: &Ray, t_max: f32) -> bool {
+        let mut occluded = false;
+        self.walk_copies(ray, t_max, |index| {
+            let (structure, place, _) = self.structure_of(&self.copies[index as usize]);
+            let local = place.local_ray(ray);
+            occluded = occluded || local.is_some_and(|local| structure.occluded(&local, t_max));
+            if occluded { -1.0 } else { t_max }
+        });
+        occluded
+    }
+
+    /// Visits every copy that may be hit in `0 < t < t_max`.
+    ///
+    /// With u the unit roundoff, b a copy's place and r its radius about it: a local ray is off by u per coordinate of its
+    /// origin and of its direction, and a hit's `t` by u again. So the point at `t` on the ray itself is within
+    /// u (|o − b| + 2 t |d|) of the copy along every axis, and t |d| is at most |o − b| + r. Together that is at most
+    /// 3u (|o| + |b| + r), by which boxes count as larger. Adding that to the origin rounds once more; the rest of the factor
+    /// pays for terms in u² and for computing the bound.
+    #[inline]
+    fn walk_copies(&self, ray: &Ray, t_max: f32, mut visit: impl FnMut(u32) -> f32) {
+        let Some(tree) = &self.tree else {
+            for index in (0..).take(self.copies.len()) {
+                visit(index);
+            }
+            return;
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "a bound with a reserve")]
+        let slack = (ray.origin.length() + self.reach as f32) * gamma(6);
+        tree.walk_grown(ray, t_max, slack, visit);
+    }
+
+    fn structure_of(&self, copy: &Copy) -> (&Accelerator, Place<'_>, bool) {
+        let Content::Copies {
+            structure,
+            ref turn,
+            is_mirrored,
+            ..
+        } = self.parts[copy.part as usize].content
+        else {
+            unreachable!("copies belong to parts with copies");
+        };
+        let place = Place {
+            turn,
+            translation: copy.translation,
+        };
+        (&self.shared[structure], place, is_mirrored)
+    }
+
+    /// The scene's id of a triangle of the flat structure.
+    fn id_of_flat(&self, in_flat: u32) -> u32 {
+        let after = self.flat_runs.partition_point(|run| run.0 <= in_flat);
+        let (first, id) = self.flat_runs[after - 1];
+        id + (in_flat - first)
+    }
+
+    /// Number of triangles, all copies counted.
+    #[must_use]
+    pub fn triangle_count(&self) -> u32 {
+        self.parts.last().map_or(0, |part| part.end)
+    }
+
+    /// Number of the part that the triangle `id` belongs to.
+    #[must_use]
+    pub fn part_of(&self, id: u32) -> usize {
+        self.parts.partition_point(|part| part.end <= id)
+    }
+
+    /// The triangle `id`.
+    #[must_use]
+    pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
+        let index = self.part_of(id);
+        let part = &self.parts[index];
+        let number = id - part.start;
+        let (triangle, place) = match part.content {
+            Content::Flat(first) => (self.flat.triangles()[(first + number) as usize], None),
+            Content::Copies {
+                structure,
+                ref turn,
+                is_mirrored,
+                first,
+            } => {
+                let triangles = self.shared[structure].triangles();
+                let (copy, in_copy) = (
+                    number as usize / triangles.len(),
+                    number as usize % triangles.len(),
+                );
+                let mut triangle = triangles[in_copy];
+                triangle.corners = outward(triangle.corners, is_mirrored);
+                let translation = self.copies[first + copy].translation;
+                (triangle, Some(Place { turn, translation }))
+            }
+        };
+        PlacedTriangle {
+            part: index,
+            number,
+            triangle,
+            place,
+        }
+    }
+
+    /// The structure that part `index` shares, and how and where its copies are; `None` for a flat part.
+    #[must_use]
+    pub fn copies_of(
+        &self,
+        index: usize,
+    ) -> Option<(
+        &Arc<Accelerator>,
+        &ScaledRotation,
+        impl Iterator<Item = DVec3>,
+    )> {
+        let part = &self.parts[index];
+        let Content::Copies {
+            structure,
+            ref turn,
+            first,
+            ..
+        } = part.content
+        else {
+            return None;
+        };
+        let structure = &self.shared[structure];
+        let count = (part.end - part.start) as usize / structure.triangles().len();
+        let copies = self.copies[first..first + count].iter();
+        Some((structure, turn, copies.map(|copy| copy.translation)))
+    }
+
+    /// The box around all triangles; empty when there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The structures' name as people write it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.flat.name()
+    }
+
+    /// Memory of all structures, each counted once, and of the copies' places.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let shared: usize = self.shared.iter().map(|structure| structure.bytes()).sum();
+        let tree = self.tree.as_ref().map_or(0, BoxTree::bytes);
+        self.flat.bytes() + shared + tree + size_of_val(&*self.copies)
+    }
+}
+
+/// The smallest `f32` box around one in `f64`.
+fn rounded_outwards(min: DVec3, max: DVec3) -> Bounds {
+    let down = |x: f64, narrow: f32| {
+        if f64::from(narrow) > x {
+            narrow.next_down()
+        } else {
+            narrow
+        }
+    };
+    let up = |x: f64, narrow: f32| {
+        if f64::from(narrow) < x {
+            narrow.next_up()
+        } else {
+            narrow
+        }
+    };
+    let (low, high) = (min.as_vec3(), max.as_vec3());
+    Bounds {
+        min: Vec3::new(down(min.x, low.x), down(min.y, low.y), down(min.z, low.z)),
+        max: Vec3::new(up(max.x, high.x), up(max.y, high.y), up(max.z, high.z)),
+    }
+}
+
+#[cfg(test)]
+mod tests;

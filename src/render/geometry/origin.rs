@@ -1,0 +1,61 @@
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+use crate::geometry::TriangleMesh;
+use crate::math::Degrees;
+use crate::scene::{AcceleratorChoice, Copies, Object, Placement, Scene, SceneError};
+
+/// Everything geometry is made from, kept to tell whether a changed scene needs new geometry.
+#[derive(Debug, PartialEq)]
+pub struct GeometryOrigin {
+    pub objects: Vec<(MeshIdentity, ObjectShape)>,
+    pub structure: AcceleratorChoice,
+}
+
+/// A mesh, equal to itself alone.
+#[derive(Clone, Debug)]
+pub struct MeshIdentity(pub Arc<TriangleMesh>);
+
+impl PartialEq for MeshIdentity {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for MeshIdentity {}
+
+impl Hash for MeshIdentity {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        Arc::as_ptr(&self.0).hash(state);
+    }
+}
+
+/// What an object says about its shape.
+#[derive(Debug, PartialEq)]
+pub struct ObjectShape {
+    pub placement: Placement,
+    pub copies: Copies,
+    pub smooth: Option<Degrees>,
+}
+
+impl GeometryOrigin {
+    pub fn of(scene: &Scene) -> Result<Self, SceneError> {
+        let object_origin = |object: &Object| {
+            let shape = ObjectShape {
+                placement: object.placement(),
+                copies: object.copies,
+                smooth: object.smooth.then_some(object.crease_angle),
+            };
+            Ok((MeshIdentity(Arc::clone(scene.mesh_of(object)?)), shape))
+        };
+        let objects = scene
+            .objects
+            .iter()
+            .map(object_origin)
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            objects,
+            structure: scene.render.accelerator,
+        })
+    }
+}

@@ -1,0 +1,151 @@
+//! Meshes that occur more than once: which they are, and what all their copies share.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::ShadingNormals;
+use super::origin::{GeometryOrigin, MeshIdentity, ObjectShape};
+use crate::accel::{Accelerator, Copies};
+use crate::control::CancelToken;
+use crate::geometry::{Triangle, corner_normals};
+use crate::math::{DVec3, Degrees, ScaledRotation, SceneFrame, Vec3};
+use crate::scene::AcceleratorChoice;
+
+/// From this many triangles on that need not be repeated, copies share them. Below, the flat tree costs little, its rays are
+/// faster, and walls made of one square stay watertight where they meet: one flat tree is, copies side by side are not.
+const WORTH_SHARING: u64 = 4096;
+
+/// The meshes that objects share.
+#[derive(Debug, Default)]
+pub struct SharedMeshes {
+    structure: AcceleratorChoice,
+    meshes: Vec<SharedMesh>,
+    indices: HashMap<MeshIdentity, usize>,
+}
+
+/// A mesh in a frame of its own, its structure, and its normals for each crease angle asked for. None of that depends on
+/// where the copies are.
+#[derive(Clone, Debug)]
+struct SharedMesh {
+    mesh: MeshIdentity,
+    frame: SceneFrame,
+    structure: Arc<Accelerator>,
+    normals: Vec<(Degrees, Arc<ShadingNormals>)>,
+}
+
+impl SharedMeshes {
+    /// The meshes that are worth sharing, each taken from `previous` or built. `None` when cancelled.
+    pub fn prepare(
+        origin: &GeometryOrigin,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+    ) -> Option<Self> {
+        let mut occurrences: HashMap<&MeshIdentity, u64> = HashMap::new();
+        for (mesh, shape) in &origin.objects {
+            let count = occurrences.entry(mesh).or_default();
+            *count = count.saturating_add(shape.copies.total());
+        }
+        let mut shared = Self {
+            structure: origin.structure,
+            ..Self::default()
+        };
+        let previous = previous.filter(|previous| previous.structure == origin.structure);
+        for (mesh, shape) in &origin.objects {
+            let repeated = occurrences[mesh].saturating_sub(1);
+            if repeated.saturating_mul(mesh.0.triangles.len() as u64) < WORTH_SHARING {
+                continue;
+            }
+            let index = if let Some(&index) = shared.indices.get(mesh) {
+                index
+            } else {
+                shared.add(match previous.and_then(|previous| previous.find(mesh)) {
+                    Some(known) => known.clone(),
+                    None => SharedMesh::build(mesh, origin.structure, cancel)?,
+                })
+            };
+            if let Some(crease) = shape.smooth {
+                shared.meshes[index].add_normals(crease);
+            }
+        }
+        Some(shared)
+    }
+
+    fn add(&mut self, mesh: SharedMesh) -> usize {
+        let index = self.meshes.len();
+        self.indices.insert(mesh.mesh.clone(), index);
+        self.meshes.push(mesh);
+        index
+    }
+
+    fn find(&self, mesh: &MeshIdentity) -> Option<&SharedMesh> {
+        Some(&self.meshes[*self.indices.get(mesh)?])
+    }
+
+    /// The structures, in the order that [`Copies::structure`] counts.
+    pub fn structures(&self) -> Vec<Arc<Accelerator>> {
+        let structures = self.meshes.iter().map(|mesh| Arc::clone(&mesh.structure));
+        structures.collect()
+    }
+
+    /// Where the copies of an object are in the prepared scene, and their normals; `None` where its mesh is not shared.
+    pub fn place(
+        &self,
+        mesh: &MeshIdentity,
+        shape: &ObjectShape,
+        scene: &SceneFrame,
+    ) -> Option<(Copies, Option<Arc<ShadingNormals>>)> {
+        let index = *self.indices.get(mesh)?;
+        let shared = &self.meshes[index];
+        let local_origin = shared.frame.world_from_prepared(DVec3::ZERO);
+        let in_world = shape.placement.world_from_object(local_origin);
+        let turn = shape.placement.linear * (scene.scale() / shared.frame.scale());
+        let copies = Copies {
+            structure: index,
+            turn: ScaledRotation::new(turn),
+            translations: shape
+                .copies
+                .offsets()
+                .map(|offset| scene.prepared_from_world(in_world + offset))
+                .collect(),
+        };
+        let normals = shape.smooth.map(|crease| {
+            let known = shared.normals.iter().find(|(known, _)| *known == crease);
+            Arc::clone(&known.expect("added when the meshes were prepared").1)
+        });
+        Some((copies, normals))
+    }
+}
+
+impl SharedMesh {
+    fn build(
+        identity: &MeshIdentity,
+        structure: AcceleratorChoice,
+        cancel: &CancelToken,
+    ) -> Option<Self> {
+        let mesh = &identity.0;
+        let frame = SceneFrame::around(&mesh.bounds());
+        let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| frame.narrow(p)).collect();
+        let triangle = |corners: &[u32; 3]| Triangle {
+            corners: corners.map(|vertex| positions[vertex as usize]),
+        };
+        let triangles = mesh.triangles.iter().map(triangle).collect();
+        Some(Self {
+            mesh: identity.clone(),
+            frame,
+            structure: Arc::new(super::build(structure, triangles, cancel)?),
+            normals: Vec::new(),
+        })
+    }
+
+    fn add_normals(&mut self, crease: Degrees) {
+        if self.normals.iter().any(|(known, _)| *known == crease) {
+            return;
+        }
+        let normals = corner_normals(&self.mesh.0, crease);
+        let normals = ShadingNormals {
+            normals: normals.normals.iter().map(|n| n.as_vec3()).collect(),
+            corners: normals.corners,
+        };
+        self.normals.push((crease, Arc::new(normals)));
+    }
+}
