@@ -4,6 +4,7 @@
 use std::f32::consts::PI;
 
 use super::camera::CameraRay;
+use super::disks::DiskHit;
 use super::fresnel::{fresnel, reflect, refract};
 use super::light::{LightSample, PreparedDisk, PreparedLight};
 use super::material::{PreparedMaterial, transmittance};
@@ -28,7 +29,7 @@ pub fn radiance(
             Seen::Background => {
                 return throughput * scene.background().radiance(ray.direction.normalize());
             }
-            Seen::Disk { disk, .. } => return throughput * disk.emitted(ray.direction),
+            Seen::Disk(DiskHit { disk, .. }) => return throughput * disk.emitted(ray.direction),
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);

@@ -9,6 +9,7 @@ mod alias;
 mod background;
 mod camera;
 mod direct;
+mod disks;
 pub mod display;
 mod emitters;
 mod false_color;

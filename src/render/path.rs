@@ -6,6 +6,7 @@
 
 use super::camera::CameraRay;
 use super::direct::{narrowed, power_heuristic, through_boundary};
+use super::disks::DiskHit;
 use super::fresnel::reflect;
 use super::material::{PreparedMaterial, transmittance};
 use super::phong::Phong;
@@ -46,8 +47,8 @@ pub fn radiance(
                 return radiance
                     + throughput * scene.background().radiance(ray.direction.normalize());
             }
-            Seen::Disk { disk, index, t } => {
-                let pdf = scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
+            Seen::Disk(DiskHit { disk, light, t }) => {
+                let pdf = scene.emitters().pdf_of_disk(scene.lights(), light, &ray, t);
                 return radiance + throughput * disk.emitted(ray.direction) * weight(pdf);
             }
             Seen::Surface(point) => point,
