@@ -13,8 +13,14 @@ use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
-use crate::math::{Ray, Vec3, warp};
+use crate::math::{Ray, Vec2, Vec3, warp};
 use crate::scene::Shadows;
+
+/// The most lights that are summed. Of more, some are chosen: what a sample costs then does not depend on their number.
+pub const MOST_SUMMED: usize = 32;
+/// Lights chosen for each of the scene's shadow samples: a quarter of what the largest sum costs, as the noise of a choice among
+/// many calls for more than one.
+const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 
 /// Radiance that arrives against `ray`, a camera ray.
 pub fn radiance(
@@ -133,36 +139,43 @@ impl Shading<'_> {
             return Vec3::ZERO;
         }
         let mut radiance = self.phong.diffuse * self.ambient(rays);
-        for (index, light) in (0..).zip(self.scene.lights()) {
-            radiance += self.light_from(index, light, rays);
+        if !self.scene.emitters().holds_lights() {
+            for (index, light) in (0..).zip(self.scene.lights()) {
+                radiance += self.light_from(index, light, rays);
+            }
         }
-        radiance + self.light_from_objects(rays)
+        radiance + self.chosen_light(rays)
     }
 
-    /// Reflected light of emitting objects, aimed at by their power; as many rays as to a light with area.
-    fn light_from_objects(&self, rays: &mut RayCounts) -> Vec3 {
+    /// Reflected light of what one is chosen from: emitting objects, with as many rays as to a light with area, and lights too
+    /// many to sum.
+    fn chosen_light(&self, rays: &mut RayCounts) -> Vec3 {
         let emitters = self.scene.emitters();
         if emitters.is_empty() {
             return Vec3::ZERO;
         }
-        let turns = self.scene.settings().shadow_samples;
+        let mut turns = self.scene.settings().shadow_samples;
+        if emitters.holds_lights() {
+            turns *= CHOSEN_PER_SHADOW_SAMPLE;
+        }
+        let at = self.point.receiver();
         let mut sum = Vec3::ZERO;
         for turn in 0..turns {
             let pair = |decision| {
                 let dimension = Dimension::at(decision, self.bounce);
                 self.sampler.next_2d_of(dimension, turn, turns)
             };
-            let choice = pair(Decision::LightChoice);
-            let from = self.point.position;
-            let aim = emitters.aim(
-                self.scene.lights(),
-                from,
-                choice,
-                pair(Decision::EmitterPoint),
-            );
-            sum += aim.map_or(Vec3::ZERO, |aim| {
-                self.light_from_sample(aim.light, &aim.sample, rays, |_| 1.0)
-            });
+            let Some(chosen) = emitters.choose(&at, pair(Decision::LightChoice)) else {
+                continue;
+            };
+            let lights = self.scene.lights();
+            sum += if let Some(index) = chosen.light() {
+                let light = &lights[index as usize];
+                self.light_from_once(index, light, pair, rays) / chosen.probability
+            } else {
+                let aim = chosen.aim(lights, at.position, pair(Decision::EmitterPoint));
+                self.light_from_sample(None, &aim.sample, rays, |_| 1.0)
+            };
         }
         sum / turns as f32
     }
@@ -187,32 +200,52 @@ impl Shading<'_> {
     }
 
     fn light_from(&self, index: u32, light: &PreparedLight, rays: &mut RayCounts) -> Vec3 {
+        let turns = if self.is_point(light) {
+            1
+        } else {
+            self.scene.settings().shadow_samples
+        };
+        let mut sum = Vec3::ZERO;
+        for turn in 0..turns {
+            let pair = |decision| {
+                let dimension = Dimension::at(decision, self.bounce).about(index);
+                self.sampler.next_2d_of(dimension, turn, turns)
+            };
+            sum += self.light_from_once(index, light, pair, rays);
+        }
+        sum / turns as f32
+    }
+
+    /// Whether the light shines from one point alone.
+    fn is_point(&self, light: &PreparedLight) -> bool {
+        !light.has_area() || self.scene.settings().shadows == Shadows::Hard
+    }
+
+    /// [`Self::light_from`] by one point of the light, and one direction in which it is looked for where it is near; `pair` gives
+    /// the numbers for both.
+    fn light_from_once(
+        &self,
+        index: u32,
+        light: &PreparedLight,
+        pair: impl Fn(Decision) -> Vec2,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
         let from = self.point.position;
-        let settings = self.scene.settings();
-        if !light.has_area() || settings.shadows == Shadows::Hard {
+        if self.is_point(light) {
             return self.light_from_sample(Some(index), &light.center(from), rays, |_| 1.0);
         }
-        let mut sum = Vec3::ZERO;
-        for turn in 0..settings.shadow_samples {
-            let dimension = Dimension::at(Decision::Light, self.bounce).about(index);
-            let sample = light.sample(
-                from,
-                self.sampler
-                    .next_2d_of(dimension, turn, settings.shadow_samples),
-            );
-            sum += match light {
-                PreparedLight::Disk(disk) if disk.is_near(from) => {
-                    let weight = |wi: Vec3| {
-                        let towards = Ray::new(from, sample.position - from);
-                        power_heuristic(disk.pdf_solid_angle(&towards, 1.0), self.cosine_pdf(wi))
-                    };
-                    self.light_from_sample(Some(index), &sample, rays, weight)
-                        + self.looking_for_disk(index, disk, turn, rays)
-                }
-                _ => self.light_from_sample(Some(index), &sample, rays, |_| 1.0),
-            };
+        let sample = light.sample(from, pair(Decision::Light));
+        match light {
+            PreparedLight::Disk(disk) if disk.is_near(from) => {
+                let weight = |wi: Vec3| {
+                    let towards = Ray::new(from, sample.position - from);
+                    power_heuristic(disk.pdf_solid_angle(&towards, 1.0), self.cosine_pdf(wi))
+                };
+                self.light_from_sample(Some(index), &sample, rays, weight)
+                    + self.looking_for_disk(index, disk, pair(Decision::NearLight), rays)
+            }
+            _ => self.light_from_sample(Some(index), &sample, rays, |_| 1.0),
         }
-        sum / settings.shadow_samples as f32
     }
 
     /// Reflected light of one point of a light, times what `weight` says of its direction.
@@ -244,13 +277,9 @@ impl Shading<'_> {
         &self,
         index: u32,
         disk: &PreparedDisk,
-        turn: u32,
+        u: Vec2,
         rays: &mut RayCounts,
     ) -> Vec3 {
-        let dimension = Dimension::at(Decision::NearLight, self.bounce).about(index);
-        let u = self
-            .sampler
-            .next_2d_of(dimension, turn, self.scene.settings().shadow_samples);
         let wi = warp::around(self.point.shading_normal, warp::cosine_hemisphere(u));
         let reflected = self.reflected_share(wi);
         let mut ray = self.point.ray_along(wi);

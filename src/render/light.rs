@@ -1,5 +1,6 @@
 use std::f32::consts::PI;
 
+use super::light_tree::{Luminary, Shines};
 use crate::math::{Bounds, DVec3, Ray, SceneFrame, Vec2, Vec3, color::luminance, robust, warp};
 use crate::scene::Light;
 
@@ -72,6 +73,25 @@ impl PreparedLight {
                 let area = PI * f64::from(disk.radius).powi(2);
                 PI * area * f64::from(luminance(disk.radiance))
             }
+        }
+    }
+
+    /// The same for a choice by place and direction.
+    pub fn luminary(&self) -> Luminary {
+        match self {
+            Self::Point {
+                position,
+                intensity,
+            } => Luminary {
+                bounds: Bounds::of_points([*position]),
+                shines: Shines::Everywhere,
+                intensity: f64::from(luminance(*intensity)),
+            },
+            Self::Disk(disk) => Luminary {
+                bounds: disk.bounds(),
+                shines: Shines::OneSide(disk.normal),
+                intensity: self.power() / std::f64::consts::PI,
+            },
         }
     }
 

@@ -19,6 +19,7 @@ mod fresnel;
 mod geometry;
 mod image;
 mod light;
+mod light_tree;
 mod material;
 mod path;
 mod phong;

@@ -8,6 +8,7 @@ use super::camera::CameraRay;
 use super::direct::{narrowed, power_heuristic, through_boundary};
 use super::disks::DiskHit;
 use super::fresnel::reflect;
+use super::light_tree::Receiver;
 use super::material::{PreparedMaterial, transmittance};
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
@@ -32,35 +33,43 @@ pub fn radiance(
     let settings = scene.settings();
     let mut radiance = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
-    // Density of the last scattered direction; `None` where no light could be aimed at instead: from the eye, a mirror, glass.
-    let mut scattered_pdf = None;
+    // Density of the last scattered direction, and where light was aimed at instead; `None` where none could be: from the eye, a
+    // mirror, glass.
+    let mut scattered: Option<(f32, Receiver)> = None;
 
     for bounce in 0.. {
         // Emission met along the way.
-        let weight = |aimed_pdf: f32| match (scattered_pdf, settings.light_sampling) {
-            (None, _) | (_, LightSampling::Bsdf) => 1.0,
-            (_, LightSampling::Nee) => 0.0,
-            (Some(pdf), LightSampling::Mis) => power_heuristic(pdf, aimed_pdf),
-        };
+        let weight =
+            |aimed_pdf: &dyn Fn(&Receiver) -> f32| match (&scattered, settings.light_sampling) {
+                (None, _) | (_, LightSampling::Bsdf) => 1.0,
+                (_, LightSampling::Nee) => 0.0,
+                (Some((pdf, from)), LightSampling::Mis) => power_heuristic(*pdf, aimed_pdf(from)),
+            };
         let point = match scene.nearest(&ray) {
             Seen::Background => {
                 return radiance
                     + throughput * scene.background().radiance(ray.direction.normalize());
             }
             Seen::Disk(DiskHit { disk, light, t }) => {
-                let pdf = scene.emitters().pdf_of_disk(scene.lights(), light, &ray, t);
-                return radiance + throughput * disk.emitted(ray.direction) * weight(pdf);
+                let pdf = |from: &Receiver| {
+                    let emitters = scene.emitters();
+                    emitters.pdf_of_disk(scene.lights(), from, light, (&ray, t))
+                };
+                return radiance + throughput * disk.emitted(ray.direction) * weight(&pdf);
             }
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance: emitted } = *material {
-            let pdf = scene.emitters().pdf_of_object(
-                point.object,
-                point.geometric_normal(),
-                point.position - ray.origin,
-            );
-            return radiance + throughput * emitted * weight(pdf);
+            let pdf = |from: &Receiver| {
+                scene.emitters().pdf_of_object(
+                    from,
+                    (point.object, point.triangle),
+                    point.geometric_normal(),
+                    point.position - ray.origin,
+                )
+            };
+            return radiance + throughput * emitted * weight(&pdf);
         }
         if bounce == settings.max_bounces {
             break;
@@ -72,27 +81,27 @@ pub fn radiance(
                 radiance += throughput * aimed_light(scene, phong, &point, (sampler, bounce), rays);
                 let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
                 let lobe = sampler.next_2d(Dimension::at(Decision::Lobe, bounce)).x;
-                let Some(scattered) = phong.sample(point.shading_normal, point.wo, lobe, direction)
+                let Some(sample) = phong.sample(point.shading_normal, point.wo, lobe, direction)
                 else {
                     break;
                 };
-                if !point.is_above(scattered.wi) {
+                if !point.is_above(sample.wi) {
                     break;
                 }
-                throughput *= scattered.weight;
-                scattered_pdf = Some(scattered.pdf_solid_angle);
-                point.ray_along(scattered.wi)
+                throughput *= sample.weight;
+                scattered = Some((sample.pdf_solid_angle, point.receiver()));
+                point.ray_along(sample.wi)
             }
             PreparedMaterial::Mirror { reflectance } => {
                 throughput *= reflectance;
-                scattered_pdf = None;
+                scattered = None;
                 point.ray_along(reflect(point.wo, point.specular_normal()))
             }
             PreparedMaterial::Glass { ior, attenuation } => {
                 if !point.front {
                     throughput *= transmittance(attenuation, point.distance + narrowed(start));
                 }
-                scattered_pdf = None;
+                scattered = None;
                 let u = sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
                 point.ray_along(through_boundary(&point, ior, u))
             }
@@ -115,7 +124,7 @@ pub fn radiance(
     radiance
 }
 
-/// What `point` reflects towards `wo` of one light chosen by power, divided by the probability of the choice.
+/// What `point` reflects towards `wo` of one chosen light, divided by the probability of the choice.
 fn aimed_light(
     scene: &PreparedScene,
     phong: &Phong,
@@ -127,7 +136,7 @@ fn aimed_light(
     let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
     let Some(aim) = scene
         .emitters()
-        .aim(scene.lights(), point.position, choice, u)
+        .aim(scene.lights(), &point.receiver(), choice, u)
     else {
         return Vec3::ZERO;
     };

@@ -113,10 +113,13 @@ impl PreparedScene {
         let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
-        let aimed_at = if scene.render.mode == Mode::Path {
-            lights.as_slice()
-        } else {
-            &[]
+        let emitters = match scene.render.mode {
+            Mode::Path => Emitters::new(&lights, &geometry, &materials),
+            Mode::Direct if lights.len() > direct::MOST_SUMMED => {
+                Emitters::new(&lights, &geometry, &materials)
+            }
+            Mode::Direct => Emitters::new(&[], &geometry, &materials),
+            _ => Emitters::default(),
         };
         Ok(Some(Self {
             camera,
@@ -126,7 +129,7 @@ impl PreparedScene {
                 .any(|material| matches!(material, PreparedMaterial::Glass { .. })),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
-            emitters: Emitters::new(aimed_at, &geometry, &materials),
+            emitters,
             materials,
             disks,
             lights,

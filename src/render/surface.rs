@@ -1,5 +1,6 @@
 use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
+use super::light_tree::Receiver;
 use crate::accel::Hit;
 use crate::math::{Ray, Vec3, robust};
 
@@ -22,6 +23,8 @@ pub struct SurfacePoint {
     pub front: bool,
     /// Index of the object in the description.
     pub object: usize,
+    /// Number of the triangle.
+    pub triangle: u32,
 }
 
 impl SurfacePoint {
@@ -52,6 +55,15 @@ impl SurfacePoint {
             shading_normal,
             front,
             object,
+            triangle: hit.triangle,
+        }
+    }
+
+    /// The point as one that light is wanted at.
+    pub fn receiver(&self) -> Receiver {
+        Receiver {
+            position: self.position,
+            normal: self.shading_normal,
         }
     }
 
