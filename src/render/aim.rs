@@ -1,6 +1,9 @@
-//! What one surface point aims at in mode `path`: the background's image or one of the emitters.
+//! What one surface point aims at in mode `path`, the background's image or one of the emitters, and how likely that was for
+//! what a path then meets.
 
 use super::background::PreparedBackground;
+use super::disks::DiskHit;
+use super::light_tree::Receiver;
 use super::prepare::PreparedScene;
 use super::surface::SurfacePoint;
 use crate::math::{Ray, Vec2, Vec3};
@@ -116,7 +119,7 @@ impl Aimed {
     ) -> Option<Self> {
         let share = scene.aim_shares().emitters;
         let (emitters, lights) = (scene.emitters(), scene.lights());
-        let aim = emitters.aim(lights, point.position, choice, u)?;
+        let aim = emitters.aim(lights, &point.receiver(), choice, u)?;
         Some(Self {
             wi: (aim.sample.position - point.position).try_normalize()?,
             irradiance: aim.sample.irradiance / share,
@@ -127,6 +130,40 @@ impl Aimed {
             is_background: false,
         })
     }
+}
+
+/// Radiance of the background along the unit vector `direction`, and the density with which any point aims there; `None` where
+/// the background is not aimed at.
+pub fn background_along(scene: &PreparedScene, direction: Vec3) -> (Vec3, Option<f32>) {
+    let background = scene.background();
+    let Some(image) = background.image() else {
+        return (background.radiance(direction), None);
+    };
+    let (radiance, pdf) = image.radiance_and_pdf(direction);
+    (radiance, Some(pdf * scene.aim_shares().background))
+}
+
+/// Density with which `from` aims along `ray` at the disk light that it meets, per steradian.
+pub fn pdf_of_disk(scene: &PreparedScene, from: &Receiver, ray: &Ray, met: &DiskHit<'_>) -> f32 {
+    let (emitters, lights) = (scene.emitters(), scene.lights());
+    let pdf = emitters.pdf_of_disk(lights, from, met.light, (ray, met.t));
+    pdf * scene.aim_shares().emitters
+}
+
+/// Density with which `from` aims along `ray` at the `point` of an emitting object that it meets, per steradian.
+pub fn pdf_of_object(
+    scene: &PreparedScene,
+    from: &Receiver,
+    ray: &Ray,
+    point: &SurfacePoint,
+) -> f32 {
+    let pdf = scene.emitters().pdf_of_object(
+        from,
+        (point.object, point.triangle),
+        point.geometric_normal(),
+        point.position - ray.origin,
+    );
+    pdf * scene.aim_shares().emitters
 }
 
 #[cfg(test)]

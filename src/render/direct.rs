@@ -16,8 +16,14 @@ use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
 use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
-use crate::math::{Ray, Vec3, warp};
+use crate::math::{Ray, Vec2, Vec3, warp};
 use crate::scene::Shadows;
+
+/// The most lights that are summed. Of more, some are chosen: what a sample costs then does not depend on their number.
+pub const MOST_SUMMED: usize = 32;
+/// Lights chosen for each of the scene's shadow samples: a quarter of what the largest sum costs, as the noise of a choice among
+/// many calls for more than one.
+const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 
 /// The light that arrives against `ray`, a camera ray.
 pub fn gather(
@@ -36,8 +42,8 @@ pub fn gather(
                 gathered.add_background(beginning, throughput * radiance);
                 break;
             }
-            Seen::Disk { disk, .. } => {
-                gathered.add_light(beginning, throughput * disk.emitted(ray.direction));
+            Seen::Disk(met) => {
+                gathered.add_light(beginning, throughput * met.disk.emitted(ray.direction));
                 break;
             }
             Seen::Surface(point) => point,
@@ -166,92 +172,109 @@ impl Shading<'_> {
     fn light_from_all(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
         let scene = self.scene;
-        for (index, light) in (0..).zip(scene.lights()) {
-            sum += self.light_from(index, light);
+        if !scene.emitters().holds_lights() {
+            for (index, light) in (0..).zip(scene.lights()) {
+                sum += self.light_from(index, light);
+            }
         }
-        sum += self.light_from_objects();
+        sum += self.chosen_light();
         sum
     }
 
-    /// Reflected light of emitting objects, aimed at by their power; as many rays as to a light with area.
-    fn light_from_objects(&mut self) -> ByLobe {
+    /// Reflected light of what one is chosen from: emitting objects, with as many rays as to a light with area, and lights too
+    /// many to sum.
+    fn chosen_light(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
-        let emitters = self.scene.emitters();
+        let (emitters, lights) = (self.scene.emitters(), self.scene.lights());
         if emitters.is_empty() {
             return sum;
         }
-        let count = self.scene.settings().shadow_samples;
+        let mut count = self.scene.settings().shadow_samples;
+        if emitters.holds_lights() {
+            count *= CHOSEN_PER_SHADOW_SAMPLE;
+        }
+        let at = self.point.receiver();
         let choices = self.turns(Decision::LightChoice, 0, count);
-        let points = self.turns(Decision::EmitterPoint, 0, count);
+        let emitter_points = self.turns(Decision::EmitterPoint, 0, count);
+        let numbers = LightNumbers::new(self, 0, count);
         for turn in 0..count {
-            let (choice, u) = (choices.next_2d(turn), points.next_2d(turn));
-            let lights = self.scene.lights();
-            if let Some(aim) = emitters.aim(lights, self.point.position, choice, u) {
-                sum += self.light_from_sample(aim.light, &aim.sample, |_| 1.0);
-            }
+            let Some(chosen) = emitters.choose(&at, choices.next_2d(turn)) else {
+                continue;
+            };
+            sum += if let Some(index) = chosen.light() {
+                let light = &lights[index as usize];
+                self.light_from_once(index, light, &numbers, turn)
+                    * Vec3::splat(1.0 / chosen.probability)
+            } else {
+                let aim = chosen.aim(lights, at.position, emitter_points.next_2d(turn));
+                self.light_from_sample(None, &aim.sample, |_| 1.0)
+            };
         }
         sum * Vec3::splat(1.0 / count as f32)
     }
 
     fn light_from(&mut self, index: u32, light: &PreparedLight) -> ByLobe {
-        let from = self.point.position;
-        let settings = self.scene.settings();
-        if !light.has_area() || settings.shadows == Shadows::Hard {
-            return self.light_from_sample(Some(index), &light.center(from), |_| 1.0);
-        }
-        let count = settings.shadow_samples;
-        let points = self.turns(Decision::Light, index, count);
-        if settings.shadows == Shadows::Fraction {
-            return self.fraction_of(index, light, &points, count);
-        }
+        let count = if self.is_point(light) {
+            1
+        } else {
+            self.scene.settings().shadow_samples
+        };
+        let numbers = LightNumbers::new(self, index, count);
         let mut sum = ByLobe::default();
-        match light {
-            PreparedLight::Disk(disk) if disk.is_near(from) => {
-                let directions = self.turns(Decision::NearLight, index, count);
-                for turn in 0..count {
-                    let sample = light.sample(from, points.next_2d(turn));
-                    let normal = self.point.shading_normal;
-                    let weight = |wi: Vec3| {
-                        let towards = Ray::new(from, sample.position - from);
-                        power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
-                    };
-                    sum += self.light_from_sample(Some(index), &sample, weight);
-                    sum += self.looking_for_disk(index, disk, &directions, turn);
-                }
-            }
-            _ => {
-                for turn in 0..count {
-                    let sample = light.sample(from, points.next_2d(turn));
-                    sum += self.light_from_sample(Some(index), &sample, |_| 1.0);
-                }
-            }
+        for turn in 0..count {
+            sum += self.light_from_once(index, light, &numbers, turn);
         }
         sum * Vec3::splat(1.0 / count as f32)
     }
 
-    /// The rule of 2011: what the light's centre would give, times the share of its points that is seen.
-    fn fraction_of(
+    /// Whether the light shines from one point alone.
+    fn is_point(&self, light: &PreparedLight) -> bool {
+        !light.has_area() || self.scene.settings().shadows == Shadows::Hard
+    }
+
+    /// [`Self::light_from`] by one point of the light, and one direction in which it is looked for where it is near.
+    fn light_from_once(
         &mut self,
         index: u32,
         light: &PreparedLight,
-        points: &Turns,
-        count: u32,
+        numbers: &LightNumbers,
+        turn: u32,
     ) -> ByLobe {
         let from = self.point.position;
-        let center = light.center(from);
-        let Some(wi) = (center.position - from).try_normalize() else {
+        if self.is_point(light) {
+            return self.light_from_sample(Some(index), &light.center(from), |_| 1.0);
+        }
+        let sample = light.sample(from, numbers.points.next_2d(turn));
+        if self.scene.settings().shadows == Shadows::Fraction {
+            return self.center_if_seen(index, &light.center(from), sample.position);
+        }
+        match light {
+            PreparedLight::Disk(disk) if disk.is_near(from) => {
+                let normal = self.point.shading_normal;
+                let weight = |wi: Vec3| {
+                    let towards = Ray::new(from, sample.position - from);
+                    power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
+                };
+                let mut light = self.light_from_sample(Some(index), &sample, weight);
+                light += self.looking_for_disk(index, disk, numbers.directions.next_2d(turn));
+                light
+            }
+            _ => self.light_from_sample(Some(index), &sample, |_| 1.0),
+        }
+    }
+
+    /// The rule of 2011: what the light's `center` would give, where `place` on the light is seen. Its mean is the light of the
+    /// centre times the share of the light that is seen.
+    fn center_if_seen(&mut self, index: u32, center: &LightSample, place: Vec3) -> ByLobe {
+        let Some(wi) = (center.position - self.point.position).try_normalize() else {
             return ByLobe::default();
         };
         let reflected = self.reflected_share(wi);
         if reflected.sum() == Vec3::ZERO || center.irradiance == Vec3::ZERO {
             return ByLobe::default();
         }
-        let mut seen = Vec3::ZERO;
-        for turn in 0..count {
-            let target = light.sample(from, points.next_2d(turn)).position;
-            seen += self.visible(&self.point.ray_to(target), Some(index));
-        }
-        reflected * (center.irradiance * seen / count as f32)
+        let seen = self.visible(&self.point.ray_to(place), Some(index));
+        reflected * (center.irradiance * seen)
     }
 
     /// Reflected light of one point of a light, times what `weight` says of its direction.
@@ -278,15 +301,9 @@ impl Shading<'_> {
 
     /// Reflected light of a near disk, looked for in a direction of the hemisphere: the other half of
     /// [`Self::light_from_sample`], which is noisy where the light is near.
-    fn looking_for_disk(
-        &mut self,
-        index: u32,
-        disk: &PreparedDisk,
-        directions: &Turns,
-        turn: u32,
-    ) -> ByLobe {
+    fn looking_for_disk(&mut self, index: u32, disk: &PreparedDisk, u: Vec2) -> ByLobe {
         let normal = self.point.shading_normal;
-        let wi = warp::around(normal, warp::cosine_hemisphere(directions.next_2d(turn)));
+        let wi = warp::around(normal, warp::cosine_hemisphere(u));
         let reflected = self.reflected_share(wi);
         let mut ray = self.point.ray_above(wi);
         let emitted = disk.emitted(wi);
@@ -363,6 +380,23 @@ impl Shading<'_> {
     fn turns(&self, decision: Decision, item: u32, count: u32) -> Turns {
         let dimension = Dimension::at(decision, self.bounce).about(item);
         self.sampler.turns(dimension, count)
+    }
+}
+
+/// The random numbers for lights with area.
+struct LightNumbers {
+    /// For points on them.
+    points: Turns,
+    /// For directions in which near ones are looked for.
+    directions: Turns,
+}
+
+impl LightNumbers {
+    fn new(shading: &Shading<'_>, item: u32, count: u32) -> Self {
+        Self {
+            points: shading.turns(Decision::Light, item, count),
+            directions: shading.turns(Decision::NearLight, item, count),
+        }
     }
 }
 

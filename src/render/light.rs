@@ -1,6 +1,7 @@
 use std::f32::consts::PI;
 
-use crate::math::{Bounds, Ray, SceneFrame, Vec2, Vec3, color::luminance, robust, warp};
+use super::light_tree::{Luminary, Shines};
+use crate::math::{Bounds, DVec3, Ray, SceneFrame, Vec2, Vec3, color::luminance, robust, warp};
 use crate::scene::Light;
 
 /// A light in the prepared scene.
@@ -75,6 +76,25 @@ impl PreparedLight {
         }
     }
 
+    /// The same for a choice by place and direction.
+    pub fn luminary(&self) -> Luminary {
+        match self {
+            Self::Point {
+                position,
+                intensity,
+            } => Luminary {
+                bounds: Bounds::of_points([*position]),
+                shines: Shines::Everywhere,
+                intensity: f64::from(luminance(*intensity)),
+            },
+            Self::Disk(disk) => Luminary {
+                bounds: disk.bounds(),
+                shines: Shines::OneSide(disk.normal),
+                intensity: self.power() / std::f64::consts::PI,
+            },
+        }
+    }
+
     /// The disk, if this is one that rays meet.
     pub fn visible_disk(&self) -> Option<&PreparedDisk> {
         match self {
@@ -97,7 +117,11 @@ impl PreparedLight {
             } => position.is_finite() && intensity.is_finite(),
             Self::Disk(disk) => {
                 let area = disk.radius * disk.radius;
-                disk.center.is_finite() && area.is_finite() && disk.radiance.is_finite()
+                let bounds = disk.bounds();
+                area.is_finite()
+                    && disk.radiance.is_finite()
+                    && bounds.min.is_finite()
+                    && bounds.max.is_finite()
             }
         }
     }
@@ -149,9 +173,18 @@ impl PreparedDisk {
         }
     }
 
-    /// A box around the disk.
+    /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which lie beside it by their rounding.
     pub fn bounds(&self) -> Bounds {
-        let reach = Vec3::splat(self.radius);
+        // 1 − n² per axis, but from the other two: near an axis that has more digits.
+        let squares = self.normal.as_dvec3() * self.normal.as_dvec3();
+        let others = DVec3::new(
+            squares.y + squares.z,
+            squares.z + squares.x,
+            squares.x + squares.y,
+        );
+        let across = (others / squares.element_sum()).map(f64::sqrt);
+        let rounding = (self.center.abs().max_element() + self.radius) * robust::gamma(16);
+        let reach = (across * f64::from(self.radius)).as_vec3() + rounding;
         Bounds {
             min: self.center - reach,
             max: self.center + reach,
@@ -197,5 +230,49 @@ impl PreparedDisk {
     /// an order of magnitude over it.
     pub fn is_near(&self, from: Vec3) -> bool {
         from.distance_squared(self.center) < 4.0 * self.radius * self.radius
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::Random;
+
+    #[test]
+    fn the_box_of_a_disk_holds_its_points_and_little_else() {
+        let mut random = Random::new(4);
+        for turn in 0..2000 {
+            let normal = match turn % 3 {
+                0 => Vec3::AXES[turn % 9 / 3],
+                // A hair off an axis, where 1 − n² has no digits.
+                1 => (Vec3::Z + random.in_cube().as_vec3() * 1e-4).normalize(),
+                _ => random.in_cube().normalize().as_vec3(),
+            };
+            let disk = PreparedDisk {
+                center: random.in_cube().as_vec3(),
+                normal,
+                #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+                radius: random.unit().powi(9) as f32,
+                radiance: Vec3::ONE,
+                visible: true,
+            };
+            let bounds = disk.bounds();
+            for _ in 0..50 {
+                let u = random.in_cube().as_vec3().truncate() * 0.5 + 0.5;
+                let sample = PreparedLight::Disk(disk).sample(Vec3::splat(9.0), u);
+                assert!(bounds.contains(sample.position), "{disk:?}: {sample:?}");
+            }
+            // Its rim touches all six sides.
+            let n = normal.as_dvec3();
+            for axis in 0..3 {
+                let exact = f64::from(disk.radius) * (1.0 - n[axis] * n[axis]).max(0.0).sqrt();
+                let half = f64::from(bounds.size()[axis]) / 2.0;
+                assert!(
+                    (half - exact).abs()
+                        < 4e-6 + 1e-3 * f64::from(disk.radius) * f64::from(turn % 3 == 1),
+                    "{disk:?}"
+                );
+            }
+        }
     }
 }

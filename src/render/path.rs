@@ -4,9 +4,10 @@
 //! Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997; the loop follows the shape that Pharr et al.,
 //! Physically Based Rendering (4th ed.), teach.
 
-use super::aim::Aimed;
+use super::aim::{self, Aimed};
 use super::camera::CameraRay;
 use super::layers::{Beginning, ByLobe, Gathered};
+use super::light_tree::Receiver;
 use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
 use super::phong::Phong;
@@ -30,52 +31,42 @@ pub fn gather(
     rays: &mut RayCounts,
 ) -> Gathered {
     let settings = scene.settings();
-    let shares = scene.aim_shares();
     let mut gathered = Gathered::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     // How much denser radiance is where the path is than at the eye.
     let mut concentration = 1.0;
-    // Density of the last scattered direction; `None` where no light could be aimed at instead: from the eye, a mirror, glass.
-    let mut scattered_pdf = None;
+    // Density of the last scattered direction, and where light was aimed at instead; `None` where none could be: from the eye, a
+    // mirror, glass.
+    let mut scattered: Option<(f32, Receiver)> = None;
 
     for bounce in 0.. {
         // Emission met along the way.
-        let weight = |aimed_pdf: f32| match (scattered_pdf, settings.light_sampling) {
-            (None, _) | (_, LightSampling::Bsdf) => 1.0,
-            (_, LightSampling::Nee) => 0.0,
-            (Some(pdf), LightSampling::Mis) => power_heuristic(pdf, aimed_pdf),
-        };
+        let weight =
+            |aimed_pdf: &dyn Fn(&Receiver) -> f32| match (&scattered, settings.light_sampling) {
+                (None, _) | (_, LightSampling::Bsdf) => 1.0,
+                (_, LightSampling::Nee) => 0.0,
+                (Some((pdf, from)), LightSampling::Mis) => power_heuristic(*pdf, aimed_pdf(from)),
+            };
         let point = match scene.nearest(&ray) {
             Seen::Background => {
-                let direction = ray.direction.normalize();
-                let radiance = if let Some(image) = scene.background().image() {
-                    let (met, pdf) = image.radiance_and_pdf(direction);
-                    met * weight(pdf * shares.background)
-                } else {
-                    scene.background().radiance(direction)
-                };
-                gathered.add_background(beginning, throughput * radiance);
+                let (radiance, pdf) = aim::background_along(scene, ray.direction.normalize());
+                let weight = pdf.map_or(1.0, |pdf| weight(&|_| pdf));
+                gathered.add_background(beginning, throughput * radiance * weight);
                 break;
             }
-            Seen::Disk { disk, index, t } => {
-                let pdf =
-                    shares.emitters * scene.emitters().pdf_of_disk(scene.lights(), index, &ray, t);
-                let radiance = disk.emitted(ray.direction) * weight(pdf);
-                gathered.add_light(beginning, throughput * radiance);
+            Seen::Disk(met) => {
+                let weight = weight(&|from| aim::pdf_of_disk(scene, from, &ray, &met));
+                let radiance = met.disk.emitted(ray.direction);
+                gathered.add_light(beginning, throughput * radiance * weight);
                 break;
             }
             Seen::Surface(point) => point,
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
-            let pdf = shares.emitters
-                * scene.emitters().pdf_of_object(
-                    point.object,
-                    point.geometric_normal(),
-                    point.position - ray.origin,
-                );
-            gathered.add_light(beginning, throughput * radiance * weight(pdf));
+            let weight = weight(&|from| aim::pdf_of_object(scene, from, &ray, &point));
+            gathered.add_light(beginning, throughput * radiance * weight);
             break;
         }
         if bounce == settings.max_bounces {
@@ -105,21 +96,21 @@ pub fn gather(
                 }
                 let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
                 let lobe = sampler.next_2d(Dimension::at(Decision::Lobe, bounce)).x;
-                let Some(scattered) = phong.sample(point.shading_normal, mirror, lobe, direction)
+                let Some(sample) = phong.sample(point.shading_normal, mirror, lobe, direction)
                 else {
                     break;
                 };
-                throughput *= scattered.weight.sum();
-                scattered_pdf = Some(scattered.pdf_solid_angle);
-                beginning = beginning.then_scattered(scattered.weight);
-                ray = point.ray_above(scattered.wi);
+                throughput *= sample.weight.sum();
+                scattered = Some((sample.pdf_solid_angle, point.receiver()));
+                beginning = beginning.then_scattered(sample.weight);
+                ray = point.ray_above(sample.wi);
             }
             PreparedMaterial::Specular(specular) => {
                 let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
                 concentration *= onward.concentration;
-                scattered_pdf = None;
+                scattered = None;
                 beginning = beginning.then_specular(onward.layer);
                 ray = onward.ray;
             }

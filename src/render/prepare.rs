@@ -4,12 +4,13 @@ use super::aim::AimShares;
 use super::background::PreparedBackground;
 use super::camera::PreparedCamera;
 use super::direct;
+use super::disks::{DiskHit, VisibleDisks};
 use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
 use super::filter;
 use super::geometry::PreparedGeometry;
 use super::layers::{Gathered, Layer};
-use super::light::{PreparedDisk, PreparedLight};
+use super::light::PreparedLight;
 use super::material::PreparedMaterial;
 use super::path;
 use super::run::RayCounts;
@@ -30,6 +31,8 @@ pub struct PreparedScene {
     /// One per object.
     materials: Vec<PreparedMaterial>,
     lights: Vec<PreparedLight>,
+    /// Those lights that rays meet.
+    disks: VisibleDisks,
     /// What one light is chosen from.
     emitters: Emitters,
     /// How often they are aimed at, and how often the background.
@@ -47,14 +50,7 @@ pub struct PreparedScene {
 /// What a ray meets first.
 pub(super) enum Seen<'a> {
     Surface(SurfacePoint),
-    /// A visible disk light.
-    Disk {
-        disk: &'a PreparedDisk,
-        /// Number of the light.
-        index: usize,
-        /// Where on the ray.
-        t: f32,
-    },
+    Disk(DiskHit<'a>),
     Background,
 }
 
@@ -124,19 +120,19 @@ impl PreparedScene {
             }
         };
         let bounds = geometry.accelerator().bounds();
-        let disks = lights.iter().filter_map(PreparedLight::visible_disk);
-        let boxes: Vec<_> = std::iter::once(bounds)
-            .chain(disks.map(PreparedDisk::bounds))
-            .collect();
+        let disks = VisibleDisks::new(&lights);
+        let boxes: Vec<_> = std::iter::once(bounds).chain(disks.boxes()).collect();
         let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
-        let aimed_at = if scene.render.mode == Mode::Path {
-            lights.as_slice()
-        } else {
-            &[]
+        let emitters = match scene.render.mode {
+            Mode::Path => Emitters::new(&lights, &geometry, &materials),
+            Mode::Direct if lights.len() > direct::MOST_SUMMED => {
+                Emitters::new(&lights, &geometry, &materials)
+            }
+            Mode::Direct => Emitters::new(&[], &geometry, &materials),
+            _ => Emitters::default(),
         };
-        let emitters = Emitters::new(aimed_at, &geometry, &materials);
         let radius = bounds.diagonal() / 2.0;
         Ok(Some(Self {
             camera,
@@ -152,6 +148,7 @@ impl PreparedScene {
             layers: Layer::all_of(scene),
             emitters,
             materials,
+            disks,
             lights,
             settings: scene.render.clone(),
             geometry,
@@ -236,22 +233,11 @@ impl PreparedScene {
     /// What `ray` meets first.
     pub(super) fn nearest(&self, ray: &Ray) -> Seen<'_> {
         let hit = self.accelerator().intersect(ray, f32::INFINITY);
-        let mut nearest = hit.map_or(f32::INFINITY, |hit| hit.t);
-        let mut disk_in_front = None;
-        for (index, light) in self.lights.iter().enumerate() {
-            let Some(disk) = light.visible_disk() else {
-                continue;
-            };
-            if let Some(t) = disk.intersect(ray, nearest) {
-                (nearest, disk_in_front) = (t, Some((disk, index)));
-            }
-        }
-        match (disk_in_front, hit) {
-            (Some((disk, index)), _) => Seen::Disk {
-                disk,
-                index,
-                t: nearest,
-            },
+        let disk = self
+            .disks
+            .nearest(ray, hit.map_or(f32::INFINITY, |hit| hit.t));
+        match (disk, hit) {
+            (Some(disk), _) => Seen::Disk(disk),
             (None, Some(hit)) => Seen::Surface(SurfacePoint::new(&self.geometry, ray, &hit)),
             (None, None) => Seen::Background,
         }
@@ -270,12 +256,7 @@ impl PreparedScene {
 
     /// Whether a visible disk other than the light number `except` is in the way in `0 < t < t_max`.
     pub(super) fn disk_occludes(&self, ray: &Ray, t_max: f32, except: Option<u32>) -> bool {
-        (0..).zip(&self.lights).any(|(index, light)| {
-            Some(index) != except
-                && light
-                    .visible_disk()
-                    .is_some_and(|disk| disk.intersect(ray, t_max).is_some())
-        })
+        self.disks.occlude(ray, t_max, except)
     }
 
     pub(super) fn accelerator(&self) -> &Assembly {

@@ -1,5 +1,6 @@
 use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
+use super::light_tree::Receiver;
 use crate::accel::Hit;
 use crate::math::{Ray, Vec3, robust};
 
@@ -27,6 +28,8 @@ pub struct SurfacePoint {
     pub front: bool,
     /// Index of the object in the description.
     pub object: usize,
+    /// Number of the triangle.
+    pub triangle: u32,
 }
 
 impl SurfacePoint {
@@ -49,6 +52,7 @@ impl SurfacePoint {
             specular_normal: geometric_normal,
             front,
             object: triangle.part,
+            triangle: hit.triangle,
         };
         if let Some(normals) = geometry.corner_normals(&triangle) {
             point.smooth(&triangle.in_scene().corners, normals, hit.barycentrics);
@@ -109,6 +113,14 @@ impl SurfacePoint {
     /// where the triangles really are in the way, they are met.
     pub fn cosine(&self, wi: Vec3) -> f32 {
         self.shading_normal.dot(wi).max(0.0)
+    }
+
+    /// The point as one that light is wanted at.
+    pub fn receiver(&self) -> Receiver {
+        Receiver {
+            position: self.position,
+            normal: self.shading_normal,
+        }
     }
 
     /// Of the triangle, on the side of `wo`; unit.
