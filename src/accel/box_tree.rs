@@ -170,8 +170,9 @@ impl Slabs {
             let low = (bounds.min[axis] - self.from_low[axis]) * self.inverse[axis];
             let high = (bounds.max[axis] - self.from_high[axis]) * self.inverse[axis];
             let (near, far) = if low < high { (low, high) } else { (high, low) };
-            let near = near - near.abs() * MARGIN - f32::MIN_POSITIVE;
-            let far = far + far.abs() * MARGIN + f32::MIN_POSITIVE;
+            // Products, which leave infinite distances infinite: those of a ray along the planes.
+            let near = near * (1.0 - MARGIN.copysign(near)) - f32::MIN_POSITIVE;
+            let far = far * (1.0 + MARGIN.copysign(far)) + f32::MIN_POSITIVE;
             let unknown = low.is_nan() || high.is_nan();
             if !unknown && near > enter {
                 enter = near;
