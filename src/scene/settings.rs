@@ -28,7 +28,8 @@ pub struct RenderSettings {
     pub filter: Filter,
     /// How lights cast shadows.
     pub shadows: Shadows,
-    /// Shadow rays to each light with area, per camera sample, at least 1.
+    /// Shadow rays to each light with area, per camera sample, at least 1. Of more than 32 lights, mode `direct` chooses eight times
+    /// this number, points too.
     pub shadow_samples: u32,
     /// Darkening of the background's light where surfaces are near.
     pub ambient_occlusion: AmbientOcclusion,
