@@ -15,9 +15,10 @@ use super::jobs::Job;
 use super::pick;
 use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::{GpuGeometry, PreviewMesh, Vertex};
+use super::preview::sky::GpuSky;
 use crate::control::Progress;
 use crate::geometry::Triangle;
-use crate::io::{self, LoadedScene, MeshFile};
+use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::{Bounds, DBounds, Vec3};
 use crate::render::{
     self, PreparedGeometry, PreparedObject, PreparedScene, RenderOutcome, RenderProgress, RunConfig,
@@ -40,6 +41,13 @@ pub enum Event {
         path: PathBuf,
         /// The mesh, or why there is none.
         result: Result<MeshFile, String>,
+    },
+    /// An image for the background.
+    ImageLoaded {
+        /// Its file.
+        path: PathBuf,
+        /// The image, or why there is none.
+        result: Result<RadianceFile, String>,
     },
     /// The scene is ready to render and to preview, or why it cannot be rendered.
     Prepared(Result<Prepared, String>),
@@ -81,8 +89,19 @@ pub struct Prepared {
     pub scene: PreparedScene,
     /// For the preview; `None` without a GPU.
     pub triangles: Option<Arc<GpuGeometry>>,
+    /// The background's image for the preview; `None` where the background is none, or without a GPU.
+    pub sky: Option<Arc<GpuSky>>,
     /// The world box of each object.
     pub object_bounds: Arc<[DBounds]>,
+}
+
+/// What uploads go to.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// Holds the data.
+    pub device: wgpu::Device,
+    /// Takes it there.
+    pub queue: wgpu::Queue,
 }
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
@@ -108,32 +127,51 @@ pub fn load_mesh(job: &Job<Event>, path: PathBuf, progress: &Progress) {
     job.send(Event::MeshLoaded { path, result });
 }
 
+/// Loads an image for the background.
+pub fn load_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
+    let Some(result) = unless_cancelled(io::load_image(&path, &job.cancel, progress)) else {
+        return;
+    };
+    job.send(Event::ImageLoaded { path, result });
+}
+
 /// Prepares `scene`, keeping of `previous` what is the same.
-pub fn prepare(
-    job: &Job<Event>,
-    scene: &Scene,
-    previous: Option<Prepared>,
-    device: Option<&wgpu::Device>,
-) {
+pub fn prepare(job: &Job<Event>, scene: &Scene, previous: Option<Prepared>, gpu: Option<&Gpu>) {
     let prepared = PreparedScene::prepare(scene, previous.as_ref().map(|p| &p.scene), &job.cancel);
     let Some(result) = unless_cancelled(prepared) else {
         return;
     };
+    let sky = preview_sky(scene, previous.as_ref(), gpu);
     job.send(Event::Prepared(result.map(|scene| {
         let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), scene.geometry()));
-        match unchanged {
+        let prepared = match unchanged {
             Some(previous) => Prepared { scene, ..previous },
-            None => new_geometry(scene, device),
-        }
+            None => new_geometry(scene, gpu),
+        };
+        Prepared { sky, ..prepared }
     })));
 }
 
+/// The image of the background of `scene` on the GPU: that of `previous` where it is the same.
+fn preview_sky(
+    scene: &Scene,
+    previous: Option<&Prepared>,
+    gpu: Option<&Gpu>,
+) -> Option<Arc<GpuSky>> {
+    let map = scene.background_image().ok().flatten()?;
+    let known = previous.and_then(|previous| previous.sky.as_ref());
+    match known.filter(|sky| Arc::ptr_eq(sky.source(), map)) {
+        Some(known) => Some(Arc::clone(known)),
+        None => gpu.map(|Gpu { device, queue }| Arc::new(GpuSky::upload(device, queue, map))),
+    }
+}
+
 /// Uploads the triangles of a scene whose geometry is new.
-fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared {
+fn new_geometry(scene: PreparedScene, gpu: Option<&Gpu>) -> Prepared {
     let geometry = scene.geometry();
-    let triangles = device.map(|device| {
+    let triangles = gpu.map(|gpu| {
         let mesh = preview_mesh(geometry);
-        Arc::new(GpuGeometry::upload(device, &mesh))
+        Arc::new(GpuGeometry::upload(&gpu.device, &mesh))
     });
     let bounds_of = |object: &PreparedObject| {
         let range = object.triangles.start as usize..object.triangles.end as usize;
@@ -144,6 +182,7 @@ fn new_geometry(scene: PreparedScene, device: Option<&wgpu::Device>) -> Prepared
     Prepared {
         scene,
         triangles,
+        sky: None,
         object_bounds,
     }
 }

@@ -6,10 +6,13 @@
 //!
 //! - [`geometry`]: triangles, packed and uploaded by a worker when they change
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
+//! - [`sky`]: the background's image, uploaded by a worker too
 //! - `pipeline`, `target`: programs and textures
 
 pub mod geometry;
 mod pipeline;
+pub mod sky;
+mod sky_light;
 mod target;
 pub mod uniforms;
 
@@ -21,6 +24,7 @@ use crate::math::DVec3;
 use crate::scene::Scene;
 use geometry::GpuGeometry;
 use pipeline::Pipelines;
+use sky::{GpuSky, SkyUniform};
 use target::{IdTarget, Target};
 use uniforms::{ObjectInstance, ViewUniform};
 
@@ -35,6 +39,7 @@ pub struct Preview {
     samples: u32,
     pipelines: Pipelines,
     instances: Option<wgpu::Buffer>,
+    sky: Option<Arc<GpuSky>>,
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -44,6 +49,7 @@ pub struct Preview {
 struct Drawn {
     geometry: Arc<GpuGeometry>,
     view: Box<ViewUniform>,
+    sky: SkyUniform,
     instances: Vec<ObjectInstance>,
 }
 
@@ -51,6 +57,7 @@ impl PartialEq for Drawn {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.geometry, &other.geometry)
             && self.view == other.view
+            && self.sky == other.sky
             && self.instances == other.instances
     }
 }
@@ -61,13 +68,22 @@ impl Preview {
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, software: bool) -> Self {
         let samples = if software { 1 } else { SAMPLES };
         Self {
-            pipelines: Pipelines::new(&device, samples),
+            pipelines: Pipelines::new(&device, &queue, samples),
             device,
             queue,
             samples,
             instances: None,
+            sky: None,
             target: None,
             drawn: None,
+        }
+    }
+
+    /// Takes the image that is drawn behind scenes whose background it is.
+    pub fn set_sky(&mut self, sky: Option<Arc<GpuSky>>) {
+        if self.sky.as_ref().map(Arc::as_ptr) != sky.as_ref().map(Arc::as_ptr) {
+            self.sky = sky;
+            self.drawn = None;
         }
     }
 
@@ -83,7 +99,7 @@ impl Preview {
         size: [u32; 2],
     ) -> Option<(&wgpu::TextureView, bool)> {
         let size = self.clamped(size);
-        let wanted = Drawn::of(scene, geometry)?;
+        let wanted = Drawn::of(scene, geometry, self.sky.as_deref())?;
         let is_new = self
             .target
             .as_ref()
@@ -119,7 +135,8 @@ impl Preview {
         geometry: &Arc<GpuGeometry>,
         size: [u32; 2],
     ) -> Result<Vec<Option<usize>>, String> {
-        let wanted = Drawn::of(scene, geometry).ok_or("the camera has no direction")?;
+        let wanted =
+            Drawn::of(scene, geometry, self.sky.as_deref()).ok_or("the camera has no direction")?;
         self.upload(&wanted);
         self.drawn = None;
         let target = IdTarget::new(&self.device, size);
@@ -155,6 +172,8 @@ impl Preview {
         let view: &ViewUniform = &wanted.view;
         self.queue
             .write_buffer(&self.pipelines.view, 0, bytemuck::bytes_of(view));
+        let sky_image = &mut self.pipelines.sky_image;
+        sky_image.update(&self.device, &self.queue, &wanted.sky, self.sky.as_ref());
         let bytes: &[u8] = bytemuck::cast_slice(&wanted.instances);
         let needed = bytes.len().max(size_of::<ObjectInstance>()) as u64;
         if self.instances.as_ref().is_none_or(|b| b.size() < needed) {
@@ -190,6 +209,7 @@ impl Preview {
             );
             pass.set_pipeline(&self.pipelines.sky);
             pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
+            pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
             pass.draw(0..3, 0..1);
             self.draw_objects(&mut pass, &self.pipelines.objects, geometry);
         }
@@ -207,13 +227,14 @@ impl Preview {
         };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
+        pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
         pass.set_vertex_buffer(1, instances.slice(..));
         geometry.draw(pass);
     }
 }
 
 impl Drawn {
-    fn of(scene: &Scene, geometry: &Arc<GpuGeometry>) -> Option<Self> {
+    fn of(scene: &Scene, geometry: &Arc<GpuGeometry>, sky: Option<&GpuSky>) -> Option<Self> {
         let view = ViewUniform::new(scene, &geometry.frame, &geometry.bounds)?;
         let mut instances = ObjectInstance::of_scene(scene);
         // While an edit that removes an object is being prepared, the geometry still has it.
@@ -224,6 +245,7 @@ impl Drawn {
         Some(Self {
             geometry: Arc::clone(geometry),
             view: Box::new(view),
+            sky: SkyUniform::new(scene, sky),
             instances,
         })
     }

@@ -3,6 +3,7 @@
 use eframe::wgpu;
 
 use super::geometry::Vertex;
+use super::sky::SkyBinding;
 use super::uniforms::{ObjectInstance, ViewUniform};
 
 /// Format of the coloured picture: egui shows it as it is, so the shader encodes it for the screen.
@@ -20,12 +21,18 @@ pub(super) struct Pipelines {
     pub(super) object_ids: wgpu::RenderPipeline,
     pub(super) view: wgpu::Buffer,
     pub(super) bind_group: wgpu::BindGroup,
+    pub(super) sky_image: SkyBinding,
 }
 
 impl Pipelines {
     /// Compiles everything. `samples`: of the coloured picture, per pixel.
-    pub(super) fn new(device: &wgpu::Device, samples: u32) -> Self {
-        let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
+    pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, samples: u32) -> Self {
+        let source = concat!(include_str!("shader.wgsl"), include_str!("sky.wgsl"));
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("preview"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let sky_image = SkyBinding::new(device, queue);
         let bind_group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("preview view"),
             entries: &[wgpu::BindGroupLayoutEntry {
@@ -41,7 +48,7 @@ impl Pipelines {
         });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("preview"),
-            bind_group_layouts: &[Some(&bind_group_layout)],
+            bind_group_layouts: &[Some(&bind_group_layout), Some(&sky_image.layout)],
             immediate_size: 0,
         });
         let view = device.create_buffer(&wgpu::BufferDescriptor {
@@ -87,6 +94,7 @@ impl Pipelines {
             objects: program(&objects),
             view,
             bind_group,
+            sky_image,
         }
     }
 }
