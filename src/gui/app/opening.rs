@@ -16,7 +16,7 @@ use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
-use crate::scene::{Object, presets};
+use crate::scene::{Background, Object, presets};
 
 impl App {
     /// Opens `paths` in place of the scene, once unsaved work is decided about.
@@ -236,9 +236,14 @@ impl App {
         let here = std::env::current_dir().unwrap_or_default();
         let folder = self.document.path().and_then(Path::parent).unwrap_or(&here);
         match purpose {
-            FilePurpose::Open | FilePurpose::AddMesh | FilePurpose::SetBackground => {
-                folder.join("")
-            }
+            FilePurpose::Open | FilePurpose::AddMesh => folder.join(""),
+            FilePurpose::SetBackground => match &self.document.scene.background {
+                // Others are likely beside it.
+                Background::Image { image, .. } => {
+                    Path::new(image).parent().unwrap_or(folder).join("")
+                }
+                _ => folder.join(""),
+            },
             FilePurpose::SaveScene => folder.join(format!("{}.toml", self.document.name())),
             FilePurpose::SavePicture => folder.join(format!("{}.png", self.document.name())),
         }
