@@ -17,7 +17,7 @@ use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
 use raymini::io;
 use raymini::math::DVec3;
 use raymini::render::{Layer, PreparedScene, RenderProgress, RunConfig, render};
-use raymini::scene::{Light, Scene, Shadows};
+use raymini::scene::{Background, Light, Scene, Shadows};
 
 /// Longest wait for anything; machines differ, tests must not hang.
 const DEADLINE: Duration = Duration::from_mins(1);
@@ -566,6 +566,69 @@ impl egui::DroppedFile for Dropped {
     fn bytes(&self) -> Result<Vec<u8>, String> {
         Err("the window reads by path".to_owned())
     }
+}
+
+/// A small image of all directions.
+fn write_image(path: &Path) {
+    let pixel = |i: u8| image::Rgb([f32::from(i), 2.0, 30.0 - f32::from(i)]);
+    let pixels: Vec<_> = (0..32).map(pixel).collect();
+    image::codecs::hdr::HdrEncoder::new(std::fs::File::create(path).unwrap())
+        .encode(&pixels, 8, 4)
+        .unwrap();
+}
+
+/// An image dropped on the window lights the scene, turns in the panel, and is saved with it.
+#[test]
+fn a_dropped_image_becomes_the_background() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let sky = files.path("sky.hdr");
+    write_image(&sky);
+    let dropped = std::sync::Arc::new(Dropped(sky));
+    window.harness.input_mut().dropped_files.push(dropped);
+    window.until("the image is there", |app| {
+        matches!(app.document().scene.background, Background::Image { .. })
+    });
+    window.settle();
+    assert_eq!(
+        window.app().messages().last_news(),
+        "The background is sky.hdr"
+    );
+    assert!(window.app().document().is_modified());
+    assert!(window.has("Rotation"), "its properties show");
+    window.render();
+    let hash = window.hash();
+    assert_eq!(hash, library_hash(window.scene()));
+
+    if let Background::Image { rotation, .. } =
+        &mut window.harness.state_mut().document_mut().scene.background
+    {
+        rotation.0 = 75.0;
+    }
+    window.harness.run_steps(2);
+    window.render();
+    assert_ne!(window.hash(), hash);
+
+    let toml = files.path("lit.toml");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&toml);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    assert_eq!(library_hash(&load(&toml)), window.hash());
+}
+
+#[test]
+fn an_image_that_cannot_be_read_gets_a_banner_and_the_background_stays() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let before = window.scene().clone();
+    let broken = files.write("sky.exr", "no image");
+    window.press(Modifiers::COMMAND, Key::B);
+    window.enter_path(&broken);
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    let banner = window.app().messages().banners()[0].clone();
+    assert_eq!(banner.title, "Cannot use sky.exr as the background");
+    assert!(banner.text.contains("expected OpenEXR"), "{}", banner.text);
+    assert_eq!(window.scene(), &before);
 }
 
 #[test]

@@ -8,12 +8,14 @@ use eframe::wgpu;
 use raymini::control::CancelToken;
 use raymini::gui::preview::Preview;
 use raymini::gui::preview::geometry::GpuGeometry;
+use raymini::gui::preview::sky::GpuSky;
 use raymini::gui::worker::preview_mesh;
 use raymini::io;
 use raymini::math::{DVec3, Degrees};
 use raymini::render::{self, PreparedScene, RenderProgress, RunConfig, display};
 use raymini::scene::{
-    Background, Camera, Copies, Mode, Object, PhongModel, Scene, Shadows, ToneCurve,
+    Background, Camera, Copies, ImageAxes, Mode, Object, PhongModel, RadianceMap, Scene, Shadows,
+    ToneCurve,
 };
 
 /// How near to an edge a pixel's centre may be for preview and picture to differ there, in pixels.
@@ -44,8 +46,12 @@ fn drawn(scene: &Scene) -> Drawn {
     let prepared = prepared(scene);
     let mesh = preview_mesh(prepared.geometry());
     let geometry = Arc::new(GpuGeometry::upload(&device, &mesh));
+    let map = scene.background_image().expect("is loaded");
+    let sky = map.map(|map| Arc::new(GpuSky::upload(&device, &queue, map)));
+    let mut preview = Preview::new(device, queue, true);
+    preview.set_sky(sky);
     Drawn {
-        preview: Preview::new(device, queue, true),
+        preview,
         geometry,
         prepared,
     }
@@ -327,6 +333,112 @@ fn assert_same_colors(scene: &Scene) {
         scene.render.phong,
         shown.len()
     );
+}
+
+/// The demo under an image of `pixel`s, turned and tilted.
+fn under_sky(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> Scene {
+    let mut scene = io::demo_scene();
+    (scene.render.width, scene.render.height) = (161, 97);
+    scene.render.samples_per_pixel = 1;
+    scene.render.antialiasing = false;
+    scene.render.shadows = Shadows::Off;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let (map, _) = RadianceMap::cleaned(width, height, pixels.map(|(x, y)| pixel(x, y)).collect());
+    scene.images.insert("sky".into(), Arc::new(map));
+    scene.background = Background::Image {
+        image: "sky".into(),
+        up: DVec3::new(0.2, -0.1, 1.0),
+        rotation: Degrees(130.0),
+        scale: 0.8,
+    };
+    scene
+}
+
+/// The preview's picture of a scene under an image, and the render's in the values of the screen.
+fn sky_pictures(scene: &Scene) -> (Vec<[u8; 4]>, Vec<[u8; 3]>, Drawn) {
+    let mut drawn = drawn(scene);
+    let size = [scene.render.width, scene.render.height];
+    drawn.preview.draw(scene, &drawn.geometry, size).unwrap();
+    let shown = drawn.preview.read_color().unwrap();
+    let progress = RenderProgress::default();
+    let run = RunConfig::default();
+    let outcome = render::render(&drawn.prepared, None, &run, &progress, &|_| {});
+    let image = outcome.expect("nobody cancels").image;
+    let encode = |&pixel: &[f32; 3]| display::encode_8(pixel, &scene.display);
+    (shown, image.pixels.iter().map(encode).collect(), drawn)
+}
+
+/// The sky is the same to a few of 255 steps, and objects are lit about as brightly.
+#[test]
+fn an_image_is_seen_and_lights_as_in_a_render() {
+    let mut scene = under_sky(32, 16, |x, y| {
+        [
+            0.05 + 0.01 * x as f32,
+            0.4 / (1.0 + y as f32),
+            0.05 * ((x + y) % 5) as f32,
+        ]
+    });
+    scene.lights.clear();
+    scene.render.ambient_occlusion.samples = 256;
+    let (shown, rendered, drawn) = sky_pictures(&scene);
+    let (mut sky, mut off, mut lit) = (0, 0, [0.0; 2]);
+    for (index, (shown, rendered)) in (0..161 * 97_u32).zip(shown.iter().zip(&rendered)) {
+        let (x, y) = (f64::from(index % 161) + 0.5, f64::from(index / 161) + 0.5);
+        if drawn.prepared.object_at(x, y).is_none() {
+            sky += 1;
+            off += u32::from((0..3).any(|c| shown[c].abs_diff(rendered[c]) > 2));
+        } else {
+            lit[0] += f64::from(shown[0]);
+            lit[1] += f64::from(rendered[0]);
+        }
+    }
+    assert!(sky > 1000 && off < sky / 200, "{off} of {sky} differ");
+    assert!((lit[0] / lit[1] - 1.0).abs() < 0.05, "{lit:?}");
+}
+
+/// The brightest pixel of a sun is at the same place in both pictures, give or take one.
+#[test]
+fn the_sun_is_where_the_render_has_it() {
+    for sun in [(40, 20), (118, 25), (84, 27)] {
+        let mut scene = under_sky(
+            128,
+            64,
+            |x, y| {
+                if (x, y) == sun { [1.0; 3] } else { [0.01; 3] }
+            },
+        );
+        let map = scene.background_image().unwrap().unwrap();
+        // Looked at from below, so that nothing is before it.
+        let Background::Image { up, rotation, .. } = scene.background else {
+            unreachable!("an image was set")
+        };
+        let axes = ImageAxes::new(up, rotation).unwrap();
+        let angle = std::f64::consts::TAU * (0.5 - (f64::from(sun.0) + 0.5) / 128.0);
+        let (sine, cosine) = map.polar_angle(sun.1).sin_cos();
+        let level = axes.front * angle.cos() + axes.left * angle.sin();
+        let towards = axes.up * cosine + level * sine;
+        scene.camera.eye = DVec3::new(0.0, 0.0, 50.0);
+        scene.camera.target = scene.camera.eye + towards + DVec3::new(0.02, 0.1, -0.05);
+        scene.camera.vertical_fov = Degrees(40.0);
+        let (shown, rendered, _) = sky_pictures(&scene);
+        let brightest = |values: &mut dyn Iterator<Item = u8>| {
+            let (index, _) = (0..161 * 97_i32)
+                .zip(values)
+                .max_by_key(|&(index, value)| (value, -index))
+                .unwrap();
+            (index % 161, index / 161)
+        };
+        let a = brightest(&mut shown.iter().map(|pixel| pixel[0]));
+        let b = brightest(&mut rendered.iter().map(|pixel| pixel[0]));
+        assert!(
+            (a.0 - b.0).abs() <= 1 && (a.1 - b.1).abs() <= 1,
+            "{sun:?}: {a:?}, {b:?}"
+        );
+        assert!(
+            (10..150).contains(&a.0) && (10..87).contains(&a.1),
+            "{sun:?}: {a:?}"
+        );
+    }
 }
 
 /// Lights beyond what the preview shows are left out there, and nothing fails.

@@ -192,7 +192,7 @@ fn png_facts(path: &Path) -> Result<PictureFacts> {
 }
 
 fn radiance_facts(path: &Path) -> Result<PictureFacts> {
-    let loaded = io::load_radiance(path, &CancelToken::new(), &Progress::new())?;
+    let loaded = io::load_image(path, &CancelToken::new(), &Progress::new())?;
     let file = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
     let map = &file.map;
     // The hash is that of the file's own values.

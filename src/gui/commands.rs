@@ -9,6 +9,8 @@ pub enum Command {
     Open,
     /// Add a mesh to the scene.
     AddMesh,
+    /// Make an image the background.
+    SetBackground,
     /// Write the scene to its file.
     SaveScene,
     /// Write the scene to another file.
@@ -39,9 +41,10 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Open,
         Self::AddMesh,
+        Self::SetBackground,
         Self::SaveScene,
         Self::SaveSceneAs,
         Self::SavePicture,
@@ -63,6 +66,7 @@ impl Command {
         match self {
             Self::Open => "Open scene or mesh…",
             Self::AddMesh => "Add mesh…",
+            Self::SetBackground => "Background image…",
             Self::SaveScene => "Save scene",
             Self::SaveSceneAs => "Save scene as…",
             Self::SavePicture => "Save picture…",
@@ -85,6 +89,7 @@ impl Command {
         match self {
             Self::Open => "Open a scene file or a mesh in place of the present scene",
             Self::AddMesh => "Add a mesh to the present scene as a new object",
+            Self::SetBackground => "Light the scene with an image of all directions",
             Self::SaveScene => "Write the scene to its file",
             Self::SaveSceneAs => "Write the scene to another file",
             Self::SavePicture => "Write the rendered picture as PNG or EXR",
@@ -116,6 +121,7 @@ impl Command {
         match self {
             Self::Open => const { &[command(Key::O)] },
             Self::AddMesh => const { &[command_shift(Key::O)] },
+            Self::SetBackground => const { &[command(Key::B)] },
             Self::SaveScene => const { &[command(Key::S)] },
             Self::SaveSceneAs => const { &[command_shift(Key::S)] },
             Self::SavePicture => const { &[command(Key::E)] },

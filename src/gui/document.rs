@@ -81,6 +81,7 @@ pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
         && a.display == b.display
         && a.output == b.output
         && same_meshes(&a.meshes, &b.meshes)
+        && same_image(a, b)
 }
 
 /// Whether two scenes make the same linear picture: display and file format do not count.
@@ -93,6 +94,7 @@ pub fn same_picture(a: &Scene, b: &Scene) -> bool {
         && a.lights == b.lights
         && a.render == b.render
         && same_meshes(&a.meshes, &b.meshes)
+        && same_image(a, b)
 }
 
 /// Whether two scenes have the same triangles in the same structure.
@@ -114,6 +116,13 @@ pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
             .all(|(x, y)| x.mesh == y.mesh)
         && (0..a.objects.len()).all(|index| shape(a, index) == shape(b, index))
         && same_meshes(&a.meshes, &b.meshes)
+}
+
+/// Whether two scenes have the same image as background, or none. Images are compared by identity.
+#[must_use]
+pub fn same_image(a: &Scene, b: &Scene) -> bool {
+    let image = |scene: &Scene| scene.background_image().ok().flatten().map(Arc::as_ptr);
+    image(a) == image(b)
 }
 
 fn same_meshes(

@@ -23,7 +23,7 @@ use crate::control::CancelToken;
 /// A kind of background work. Work in different lanes runs at the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lane {
-    /// Reading scenes and meshes.
+    /// Reading scenes, meshes and images.
     Load,
     /// Placing triangles, building their tree, uploading them for the preview.
     Prepare,

@@ -6,6 +6,8 @@ use eframe::{egui_wgpu, wgpu};
 
 use super::preview::Preview;
 use super::preview::geometry::GpuGeometry;
+use super::preview::sky::GpuSky;
+use super::worker::Gpu;
 use crate::scene::Scene;
 
 /// A preview and its place among egui's textures.
@@ -41,7 +43,16 @@ impl PreviewImage {
         }
     }
 
-    /// The device, for workers that upload triangles.
+    /// The device and its queue, for workers that upload triangles and images.
+    #[must_use]
+    pub fn gpu(&self) -> Gpu {
+        Gpu {
+            device: self.render_state.device.clone(),
+            queue: self.render_state.queue.clone(),
+        }
+    }
+
+    /// The device.
     #[must_use]
     pub fn device(&self) -> &wgpu::Device {
         &self.render_state.device
@@ -59,13 +70,16 @@ impl PreviewImage {
         self.is_software
     }
 
-    /// The texture that shows `scene` in `size` pixels; `None` where its camera is none.
+    /// The texture that shows `scene` in `size` pixels, before `sky` where its background is that image; `None` where its
+    /// camera is none.
     pub fn show(
         &mut self,
         scene: &Scene,
         geometry: &Arc<GpuGeometry>,
+        sky: Option<&Arc<GpuSky>>,
         size: [u32; 2],
     ) -> Option<egui::TextureId> {
+        self.preview.set_sky(sky.cloned());
         let (view, is_new) = self.preview.draw(scene, geometry, size)?;
         let device = &self.render_state.device;
         let filter = wgpu::FilterMode::Linear;

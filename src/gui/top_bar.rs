@@ -94,7 +94,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = Vec2::new(10.0, 4.0);
         ui.menu_button("File", |ui| {
-            for command in [Command::Open, Command::AddMesh] {
+            for command in [Command::Open, Command::AddMesh, Command::SetBackground] {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();

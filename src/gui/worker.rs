@@ -15,8 +15,9 @@ use super::jobs::Job;
 use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::GpuGeometry;
 pub use super::preview::pack::preview_mesh;
+use super::preview::sky::GpuSky;
 use crate::control::Progress;
-use crate::io::{self, LoadedScene, MeshFile};
+use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
 use crate::render::{self, PreparedScene, RenderOutcome, RenderProgress, RunConfig};
 use crate::scene::{Object, Output, Scene};
@@ -37,6 +38,13 @@ pub enum Event {
         path: PathBuf,
         /// The mesh, or why there is none.
         result: Result<MeshFile, String>,
+    },
+    /// An image for the background.
+    ImageLoaded {
+        /// Its file.
+        path: PathBuf,
+        /// The image, or why there is none.
+        result: Result<RadianceFile, String>,
     },
     /// The scene is ready to render and to preview, or why it cannot be rendered.
     Prepared(Result<Prepared, String>),
@@ -78,8 +86,19 @@ pub struct Prepared {
     pub scene: PreparedScene,
     /// For the preview; `None` without a GPU.
     pub triangles: Option<Arc<GpuGeometry>>,
+    /// The background's image for the preview; `None` where the background is none, or without a GPU.
+    pub sky: Option<Arc<GpuSky>>,
     /// The world box of each object.
     pub object_bounds: Arc<[DBounds]>,
+}
+
+/// What uploads go to.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// Holds the data.
+    pub device: wgpu::Device,
+    /// Takes it there.
+    pub queue: wgpu::Queue,
 }
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
@@ -105,39 +124,54 @@ pub fn load_mesh(job: &Job<Event>, path: PathBuf, progress: &Progress) {
     job.send(Event::MeshLoaded { path, result });
 }
 
+/// Loads an image for the background.
+pub fn load_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
+    let Some(result) = unless_cancelled(io::load_image(&path, &job.cancel, progress)) else {
+        return;
+    };
+    job.send(Event::ImageLoaded { path, result });
+}
+
 /// Prepares `scene`, keeping of `previous` what is the same.
-pub fn prepare(
-    job: &Job<Event>,
-    scene: &Scene,
-    previous: Option<Prepared>,
-    device: Option<&wgpu::Device>,
-) {
+pub fn prepare(job: &Job<Event>, scene: &Scene, previous: Option<Prepared>, gpu: Option<&Gpu>) {
     let prepared = PreparedScene::prepare(scene, previous.as_ref().map(|p| &p.scene), &job.cancel);
     let Some(result) = unless_cancelled(prepared) else {
         return;
     };
+    let sky = preview_sky(scene, previous.as_ref(), gpu);
     job.send(Event::Prepared(result.map(|prepared| {
         let geometry = prepared.geometry();
         let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), geometry));
-        match unchanged {
+        let prepared = match unchanged {
             Some(previous) => Prepared {
                 scene: prepared,
                 ..previous
             },
-            None => new_geometry(scene, prepared, device),
-        }
+            None => new_geometry(scene, prepared, gpu),
+        };
+        Prepared { sky, ..prepared }
     })));
 }
 
+/// The image of the background of `scene` on the GPU: that of `previous` where it is the same.
+fn preview_sky(
+    scene: &Scene,
+    previous: Option<&Prepared>,
+    gpu: Option<&Gpu>,
+) -> Option<Arc<GpuSky>> {
+    let map = scene.background_image().ok().flatten()?;
+    let known = previous.and_then(|previous| previous.sky.as_ref());
+    match known.filter(|sky| Arc::ptr_eq(sky.source(), map)) {
+        Some(known) => Some(Arc::clone(known)),
+        None => gpu.map(|Gpu { device, queue }| Arc::new(GpuSky::upload(device, queue, map))),
+    }
+}
+
 /// Uploads the triangles of a scene whose geometry is new.
-fn new_geometry(
-    description: &Scene,
-    scene: PreparedScene,
-    device: Option<&wgpu::Device>,
-) -> Prepared {
-    let triangles = device.map(|device| {
+fn new_geometry(description: &Scene, scene: PreparedScene, gpu: Option<&Gpu>) -> Prepared {
+    let triangles = gpu.map(|gpu| {
         let mesh = preview_mesh(scene.geometry());
-        Arc::new(GpuGeometry::upload(device, &mesh))
+        Arc::new(GpuGeometry::upload(&gpu.device, &mesh))
     });
     let bounds_of = |object: &Object| {
         let mesh = description.mesh_of(object);
@@ -146,6 +180,7 @@ fn new_geometry(
     Prepared {
         scene,
         triangles,
+        sky: None,
         object_bounds: description.objects.iter().map(bounds_of).collect(),
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
-use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
+use super::radiance_file::{RADIANCE_EXTENSIONS, RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Object, Scene, SceneError, presets};
@@ -126,6 +126,19 @@ pub fn load_mesh(
     mesh_file::load_mesh(path, cancel, progress)
 }
 
+/// Loads the image at `path` for a background. `progress` counts bytes. `None` when cancelled.
+///
+/// # Errors
+/// When the file cannot be read, is of a format without reader, or is malformed.
+pub fn load_image(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<RadianceFile>, RadianceError> {
+    progress.set_total(work_of(&path.to_string_lossy()));
+    load_radiance(path, cancel, progress)
+}
+
 /// Writes `scene` to `path`, paths of meshes and images made relative to it. The file appears whole or not at all.
 ///
 /// # Errors
@@ -184,6 +197,16 @@ pub fn override_scene(
 pub fn is_scene_file(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Whether `path` is taken for an image that can be a background.
+#[must_use]
+pub fn is_image_file(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| {
+        RADIANCE_EXTENSIONS
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    })
 }
 
 /// What a loaded mesh file leaves to say to the user; `name` is what the user calls it.

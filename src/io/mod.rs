@@ -16,9 +16,8 @@ pub use image_file::{
 };
 pub use load::{
     LoadError, LoadedScene, SaveError, absolute_image, absolute_mesh, demo_scene, image_warnings,
-    is_scene_file, load_mesh, load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
+    is_image_file, is_scene_file, load_image, load_mesh, load_scene, load_scenes, mesh_warnings,
+    override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
-pub use radiance_file::{
-    RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, load_radiance,
-};
+pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};

@@ -17,6 +17,7 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
+use crate::io;
 use crate::math::DBounds;
 
 impl App {
@@ -30,7 +31,7 @@ impl App {
         };
         let state = self.top_bar_state();
         let name = self.document.name();
-        let commands = Panel::top("top bar")
+        let mut commands = Panel::top("top bar")
             .frame(bar(10, 6))
             .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
             .inner;
@@ -42,7 +43,9 @@ impl App {
             .frame(bar(0, 0))
             .default_size(theme::PANEL_WIDTH)
             .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
-            .show_collapsible(ui, &mut open, |ui| self.panels_ui(ui));
+            .show_collapsible(ui, &mut open, |ui| {
+                self.panels_ui(ui, &mut commands);
+            });
         self.panel_open = open;
         CentralPanel::default()
             .frame(Frame::new())
@@ -75,7 +78,7 @@ impl App {
         status_bar::status_bar_ui(ui, &activity, self.messages.last_news(), shown);
     }
 
-    fn panels_ui(&mut self, ui: &mut Ui) {
+    fn panels_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         egui::ScrollArea::vertical()
             .auto_shrink(false)
             .show(ui, |ui| {
@@ -93,6 +96,7 @@ impl App {
                             threads: &mut self.threads,
                             shown_layer: &mut self.shown_layer,
                             layers: self.picture.as_ref().map_or(&[], |p| p.buffer.layers()),
+                            commands,
                         };
                         panels::panels_ui(ui, &mut state);
                     });
@@ -139,6 +143,7 @@ impl App {
         let Some(triangles) = &state.prepared.triangles else {
             return;
         };
+        let sky = state.prepared.sky.as_ref();
         let picture = self.picture.as_ref().filter(|_| under_picture);
         let mut scene = picture.map_or(&self.document.scene, |picture| &picture.scene);
         // While an edit that adds or removes objects is prepared, the triangles are still those of the scene before.
@@ -162,7 +167,7 @@ impl App {
         } else {
             Color32::WHITE
         };
-        if let Some(texture) = preview.show(scene, triangles, size) {
+        if let Some(texture) = preview.show(scene, triangles, sky, size) {
             image_ui(ui, texture, frame, tint);
         }
     }
@@ -278,10 +283,15 @@ fn image_ui(ui: &Ui, texture: egui::TextureId, frame: Rect, tint: Color32) {
 
 /// Says what happens to files that hang over the window.
 fn hovered_files_ui(ui: &Ui, area: Rect) {
-    let count = ui.input(|input| input.raw.hovered_files.len());
-    if count == 0 {
-        return;
-    }
+    let hovered = ui.input(|input| input.raw.hovered_files.clone());
+    let text = match hovered.as_slice() {
+        [] => return,
+        [one] if one.path.as_deref().is_some_and(io::is_image_file) => {
+            "Drop to make it the background"
+        }
+        [_] => "Drop to open",
+        _ => "Drop to open together",
+    };
     let painter = ui.painter();
     painter.rect_filled(area, 0.0, Color32::from_black_alpha(150));
     let inside = area.shrink(16.0);
@@ -290,11 +300,7 @@ fn hovered_files_ui(ui: &Ui, area: Rect) {
     painter.text(
         area.center(),
         egui::Align2::CENTER_CENTER,
-        if count == 1 {
-            "Drop to open"
-        } else {
-            "Drop to open together"
-        },
+        text,
         egui::FontId::proportional(20.0),
         Color32::WHITE,
     );

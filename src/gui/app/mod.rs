@@ -32,6 +32,7 @@ use super::top_bar::{Phase, TopBarState, View};
 use super::viewport::Viewport;
 use super::worker::{Event, Prepared};
 use crate::control::Progress;
+use crate::io;
 use crate::math::DBounds;
 use crate::render::Layer;
 use crate::scene::Scene;
@@ -219,6 +220,7 @@ impl App {
         match event {
             Event::SceneLoaded { paths, result } => self.scene_loaded(&paths, result),
             Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
+            Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
             Event::Prepared(result) => self.prepared(result),
             Event::Tile(tile) => {
                 if let Some(picture) = &mut self.picture {
@@ -259,6 +261,9 @@ impl App {
         match command {
             Command::Open => self.ask_for_path(super::dialogs::files::FilePurpose::Open),
             Command::AddMesh => self.ask_for_path(super::dialogs::files::FilePurpose::AddMesh),
+            Command::SetBackground => {
+                self.ask_for_path(super::dialogs::files::FilePurpose::SetBackground);
+            }
             Command::SaveScene => self.save_scene(),
             Command::SaveSceneAs => {
                 self.ask_for_path(super::dialogs::files::FilePurpose::SaveScene);
@@ -326,12 +331,14 @@ impl App {
         }
     }
 
-    /// Files dropped on the window are opened.
+    /// Files dropped on the window are opened; an image becomes the background.
     fn take_dropped_files(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         let paths: Vec<PathBuf> = dropped.iter().map(|f| f.path().to_owned()).collect();
-        if !paths.is_empty() {
-            self.open(paths);
+        match paths.as_slice() {
+            [] => {}
+            [image] if io::is_image_file(image) => self.set_background(image.clone()),
+            _ => self.open(paths),
         }
     }
 

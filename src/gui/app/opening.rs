@@ -1,4 +1,4 @@
-//! Scenes and meshes from files. The present scene stays until the new one is whole.
+//! Scenes, meshes and images from files. The present scene stays until the new one is whole.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,11 +11,12 @@ use crate::gui::dialogs::path_field::PathField;
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::document::{Document, free_name, name_of};
 use crate::gui::jobs::Lane;
+use crate::gui::panels::with_image;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
-use crate::io::{self, LoadedScene, MeshFile};
-use crate::scene::{Object, presets};
+use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
+use crate::scene::{Background, Object, presets};
 
 impl App {
     /// Opens `paths` in place of the scene, once unsaved work is decided about.
@@ -42,6 +43,14 @@ impl App {
             for path in paths {
                 worker::load_mesh(job, path, &progress);
             }
+        });
+    }
+
+    /// Loads an image and makes it the background.
+    pub(super) fn set_background(&mut self, path: PathBuf) {
+        let progress = self.begin_loading(what(std::slice::from_ref(&path)));
+        self.jobs.start(Lane::Load, move |job| {
+            worker::load_image(job, path, &progress);
         });
     }
 
@@ -136,6 +145,33 @@ impl App {
         self.view = View::Preview;
     }
 
+    pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {
+        let shown = what(&[path.to_owned()]);
+        let file = match result {
+            Ok(file) => file,
+            Err(error) => {
+                let title = format!("Cannot use {shown} as the background");
+                let text = format!("{error}\nThe background is as it was.");
+                self.messages.error(title, text);
+                return;
+            }
+        };
+        let warnings = io::image_warnings(&path.display().to_string(), &file);
+        if !warnings.is_empty() {
+            let title = format!("The background is {shown}, with remarks");
+            self.messages.warning(title, warnings.join("\n"));
+        }
+        let scene = &mut self.document.scene;
+        let image = io::absolute_image(&path.to_string_lossy(), Path::new("."));
+        // Large, and not coming back on its own.
+        scene.images.clear();
+        scene.images.insert(image.clone(), Arc::new(file.map));
+        scene.background = with_image(&scene.background, image, scene.camera.up);
+        self.selection = Selection::Background;
+        self.view = View::Preview;
+        self.messages.news(format!("The background is {shown}"));
+    }
+
     /// Asks for a path: the desktop's dialog where there is one, else the path field.
     pub(super) fn ask_for_path(&mut self, purpose: FilePurpose) {
         match self.file_dialogs {
@@ -177,6 +213,11 @@ impl App {
         match purpose {
             FilePurpose::Open => self.open(paths),
             FilePurpose::AddMesh => self.add_meshes(paths),
+            FilePurpose::SetBackground => {
+                for path in paths.into_iter().take(1) {
+                    self.set_background(path);
+                }
+            }
             FilePurpose::SaveScene | FilePurpose::SavePicture => {
                 for path in paths.into_iter().take(1) {
                     let path = purpose.with_extension(path);
@@ -196,6 +237,13 @@ impl App {
         let folder = self.document.path().and_then(Path::parent).unwrap_or(&here);
         match purpose {
             FilePurpose::Open | FilePurpose::AddMesh => folder.join(""),
+            FilePurpose::SetBackground => match &self.document.scene.background {
+                // Others are likely beside it.
+                Background::Image { image, .. } => {
+                    Path::new(image).parent().unwrap_or(folder).join("")
+                }
+                _ => folder.join(""),
+            },
             FilePurpose::SaveScene => folder.join(format!("{}.toml", self.document.name())),
             FilePurpose::SavePicture => folder.join(format!("{}.png", self.document.name())),
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{App, PreparedState};
-use crate::gui::document::{same_geometry, same_picture};
+use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::jobs::Lane;
 use crate::gui::pick::world_bounds;
 use crate::gui::picture::{Outcome, Picture, PictureBuffer};
@@ -18,15 +18,14 @@ use crate::render::{Layer, RenderProgress, RenderStats};
 use crate::scene::Display;
 
 impl App {
-    /// Whether the scene's triangles, as they are now, have been prepared (or found impossible to prepare).
+    /// Whether the scene's triangles and image, as they are now, have been prepared (or found impossible to prepare).
     pub(super) fn is_prepared(&self) -> bool {
         if self.document.scene.objects.is_empty() {
             return true;
         }
-        self.preparing
-            .as_ref()
-            .is_some_and(|scene| same_geometry(scene, &self.document.scene))
-            && !self.jobs.is_busy(Lane::Prepare)
+        self.preparing.as_ref().is_some_and(|scene| {
+            same_geometry(scene, &self.document.scene) && same_image(scene, &self.document.scene)
+        }) && !self.jobs.is_busy(Lane::Prepare)
     }
 
     /// Whether a render runs or waits for its geometry.
@@ -50,12 +49,9 @@ impl App {
             let scene = self.document.scene.clone();
             self.preparing = Some(scene.clone());
             let previous = self.prepared.as_ref().map(|state| state.prepared.clone());
-            let device = self
-                .preview
-                .as_ref()
-                .map(|preview| preview.device().clone());
+            let gpu = self.preview.as_ref().map(PreviewImage::gpu);
             self.jobs.start(Lane::Prepare, move |job| {
-                worker::prepare(job, &scene, previous, device.as_ref());
+                worker::prepare(job, &scene, previous, gpu.as_ref());
             });
         } else if let Some(asked) = self.waiting_render.take() {
             self.start_render(asked);

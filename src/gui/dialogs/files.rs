@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::gui::jobs::Job;
 use crate::gui::worker::Event;
-use crate::io::READABLE_EXTENSIONS;
+use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS};
 
 /// An answer faster than this is no user's.
 const NO_USER_IS_FASTER: Duration = Duration::from_millis(150);
@@ -20,6 +20,8 @@ pub enum FilePurpose {
     Open,
     /// A mesh to add.
     AddMesh,
+    /// An image to make the background.
+    SetBackground,
     /// A scene file to write.
     SaveScene,
     /// A picture to write.
@@ -33,6 +35,7 @@ impl FilePurpose {
         match self {
             Self::Open => "Open scene or mesh",
             Self::AddMesh => "Add mesh",
+            Self::SetBackground => "Background image",
             Self::SaveScene => "Save scene",
             Self::SavePicture => "Save picture",
         }
@@ -44,6 +47,7 @@ impl FilePurpose {
         match self {
             Self::Open => "Open",
             Self::AddMesh => "Add",
+            Self::SetBackground => "Use",
             Self::SaveScene | Self::SavePicture => "Save",
         }
     }
@@ -60,6 +64,7 @@ impl FilePurpose {
         match self {
             Self::Open => [&["toml"], READABLE_EXTENSIONS].concat(),
             Self::AddMesh => READABLE_EXTENSIONS.to_vec(),
+            Self::SetBackground => RADIANCE_EXTENSIONS.to_vec(),
             Self::SaveScene => vec!["toml"],
             Self::SavePicture => vec!["png", "exr"],
         }
@@ -100,6 +105,10 @@ pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
             .add_filter("Scenes and meshes", &extensions)
             .pick_files(),
         FilePurpose::AddMesh => dialog.add_filter("Meshes", &extensions).pick_files(),
+        FilePurpose::SetBackground => dialog
+            .add_filter("Images of radiance", &extensions)
+            .pick_file()
+            .map(|path| vec![path]),
         FilePurpose::SaveScene | FilePurpose::SavePicture => {
             if let Some(name) = suggestion.file_name() {
                 dialog = dialog.set_file_name(name.to_string_lossy());

@@ -14,7 +14,10 @@ const MOUSE: [(&str, &str); 7] = [
     ("Click", "Select the object or light"),
     ("Double click", "Orbit about this point from now on"),
     ("Drag a light's marker", "Move the light, at its distance"),
-    ("Drop files", "Open scenes and meshes"),
+    (
+        "Drop files",
+        "Open scenes and meshes; make an image the background",
+    ),
 ];
 
 /// The sheet of shortcuts; returns whether it stays.

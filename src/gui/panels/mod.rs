@@ -11,6 +11,9 @@ mod tree;
 
 use egui::Ui;
 
+pub(super) use background::with_image;
+
+use super::commands::Command;
 use super::selection::Selection;
 use super::widgets::section_ui;
 use crate::render::Layer;
@@ -29,6 +32,8 @@ pub struct PanelState<'a> {
     pub shown_layer: &'a mut Option<Layer>,
     /// The layers that the picture has.
     pub layers: &'a [Layer],
+    /// What is asked for beside edits.
+    pub commands: &'a mut Vec<Command>,
 }
 
 impl PanelState<'_> {
@@ -71,7 +76,7 @@ fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     let speed = state.length_speed();
     match state.selection.clone() {
         Selection::Camera => camera::camera_ui(ui, &mut state.scene.camera, speed),
-        Selection::Background => background::background_ui(ui, state.scene),
+        Selection::Background => background::background_ui(ui, state),
         Selection::Object(index) => object::object_ui(ui, state, index),
         Selection::Light(index) => light::light_ui(ui, state, index),
         Selection::Material(name) => material::material_ui(ui, state, &name),

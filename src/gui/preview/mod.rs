@@ -6,11 +6,14 @@
 //!
 //! - [`pack`], [`geometry`]: triangles and where copies of them are, packed and uploaded by a worker when they change
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
+//! - [`sky`]: the background's image, uploaded by a worker too
 //! - `pipeline`, `target`: programs and textures
 
 pub mod geometry;
 pub mod pack;
 mod pipeline;
+pub mod sky;
+mod sky_light;
 mod target;
 pub mod uniforms;
 
@@ -22,6 +25,7 @@ use crate::math::DVec3;
 use crate::scene::Scene;
 use geometry::GpuGeometry;
 use pipeline::{ObjectUniforms, Pipelines};
+use sky::{GpuSky, SkyUniform};
 use target::{IdTarget, Target};
 use uniforms::{ObjectUniform, ViewUniform};
 
@@ -36,6 +40,7 @@ pub struct Preview {
     samples: u32,
     pipelines: Pipelines,
     objects: Option<ObjectUniforms>,
+    sky: Option<Arc<GpuSky>>,
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -45,6 +50,7 @@ pub struct Preview {
 struct Drawn {
     geometry: Arc<GpuGeometry>,
     view: Box<ViewUniform>,
+    sky: SkyUniform,
     objects: Vec<ObjectUniform>,
 }
 
@@ -52,6 +58,7 @@ impl PartialEq for Drawn {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.geometry, &other.geometry)
             && self.view == other.view
+            && self.sky == other.sky
             && self.objects == other.objects
     }
 }
@@ -62,13 +69,22 @@ impl Preview {
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, software: bool) -> Self {
         let samples = if software { 1 } else { SAMPLES };
         Self {
-            pipelines: Pipelines::new(&device, samples),
+            pipelines: Pipelines::new(&device, &queue, samples),
             device,
             queue,
             samples,
             objects: None,
+            sky: None,
             target: None,
             drawn: None,
+        }
+    }
+
+    /// Takes the image that is drawn behind scenes whose background it is.
+    pub fn set_sky(&mut self, sky: Option<Arc<GpuSky>>) {
+        if self.sky.as_ref().map(Arc::as_ptr) != sky.as_ref().map(Arc::as_ptr) {
+            self.sky = sky;
+            self.drawn = None;
         }
     }
 
@@ -84,7 +100,7 @@ impl Preview {
         size: [u32; 2],
     ) -> Option<(&wgpu::TextureView, bool)> {
         let size = self.clamped(size);
-        let wanted = Drawn::of(scene, geometry)?;
+        let wanted = Drawn::of(scene, geometry, self.sky.as_deref())?;
         let is_new = self
             .target
             .as_ref()
@@ -120,7 +136,8 @@ impl Preview {
         geometry: &Arc<GpuGeometry>,
         size: [u32; 2],
     ) -> Result<Vec<Option<usize>>, String> {
-        let wanted = Drawn::of(scene, geometry).ok_or("the camera has no direction")?;
+        let wanted =
+            Drawn::of(scene, geometry, self.sky.as_deref()).ok_or("the camera has no direction")?;
         self.upload(&wanted);
         self.drawn = None;
         let target = IdTarget::new(&self.device, size);
@@ -156,6 +173,8 @@ impl Preview {
         let view: &ViewUniform = &wanted.view;
         self.queue
             .write_buffer(&self.pipelines.view, 0, bytemuck::bytes_of(view));
+        let sky_image = &mut self.pipelines.sky_image;
+        sky_image.update(&self.device, &self.queue, &wanted.sky, self.sky.as_ref());
         let count = wanted.objects.len();
         if self.objects.as_ref().is_none_or(|room| room.count < count) {
             let room = count.max(1).next_power_of_two();
@@ -186,6 +205,7 @@ impl Preview {
             );
             pass.set_pipeline(&self.pipelines.sky);
             pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
+            pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
             pass.draw(0..3, 0..1);
             self.draw_objects(&mut pass, &self.pipelines.objects, geometry);
         }
@@ -203,16 +223,18 @@ impl Preview {
         };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
+        pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
         geometry.draw(pass, |pass, index| objects.choose(pass, index));
     }
 }
 
 impl Drawn {
-    fn of(scene: &Scene, geometry: &Arc<GpuGeometry>) -> Option<Self> {
+    fn of(scene: &Scene, geometry: &Arc<GpuGeometry>, sky: Option<&GpuSky>) -> Option<Self> {
         let view = ViewUniform::new(scene, &geometry.frame, &geometry.bounds)?;
         Some(Self {
             geometry: Arc::clone(geometry),
             view: Box::new(view),
+            sky: SkyUniform::new(scene, sky),
             objects: ObjectUniform::of_scene(scene, &geometry.turns),
         })
     }

@@ -3,6 +3,7 @@
 use eframe::wgpu;
 
 use super::geometry::{Place, Vertex};
+use super::sky::SkyBinding;
 use super::uniforms::{ObjectUniform, ViewUniform};
 
 /// Format of the coloured picture: egui shows it as it is, so the shader encodes it for the screen.
@@ -20,14 +21,20 @@ pub(super) struct Pipelines {
     pub(super) object_ids: wgpu::RenderPipeline,
     pub(super) view: wgpu::Buffer,
     pub(super) bind_group: wgpu::BindGroup,
+    pub(super) sky_image: SkyBinding,
     object_layout: wgpu::BindGroupLayout,
 }
 
 impl Pipelines {
     /// Compiles everything. `samples`: of the coloured picture, per pixel.
-    pub(super) fn new(device: &wgpu::Device, samples: u32) -> Self {
-        let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
+    pub(super) fn new(device: &wgpu::Device, queue: &wgpu::Queue, samples: u32) -> Self {
+        let source = concat!(include_str!("shader.wgsl"), include_str!("sky.wgsl"));
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("preview"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
         let view_layout = uniform_layout(device, "preview view", false);
+        let sky_image = SkyBinding::new(device, queue);
         let object_layout = uniform_layout(device, "preview object", true);
         let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -36,8 +43,8 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
-        let sky_layout = layout(&[Some(&view_layout)]);
-        let objects_layout = layout(&[Some(&view_layout), Some(&object_layout)]);
+        let groups = [&view_layout, &sky_image.layout, &object_layout].map(Some);
+        let (sky_layout, objects_layout) = (layout(&groups[..2]), layout(&groups));
         let view = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("preview view"),
             size: size_of::<ViewUniform>() as u64,
@@ -83,6 +90,7 @@ impl Pipelines {
             objects: program(&objects),
             view,
             bind_group,
+            sky_image,
             object_layout,
         }
     }
@@ -141,7 +149,7 @@ impl ObjectUniforms {
     /// Makes the uniform of object `index` the one that the next draw reads.
     pub(super) fn choose(&self, pass: &mut wgpu::RenderPass<'_>, index: u32) {
         let offset = u32::try_from(self.stride).unwrap_or(u32::MAX) * index;
-        pass.set_bind_group(1, &self.bind_group, &[offset]);
+        pass.set_bind_group(2, &self.bind_group, &[offset]);
     }
 }
 

@@ -1,7 +1,8 @@
 // The preview's shading: direct light without shadows, in the units of the prepared scene.
 //
 // Positions are taken relative to the eye before anything is multiplied, and the eye comes in two parts, so that a vertex
-// close to the eye keeps all its digits; so does the place of a copy. Two passes share the vertex stage: colour for the screen, and object ids.
+// close to the eye keeps all its digits; so does the place of a copy. Images as background are in `sky.wgsl`, compiled with this
+// file. Two passes share the vertex stage: colour for the screen, and object ids.
 
 const MAX_LIGHTS: u32 = 256u;
 
@@ -64,7 +65,7 @@ struct Object {
 }
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(1) @binding(0) var<uniform> object: Object;
+@group(2) @binding(0) var<uniform> object: Object;
 
 struct VertexInput {
     @location(0) position: vec3f,
@@ -100,6 +101,9 @@ fn vertex(in: VertexInput) -> Fragment {
 
 // Radiance of the background in a unit direction.
 fn background(direction: vec3f) -> vec3f {
+    if has_image() {
+        return image_radiance(direction);
+    }
     let t = dot(direction, view.sky_up.xyz);
     return mix(view.horizon.rgb, select(view.ground.rgb, view.zenith.rgb, t >= 0.0), abs(t));
 }
@@ -113,6 +117,9 @@ fn mean_towards(c: f32) -> f32 {
 
 // What a white matt surface with normal `n` sends back of the background, nothing in the way.
 fn background_light(n: vec3f) -> vec3f {
+    if has_image() {
+        return image_light(n);
+    }
     let c = dot(n, view.sky_up.xyz);
     return view.horizon.rgb
         + (view.zenith.rgb - view.horizon.rgb) * mean_towards(c)

@@ -193,10 +193,8 @@ fn near_distance(eye: DVec3, bounds: &Bounds, target_distance: f64) -> f64 {
 /// Zenith, horizon, ground and up of a background.
 fn sky(background: &Background) -> (DVec3, DVec3, DVec3, DVec3) {
     match *background {
-        Background::Image { up, .. } => {
-            let black = DVec3::ZERO;
-            (black, black, black, up.normalize_or(DVec3::Z))
-        }
+        // Drawn from its own texture; black until that is there.
+        Background::Image { .. } => (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DVec3::Z),
         Background::Constant { radiance } => (radiance, radiance, radiance, DVec3::Z),
         Background::Gradient {
             zenith,
@@ -222,6 +220,6 @@ fn mode_number(mode: Mode) -> u32 {
 
 /// Three numbers and a fourth, narrowed.
 #[expect(clippy::cast_possible_truncation, reason = "narrowing is the purpose")]
-fn vec4(v: DVec3, w: f64) -> [f32; 4] {
+pub(super) fn vec4(v: DVec3, w: f64) -> [f32; 4] {
     [v.x as f32, v.y as f32, v.z as f32, w as f32]
 }
