@@ -126,18 +126,29 @@ fn background_light(n: vec3f) -> vec3f {
         + (view.ground.rgb - view.horizon.rgb) * mean_towards(-c);
 }
 
+// The shading normal `n`, tilted as far as needed for `wo` to be reflected away from the surface, as the renderer does.
+fn reflecting_outwards(n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
+    let least = min(0.9 * dot(geometric, wo), 0.01);
+    let mirrored = reflect(-wo, n);
+    let height = dot(geometric, mirrored);
+    if height >= least {
+        return n;
+    }
+    return normalize(wo + normalize(mirrored + geometric * (least - height)));
+}
+
 // All lights, without shadows. `n`, `geometric`: shading and geometric normal on the side of `wo`, the unit vector to the
 // eye.
 fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
     let shininess = object.specular.w;
-    let mirrored = reflect(-wo, n);
+    let mirrored = reflect(-wo, reflecting_outwards(n, geometric, wo));
     var radiance = background_light(n) * object.diffuse.rgb;
     for (var i = 0u; i < min(view.choices.w, MAX_LIGHTS); i++) {
         let to_light = view.lights[i].position.xyz - in.position;
         let squared = dot(to_light, to_light);
         let wi = to_light * inverseSqrt(squared);
         let cosine = dot(n, wi);
-        if cosine <= 0.0 || squared <= 0.0 || dot(geometric, wi) <= 0.0 {
+        if cosine <= 0.0 || squared <= 0.0 {
             continue;
         }
         let lobe = pow(max(dot(mirrored, wi), 0.0), shininess);
@@ -221,7 +232,7 @@ fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f
                 return displayed(object.diffuse.rgb);
             }
             if object.about.y != 0u {
-                return displayed(smooth_surface(n, wo));
+                return displayed(smooth_surface(reflecting_outwards(n, geometric, wo), wo));
             }
             return displayed(direct(in, n, geometric, wo));
         }
