@@ -11,8 +11,8 @@ use raymini::control::CancelToken;
 use raymini::math::{DVec3, Degrees};
 use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
 use raymini::scene::{
-    AcceleratorChoice, AmbientOcclusion, Background, Camera, Facing, Light, Material, Mode,
-    RenderSettings, Rgb, Scene, Shadows,
+    AcceleratorChoice, AmbientOcclusion, Background, Camera, Facing, Light, LightSampling,
+    Material, Mode, RenderSettings, Rgb, Scene, Shadows,
 };
 
 fn disk(center: DVec3, radius: f64) -> Light {
@@ -271,6 +271,45 @@ fn a_disk_in_the_plane_of_a_ceiling_gives_all_its_light() {
             diffuse(1.0),
         );
         assert_near(value(&scene), free, 1e-3, &format!("tilted by {tilt}"));
+    }
+}
+
+/// Near the floor, where light is also met: aiming and meeting must agree on what is in front, ceiling or lamp.
+#[test]
+fn a_near_disk_in_a_ceiling_is_met_and_aimed_at_alike() {
+    for tilt in [0.0, 0.3] {
+        for (mode, way) in [
+            (Mode::Direct, LightSampling::Mis),
+            (Mode::Path, LightSampling::Mis),
+            (Mode::Path, LightSampling::Nee),
+            (Mode::Path, LightSampling::Bsdf),
+        ] {
+            let mut scene = looking_at_floor(0.2, diffuse(1.0));
+            scene.camera.eye.z = 0.05;
+            scene.render.samples_per_pixel = 1 << 14;
+            scene.render.mode = mode;
+            scene.render.light_sampling = way;
+            scene.render.max_bounces = 1;
+            let normal = DVec3::new(tilt, 0.1 * tilt, -1.0).normalize();
+            let (u, v) = normal.any_orthonormal_pair();
+            let center = DVec3::new(0.13, -0.29, 0.77);
+            scene.lights.push(Light::Disk {
+                center,
+                facing: Facing::Normal(normal),
+                radius: 0.6,
+                radiance: Rgb::ONE,
+                visible: true,
+            });
+            let free = value(&scene);
+            let ceiling = rectangle(center, u * 1.9, v * 1.9);
+            add(&mut scene, "ceiling", ceiling, diffuse(1.0));
+            assert_near(
+                value(&scene),
+                free,
+                1e-3,
+                &format!("{mode:?} {way:?} {tilt}"),
+            );
+        }
     }
 }
 

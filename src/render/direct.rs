@@ -305,7 +305,7 @@ impl Shading<'_> {
         let normal = self.point.shading_normal;
         let wi = warp::around(normal, warp::cosine_hemisphere(u));
         let reflected = self.reflected_share(wi);
-        let mut ray = self.point.ray_above(wi);
+        let ray = self.point.ray_above(wi);
         let emitted = disk.emitted(wi);
         let Some(t) = disk.intersect(&ray, f32::INFINITY) else {
             return ByLobe::default();
@@ -315,7 +315,7 @@ impl Shading<'_> {
         }
         let pdf = cosine_pdf(normal, wi);
         let weight = power_heuristic(pdf, disk.pdf_solid_angle(&ray, t));
-        ray.direction *= t;
+        let ray = self.point.ray_to(disk.in_front(ray.at(t)));
         reflected * (emitted * (weight / pdf) * self.visible(&ray, Some(index)))
     }
 

@@ -46,7 +46,7 @@ impl VisibleDisks {
     pub fn nearest(&self, ray: &Ray, t_max: f32) -> Option<DiskHit<'_>> {
         let mut nearest: Option<(f32, usize)> = None;
         self.walk(ray, t_max, |index| {
-            if let Some(t) = self.disks[index].1.intersect(ray, t_max)
+            if let Some(t) = self.disks[index].1.intersect_before(ray, t_max)
                 && nearest.is_none_or(|other| (t, index) < other)
             {
                 nearest = Some((t, index));

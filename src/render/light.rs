@@ -165,15 +165,20 @@ impl PreparedDisk {
         } else {
             Vec3::ZERO
         };
-        // In front of the disk by what rounding may have moved the point, so that a ceiling it lies in does not shadow it.
-        let error = (self.center.abs() + self.radius) * robust::gamma(4);
         LightSample {
-            position: robust::offset_origin(position, error, self.normal, self.normal),
+            position: self.in_front(position),
             irradiance,
         }
     }
 
-    /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which lie beside it by their rounding.
+    /// A point of the disk, in front of it by what rounding may have moved it, so that a ceiling it lies in does not shadow it.
+    pub fn in_front(&self, position: Vec3) -> Vec3 {
+        let error = (self.center.abs() + self.radius) * robust::gamma(4);
+        robust::offset_origin(position, error, self.normal, self.normal)
+    }
+
+    /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which lie beside it by their rounding, as do
+    /// surfaces in its plane.
     pub fn bounds(&self) -> Bounds {
         // 1 − n² per axis, but from the other two: near an axis that has more digits.
         let squares = self.normal.as_dvec3() * self.normal.as_dvec3();
@@ -183,7 +188,7 @@ impl PreparedDisk {
             squares.x + squares.y,
         );
         let across = (others / squares.element_sum()).map(f64::sqrt);
-        let rounding = (self.center.abs().max_element() + self.radius) * robust::gamma(16);
+        let rounding = (1.0 + self.center.abs().max_element() + self.radius) * robust::gamma(16);
         let reach = (across * f64::from(self.radius)).as_vec3() + rounding;
         Bounds {
             min: self.center - reach,
@@ -193,6 +198,22 @@ impl PreparedDisk {
 
     /// Where `ray` meets the disk, on either side, if there is `0 < t < t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        self.intersect_plane(ray).filter(|&t| t < t_max)
+    }
+
+    /// [`Self::intersect`] where a surface was met at `t_max`: of a ceiling and a lamp in its plane, the lamp's bright side is in
+    /// front.
+    pub fn intersect_before(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let t = self.intersect_plane(ray)?;
+        let along = self.normal.dot(ray.direction);
+        // How far behind the surface the disk lies there, against what rounds: corners, of which none is beyond 1, the
+        // disk's centre, and distances.
+        let behind = (t - t_max) * -along;
+        let rounded = 1.0 + self.center.abs().max_element() + self.radius - t * along;
+        (t < t_max || (along < 0.0 && behind <= rounded * robust::gamma(8))).then_some(t)
+    }
+
+    fn intersect_plane(&self, ray: &Ray) -> Option<f32> {
         // In f64: whether a grazing ray meets the rim must not depend on how far away it starts.
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let (center, normal) = (self.center.as_dvec3(), self.normal.as_dvec3());
@@ -205,7 +226,7 @@ impl PreparedDisk {
             (origin + direction * t - center).length_squared() <= f64::from(self.radius).powi(2);
         #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
         let t = t as f32;
-        (inside && t > 0.0 && t < t_max).then_some(t)
+        (inside && t > 0.0).then_some(t)
     }
 
     /// Radiance that leaves the disk against a ray along `direction`: black on its back.
