@@ -198,13 +198,13 @@ impl PreparedDisk {
 
     /// Where `ray` meets the disk, on either side, if there is `0 < t < t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        self.intersect_plane(ray).filter(|&t| t < t_max)
+        self.intersect_plane(ray, t_max).filter(|&t| t < t_max)
     }
 
     /// [`Self::intersect`] where a surface was met at `t_max`: of a ceiling and a lamp in its plane, the lamp's bright side is in
     /// front.
     pub fn intersect_before(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = self.intersect_plane(ray)?;
+        let t = self.intersect_plane(ray, f32::INFINITY)?;
         let along = self.normal.dot(ray.direction);
         // How far behind the surface the disk lies there, against what rounds: corners, of which none is beyond 1, the
         // disk's centre, and distances.
@@ -213,15 +213,19 @@ impl PreparedDisk {
         (t < t_max || (along < 0.0 && behind <= rounded * robust::gamma(8))).then_some(t)
     }
 
-    fn intersect_plane(&self, ray: &Ray) -> Option<f32> {
+    /// Where `ray` meets the disk; nothing is missed up to `t_max`.
+    fn intersect_plane(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         // In f64: whether a grazing ray meets the rim must not depend on how far away it starts.
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let (center, normal) = (self.center.as_dvec3(), self.normal.as_dvec3());
         let along = normal.dot(direction);
-        if along == 0.0 {
+        let height = normal.dot(center - origin);
+        // Behind the start, or further than any rounding of t reaches: most disks, for most rays.
+        let reach = f64::from(t_max) * (1.0 + f64::from(f32::EPSILON));
+        if height * along <= 0.0 || height.abs() > along.abs() * reach {
             return None;
         }
-        let t = normal.dot(center - origin) / along;
+        let t = height / along;
         let inside =
             (origin + direction * t - center).length_squared() <= f64::from(self.radius).powi(2);
         #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
