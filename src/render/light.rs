@@ -25,6 +25,10 @@ pub struct PreparedDisk {
     radius: f32,
     radiance: Vec3,
     visible: bool,
+    /// Two radii at right angles.
+    radii: [Vec3; 2],
+    /// What puts a rounded point of the disk in front of it.
+    lift: Vec3,
 }
 
 /// What a point of a light sends to a point of a surface.
@@ -53,14 +57,15 @@ impl PreparedLight {
                 radius,
                 radiance,
                 visible,
-            } => Self::Disk(PreparedDisk {
-                center: frame.narrow(center),
-                normal: facing.normal(center).unwrap_or_default().as_vec3(),
+            } => {
+                let normal = facing.normal(center).unwrap_or_default().as_vec3();
                 #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-                radius: (radius * frame.scale()) as f32,
-                radiance: radiance.as_vec3(),
-                visible,
-            }),
+                let radius = (radius * frame.scale()) as f32;
+                Self::Disk(PreparedDisk {
+                    visible,
+                    ..PreparedDisk::new(frame.narrow(center), normal, radius, radiance.as_vec3())
+                })
+            }
         }
     }
 
@@ -145,15 +150,31 @@ impl PreparedLight {
         match self {
             Self::Point { .. } => self.center(from),
             Self::Disk(disk) => {
-                let (x, y) = warp::tangents(disk.normal);
-                let Vec2 { x: a, y: b } = warp::concentric_disk(u) * disk.radius;
-                disk.seen_from(from, disk.center + x * a + y * b)
+                let [x, y] = disk.radii;
+                let place = warp::concentric_disk(u);
+                disk.seen_from(from, disk.center + x * place.x + y * place.y)
             }
         }
     }
 }
 
 impl PreparedDisk {
+    /// A visible disk.
+    fn new(center: Vec3, normal: Vec3, radius: f32, radiance: Vec3) -> Self {
+        let (x, y) = warp::tangents(normal);
+        // A point of the disk is rounded four times, and once more when it is lifted; the rest is for the normal.
+        let error = (center.abs() + radius) * robust::gamma(6);
+        Self {
+            center,
+            normal,
+            radius,
+            radiance,
+            visible: true,
+            radii: [x * radius, y * radius],
+            lift: normal * normal.abs().dot(error),
+        }
+    }
+
     /// What the disk's point `position`, standing for the whole area, sends to `from`.
     fn seen_from(&self, from: Vec3, position: Vec3) -> LightSample {
         let towards = from - position;
@@ -171,10 +192,10 @@ impl PreparedDisk {
         }
     }
 
-    /// A point of the disk, in front of it by what rounding may have moved it, so that a ceiling it lies in does not shadow it.
+    /// A point of the disk, in front of it by more than what rounding may have moved it, so that a ceiling it lies in does not
+    /// shadow it.
     pub fn in_front(&self, position: Vec3) -> Vec3 {
-        let error = (self.center.abs() + self.radius) * robust::gamma(4);
-        robust::offset_origin(position, error, self.normal, self.normal)
+        position + self.lift
     }
 
     /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which lie beside it by their rounding, as do
@@ -273,14 +294,9 @@ mod tests {
                 1 => (Vec3::Z + random.in_cube().as_vec3() * 1e-4).normalize(),
                 _ => random.in_cube().normalize().as_vec3(),
             };
-            let disk = PreparedDisk {
-                center: random.in_cube().as_vec3(),
-                normal,
-                #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-                radius: random.unit().powi(9) as f32,
-                radiance: Vec3::ONE,
-                visible: true,
-            };
+            #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
+            let radius = random.unit().powi(9) as f32;
+            let disk = PreparedDisk::new(random.in_cube().as_vec3(), normal, radius, Vec3::ONE);
             let bounds = disk.bounds();
             for _ in 0..50 {
                 let u = random.in_cube().as_vec3().truncate() * 0.5 + 0.5;
