@@ -86,20 +86,21 @@ fn the_back_of_a_disk_gives_nothing() {
     assert_eq!(outcome.stats.rays.shadow, 0);
 }
 
+/// Adds a half plane at height 1 that ends above x = 0.
+fn add_edge(scene: &mut Scene) {
+    let plate = rectangle(
+        DVec3::new(-10.0, 0.0, 1.0),
+        DVec3::X * 10.0,
+        DVec3::Y * 20.0,
+    );
+    add(scene, "edge", plate, diffuse(1.0));
+}
+
 /// A half-plane edge at height 1 under a disk of radius 1 at height 4; the physical irradiance.
 #[test]
 fn the_penumbra_of_an_edge_has_its_profile() {
     let mut scene = looking_at_floor(0.0, diffuse(1.0));
-    add(
-        &mut scene,
-        "edge",
-        rectangle(
-            DVec3::new(-10.0, 0.0, 1.0),
-            DVec3::X * 10.0,
-            DVec3::Y * 20.0,
-        ),
-        diffuse(1.0),
-    );
+    add_edge(&mut scene);
     scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
     scene.render.samples_per_pixel = 1 << 15;
     let cases = [
@@ -125,16 +126,7 @@ fn the_penumbra_of_an_edge_has_its_profile() {
 #[test]
 fn the_rule_of_2011_has_its_own_penumbra() {
     let mut scene = looking_at_floor(0.0, diffuse(1.0));
-    add(
-        &mut scene,
-        "edge",
-        rectangle(
-            DVec3::new(-10.0, 0.0, 1.0),
-            DVec3::X * 10.0,
-            DVec3::Y * 20.0,
-        ),
-        diffuse(1.0),
-    );
+    add_edge(&mut scene);
     scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
     scene.render.shadows = Shadows::Fraction;
     scene.render.samples_per_pixel = 1 << 13;
@@ -163,16 +155,7 @@ fn the_error_of_soft_shadows_falls_as_a_low_discrepancy_sequence_should() {
     let mut scene = looking_at_floor(0.1, diffuse(1.0));
     scene.lights.push(disk(DVec3::Z * 4.0, 1.0));
     let unoccluded = slope(&scene, disk_irradiance(1.0, 4.0, 0.1) / PI);
-    add(
-        &mut scene,
-        "edge",
-        rectangle(
-            DVec3::new(-10.0, 0.0, 1.0),
-            DVec3::X * 10.0,
-            DVec3::Y * 20.0,
-        ),
-        diffuse(1.0),
-    );
+    add_edge(&mut scene);
     let penumbra = slope(&scene, 0.128_443_889 / PI);
     assert!(penumbra <= -0.70, "penumbra: {penumbra}");
     assert!(unoccluded <= -0.95, "unoccluded: {unoccluded}");

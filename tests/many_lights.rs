@@ -7,12 +7,10 @@ mod common;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use common::{add, diffuse, looking_at_floor, picture, rectangle, run, value};
+use common::{add, assert_ways_agree, diffuse, looking_at_floor, picture, rectangle, run, value};
 use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::DVec3;
-use raymini::scene::{
-    Camera, Facing, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene, Shadows,
-};
+use raymini::scene::{Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, Scene, Shadows};
 
 /// Numbers in `0..1` that are the same everywhere (the R₁ sequence of a few irrationals).
 fn unit(index: u32, which: u32) -> f64 {
@@ -188,11 +186,8 @@ fn hard_shadows_of_many_disks_are_sharp() {
     assert_eq!(picture(&scene).pixel(0, 0), [0.0; 3]);
 }
 
-/// Two ways of finding light give the same picture: over 32 seeds, in standard deviations. α = 0.001 over two scenes, three
-/// comparisons and 16 pixels: |z| < 4.4 for normal means of 32.
 #[test]
 fn every_way_of_finding_many_lights_finds_the_same() {
-    const SEEDS: u32 = 32;
     let mut base = Scene::default();
     let shiny = Material::Phong {
         diffuse: Rgb::splat(0.4),
@@ -252,35 +247,7 @@ fn every_way_of_finding_many_lights_finds_the_same() {
         .collect();
 
     for (name, mut scene) in [("mesh", mesh), ("disks", disks)] {
-        let ways = [LightSampling::Mis, LightSampling::Nee, LightSampling::Bsdf];
-        let statistics = ways.map(|way| {
-            scene.render.light_sampling = way;
-            let runs: Vec<_> = (0..SEEDS)
-                .map(|seed| {
-                    scene.render.seed = 1000 * (way as u64) + u64::from(seed);
-                    picture(&scene)
-                })
-                .collect();
-            let count = f64::from(SEEDS);
-            let of_pixel = |pixel: usize| {
-                let values = runs.iter().map(|run| f64::from(run.pixels[pixel][0]));
-                let mean = values.clone().sum::<f64>() / count;
-                let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
-                (mean, variance / count)
-            };
-            (0..16).map(of_pixel).collect::<Vec<_>>()
-        });
-        for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-            let pairs = statistics[a].iter().zip(&statistics[b]);
-            for (pixel, ((mean_a, variance_a), (mean_b, variance_b))) in pairs.enumerate() {
-                let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-12);
-                let ways = (ways[a], ways[b]);
-                assert!(
-                    z.abs() < 4.4,
-                    "{name}, {ways:?}, pixel {pixel}: {mean_a}, {mean_b}, z = {z}"
-                );
-            }
-        }
+        assert_ways_agree(&mut scene, name);
     }
 }
 

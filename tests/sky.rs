@@ -7,7 +7,9 @@ mod common;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use common::{add, assert_near, diffuse, looking_at_floor, picture, rectangle, run, value};
+use common::{
+    add, assert_near, assert_ways_agree, diffuse, looking_at_floor, picture, rectangle, run, value,
+};
 use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees};
 use raymini::render::Image;
@@ -161,11 +163,9 @@ fn a_sun_gives_no_fireflies_in_mode_direct() {
     assert!(largest < 1.3 * mean, "{largest} of {mean}");
 }
 
-/// Estimators of one picture: the difference of the means over 64 seeds, in standard deviations. α = 0.001 over three
-/// comparisons of 16 pixels each: |z| < 4.3. A lamp and a disk share what is aimed at with the sky.
+/// A lamp and a disk share what is aimed at with the sky.
 #[test]
 fn every_way_of_finding_the_sky_finds_the_same() {
-    const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, LightSampling::Bsdf];
     let mut scene = Scene::default();
     let shiny = Material::Phong {
         diffuse: Rgb::splat(0.4),
@@ -198,33 +198,7 @@ fn every_way_of_finding_the_sky_finds_the_same() {
         max_bounces: 3,
         ..RenderSettings::default()
     };
-    let statistics = WAYS.map(|way| {
-        scene.render.light_sampling = way;
-        let runs: Vec<Image> = (0..64)
-            .map(|seed| {
-                scene.render.seed = 1000 * (way as u64) + seed;
-                picture(&scene)
-            })
-            .collect();
-        let of_pixel = |pixel: usize| {
-            let values = runs.iter().map(|image| f64::from(image.pixels[pixel][0]));
-            let mean = values.clone().sum::<f64>() / 64.0;
-            let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / 63.0;
-            (mean, variance / 64.0)
-        };
-        (0..16).map(of_pixel).collect::<Vec<_>>()
-    });
-    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-        let pairs = statistics[a].iter().zip(&statistics[b]);
-        for (pixel, ((mean_a, variance_a), (mean_b, variance_b))) in pairs.enumerate() {
-            let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-12);
-            let ways = (WAYS[a], WAYS[b]);
-            assert!(
-                z.abs() < 4.3,
-                "{ways:?}, pixel {pixel}: {mean_a}, {mean_b}, z = {z}"
-            );
-        }
-    }
+    assert_ways_agree(&mut scene, "sky and lamps");
 }
 
 /// A black object far away; the pixel at the middle shows the sky along `direction`, a wide picture what is around it.
