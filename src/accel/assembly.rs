@@ -123,7 +123,7 @@ impl Assembly {
             assembly.flat.triangles().len(),
             "flat parts and triangles"
         );
-        if matches!(assembly.flat, Accelerator::KdTree(_)) {
+        if !matches!(assembly.flat, Accelerator::BruteForce(_)) {
             assembly.tree = Some(BoxTree::build(&boxes));
         }
         let all = boxes.iter().copied();

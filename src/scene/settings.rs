@@ -235,6 +235,8 @@ pub enum AcceleratorChoice {
     /// The fastest there is for the scene.
     #[default]
     Auto,
+    /// A tree of boxes, eight to a node.
+    Wide,
     /// A tree of axis-aligned planes.
     KdTree,
     /// Every triangle for every ray: the reference.
@@ -244,6 +246,7 @@ pub enum AcceleratorChoice {
 impl Choice for AcceleratorChoice {
     const ALL: &'static [(Self, &'static str)] = &[
         (Self::Auto, "auto"),
+        (Self::Wide, "wide"),
         (Self::KdTree, "kd-tree"),
         (Self::BruteForce, "brute-force"),
     ];
