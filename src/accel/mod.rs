@@ -90,14 +90,31 @@ impl Accelerator {
         }
     }
 
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        match self {
+            Self::Wide(tree) => tree.triangle_count(),
+            Self::KdTree(tree) => tree.triangles().len(),
+            Self::BruteForce(all) => all.triangles().len(),
+        }
+    }
+
+    /// The triangle with that position in the order given.
+    #[must_use]
+    #[inline]
+    pub fn triangle(&self, id: usize) -> Triangle {
+        match self {
+            Self::Wide(tree) => tree.triangle(id),
+            Self::KdTree(tree) => tree.triangles()[id],
+            Self::BruteForce(all) => all.triangles()[id],
+        }
+    }
+
     /// The triangles in the order given.
     #[must_use]
-    pub fn triangles(&self) -> &[Triangle] {
-        match self {
-            Self::Wide(tree) => tree.triangles(),
-            Self::KdTree(tree) => tree.triangles(),
-            Self::BruteForce(all) => all.triangles(),
-        }
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = Triangle> {
+        (0..self.triangle_count()).map(|id| self.triangle(id))
     }
 
     /// The box around all triangles; empty when there are none.
@@ -120,7 +137,7 @@ impl Accelerator {
         }
     }
 
-    /// Memory the structure takes, its copy of the triangles included.
+    /// Memory the structure takes, with the triangles.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {

@@ -175,8 +175,10 @@ fn build(
 ) -> Option<Accelerator> {
     match structure {
         AcceleratorChoice::BruteForce => Some(Accelerator::BruteForce(BruteForce::new(triangles))),
-        AcceleratorChoice::Wide => WideTree::build(triangles, cancel).map(Accelerator::Wide),
-        AcceleratorChoice::Auto | AcceleratorChoice::KdTree => {
+        AcceleratorChoice::Auto | AcceleratorChoice::Wide => {
+            WideTree::build(&triangles, cancel).map(Accelerator::Wide)
+        }
+        AcceleratorChoice::KdTree => {
             let tree = KdTree::build(triangles, &KdParameters::default(), cancel)?;
             Some(Accelerator::KdTree(tree))
         }

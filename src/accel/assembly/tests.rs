@@ -19,8 +19,12 @@ fn kd_tree(triangles: Vec<Triangle>) -> Accelerator {
     Accelerator::KdTree(tree.expect("nobody cancels"))
 }
 
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "as the other structures want it"
+)]
 fn wide_tree(triangles: Vec<Triangle>) -> Accelerator {
-    let tree = WideTree::build(triangles, &CancelToken::new());
+    let tree = WideTree::build(&triangles, &CancelToken::new());
     Accelerator::Wide(tree.expect("nobody cancels"))
 }
 

@@ -5,7 +5,7 @@
 
 use super::node::WIDTH;
 use super::split::divide;
-use super::{Item, LARGEST_LEAF};
+use super::{Item, LARGEST_LEAF, number};
 use crate::accel::block::LANES;
 use crate::accel::half_area;
 use crate::control::CancelToken;
@@ -55,9 +55,9 @@ impl Binary {
 /// Expected costs of the cheapest forests of at most 1 to 7 trees over a set, in the unit of [`NODE_COST`] times area.
 type ForestCosts = [f64; WIDTH - 1];
 
-/// Grows the tree over at least one item, the root first; rearranges the items. Not meaningful when cancelled.
+/// Grows the tree over the items, the root first, and rearranges them. Not meaningful when cancelled.
 pub(super) fn grow(items: &mut [Item], cancel: &CancelToken) -> Vec<Binary> {
-    let mut nodes = vec![Binary::NONE; 2 * items.len() - 1];
+    let mut nodes = vec![Binary::NONE; (2 * items.len()).max(2) - 1];
     let place = Place {
         slot: 0,
         first: 0,
@@ -191,8 +191,4 @@ fn cheapest_forests(
         }
     }
     (costs, choices)
-}
-
-fn number(index: usize) -> u32 {
-    u32::try_from(index).expect("there are at most 2^29 triangles")
 }

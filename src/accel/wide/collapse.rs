@@ -1,8 +1,8 @@
 //! Folding the binary tree into wide nodes and blocks.
 
-use super::Item;
 use super::build::{Binary, children};
 use super::node::{Child, Node};
+use super::{Item, block};
 use crate::accel::block::{LANES, TriangleBlock};
 use crate::geometry::Triangle;
 use rayon::prelude::*;
@@ -62,13 +62,8 @@ impl Folding {
 
     fn blocks(&self, items: &[Item], triangles: &[Triangle]) -> Vec<TriangleBlock> {
         let chunks = self.chunks.par_iter();
-        let block = |&(first, count): &(usize, usize)| {
-            let mut ids = [0; LANES];
-            for (id, item) in ids.iter_mut().zip(&items[first..first + count]) {
-                *id = item.triangle;
-            }
-            TriangleBlock::new(&ids[..count], triangles)
-        };
-        chunks.map(block).collect()
+        chunks
+            .map(|&(first, count)| block(&items[first..first + count], triangles))
+            .collect()
     }
 }

@@ -51,55 +51,54 @@ impl Item {
 /// The tree of eight-wide nodes.
 #[derive(Clone, Debug)]
 pub struct WideTree {
-    triangles: Vec<Triangle>,
+    /// Where each triangle is: eight times its block plus its lane. There is no other list of them.
+    places: Vec<u32>,
     bounds: Bounds,
     /// The largest coordinate of any box, by magnitude.
     reach: f32,
     root: Child,
     /// Parents before children.
     nodes: Vec<Node>,
+    /// Those of the leaves, then those of triangles that are in none.
     blocks: Vec<TriangleBlock>,
 }
 
 impl WideTree {
     /// Builds the tree; `None` when cancelled. The result depends on the triangles alone, not on the number of threads.
     ///
-    /// Takes time in proportion to `n log n` for any triangles. Those that are not finite, which no ray hits, are left out.
+    /// Takes time in proportion to `n log n` for any triangles. Those that are not finite, which no ray hits, are
+    /// in no leaf.
     ///
     /// # Panics
     /// When there are more than 2²⁹ triangles.
     #[must_use]
-    pub fn build(triangles: Vec<Triangle>, cancel: &CancelToken) -> Option<Self> {
+    pub fn build(triangles: &[Triangle], cancel: &CancelToken) -> Option<Self> {
         assert!(
             triangles.len() <= MAX_TRIANGLES,
             "{} triangles are more than 2^29",
             triangles.len()
         );
         let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
-        let mut items: Vec<_> = triangles
-            .par_iter()
-            .enumerate()
-            .filter(|(_, triangle)| triangle.corners.iter().all(|corner| corner.is_finite()))
-            .map(|(id, triangle)| Item {
-                bounds: triangle.bounds(),
-                triangle: u32::try_from(id).expect("there are at most 2^29 triangles"),
-            })
-            .collect();
-        let all = items
-            .iter()
-            .fold(Bounds::EMPTY, |all, item| all.union(item.bounds));
+        let items = triangles.par_iter().enumerate().map(|(id, triangle)| Item {
+            bounds: triangle.bounds(),
+            triangle: number(id),
+        });
+        let (mut items, others): (Vec<_>, Vec<_>) = items.partition(|item| {
+            let [a, b, c] = triangles[item.triangle as usize].corners;
+            a.is_finite() && b.is_finite() && c.is_finite()
+        });
+        let boxes = items.iter().map(|item| item.bounds);
+        let all = boxes.fold(Bounds::EMPTY, Bounds::union);
         let reach = all.min.abs().max(all.max.abs()).max_element();
-        let (root, nodes, blocks) = if items.is_empty() {
-            (Child::NONE, Vec::new(), Vec::new())
-        } else {
-            let binary = build::grow(&mut items, cancel);
-            if cancel.is_cancelled() {
-                return None;
-            }
-            collapse::collapse(&binary, &items, &triangles)
-        };
-        (!cancel.is_cancelled()).then_some(Self {
-            triangles,
+
+        let binary = build::grow(&mut items, cancel);
+        if cancel.is_cancelled() {
+            return None;
+        }
+        let (root, nodes, mut blocks) = collapse::collapse(&binary, &items, triangles);
+        blocks.extend(others.chunks(LANES).map(|others| block(others, triangles)));
+        (!cancel.is_cancelled()).then(|| Self {
+            places: places(&blocks, triangles.len()),
             bounds,
             reach,
             root,
@@ -128,10 +127,18 @@ impl WideTree {
         })
     }
 
-    /// The triangles in the order given.
+    /// Number of triangles.
     #[must_use]
-    pub fn triangles(&self) -> &[Triangle] {
-        &self.triangles
+    pub fn triangle_count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The triangle with that position in the order given.
+    #[must_use]
+    #[inline]
+    pub fn triangle(&self, id: usize) -> Triangle {
+        let place = self.places[id] as usize;
+        self.blocks[place / LANES].triangle(place % LANES)
     }
 
     /// The box around all triangles; empty when there are none.
@@ -140,9 +147,34 @@ impl WideTree {
         self.bounds
     }
 
-    /// Memory of nodes, leaves and triangles.
+    /// Memory of nodes, triangles and their places.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.triangles)
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.places)
     }
+}
+
+/// The block of at most eight items.
+fn block(items: &[Item], triangles: &[Triangle]) -> TriangleBlock {
+    let mut ids = [0; LANES];
+    for (id, item) in ids.iter_mut().zip(items) {
+        *id = item.triangle;
+    }
+    TriangleBlock::new(&ids[..items.len()], triangles)
+}
+
+/// Where in the blocks each of so many triangles is.
+fn places(blocks: &[TriangleBlock], triangles: usize) -> Vec<u32> {
+    let mut places = vec![0; triangles];
+    let lanes = blocks.iter().flat_map(|block| block.ids);
+    for (place, id) in lanes.enumerate() {
+        if id != TriangleBlock::NO_TRIANGLE {
+            places[id as usize] = number(place);
+        }
+    }
+    places
+}
+
+fn number(index: usize) -> u32 {
+    u32::try_from(index).expect("there are at most 2^29 triangles, and no more blocks")
 }

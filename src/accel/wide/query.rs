@@ -103,3 +103,33 @@ impl Visitor for Any {
         Some(self.t_max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::simd;
+    use crate::accel::tests::{rays, scenes};
+    use crate::control::CancelToken;
+
+    /// On machines without wide instructions, the same code twice.
+    #[test]
+    fn wide_instructions_answer_with_the_same_bits() {
+        for (name, triangles) in scenes() {
+            let tree = &WideTree::build(&triangles, &CancelToken::new()).unwrap();
+            for ray in &rays(&triangles, 9) {
+                for t_max in [f32::INFINITY, 0.7] {
+                    let nearest = NearestHit { tree, ray, t_max };
+                    let bits = |hit: Hit| {
+                        let weights = hit.barycentrics.map(f32::to_bits);
+                        (hit.triangle, hit.t.to_bits(), weights)
+                    };
+                    let (plain, wide) = (nearest.answer(), simd::answer(&nearest));
+                    assert_eq!(plain.map(bits), wide.map(bits), "{name}: {ray:?}");
+                    let any = AnyHit { tree, ray, t_max };
+                    assert_eq!(any.answer(), plain.is_some(), "{name}: {ray:?}");
+                    assert_eq!(simd::answer(&any), plain.is_some(), "{name}: {ray:?}");
+                }
+            }
+        }
+    }
+}

@@ -6,15 +6,15 @@ use crate::accel::block::{LANES, TriangleBlock};
 use crate::math::Bounds;
 
 impl WideTree {
-    /// Checks what the walk relies on: every node and block is reached once, boxes hold what is in them, blocks hold the
-    /// triangles they name, and every finite triangle is in one block.
+    /// Checks what the walk relies on: every node and block is reached once, boxes hold what is in them, every triangle is
+    /// in one block, where its place says, and all that are finite are in leaves.
     ///
     /// # Errors
     /// A sentence about the first thing found wrong.
     pub fn validate(&self) -> Result<(), String> {
         let mut nodes_reached = vec![false; self.nodes.len()];
         let mut blocks_reached = vec![false; self.blocks.len()];
-        let mut triangles_reached = vec![false; self.triangles.len()];
+        let mut triangles_reached = vec![false; self.places.len()];
         let everywhere = Bounds {
             min: Bounds::EMPTY.max,
             max: Bounds::EMPTY.min,
@@ -51,13 +51,11 @@ impl WideTree {
         if let Some(index) = nodes_reached.iter().position(|reached| !reached) {
             return Err(format!("node {index} is never reached"));
         }
-        if let Some(index) = blocks_reached.iter().position(|reached| !reached) {
-            return Err(format!("block {index} is never reached"));
+        for index in (0..self.blocks.len()).filter(|&index| !blocks_reached[index]) {
+            // A finite triangle reaches out of the box that holds nothing.
+            self.validate_block(index, &Bounds::EMPTY, &mut triangles_reached)?;
         }
-        let mut triangles = self.triangles.iter().zip(triangles_reached);
-        let missing = triangles.position(|(triangle, reached)| {
-            !reached && triangle.corners.iter().all(|corner| corner.is_finite())
-        });
+        let missing = triangles_reached.iter().position(|reached| !reached);
         missing.map_or(Ok(()), |id| Err(format!("triangle {id} is in no block")))
     }
 
@@ -76,15 +74,16 @@ impl WideTree {
                 }
                 continue;
             }
-            if self.triangles.get(id as usize) != Some(&triangle) {
-                return Err(format!(
-                    "block {index} has other corners than triangle {id}"
-                ));
+            let place = self.places.get(id as usize);
+            if place.map(|&place| place as usize) != Some(index * LANES + lane) {
+                return Err(format!("triangle {id} is elsewhere than in block {index}"));
             }
             if std::mem::replace(&mut reached[id as usize], true) {
                 return Err(format!("triangle {id} is in two blocks"));
             }
-            if !triangle.corners.iter().all(|&c| bounds.contains(c)) {
+            let corners = triangle.corners;
+            let is_finite = corners.iter().all(|corner| corner.is_finite());
+            if is_finite && !corners.iter().all(|&c| bounds.contains(c)) {
                 return Err(format!("triangle {id} reaches out of its box"));
             }
         }

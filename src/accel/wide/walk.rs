@@ -20,21 +20,34 @@ impl WideTree {
     pub(super) fn walk<V: Visitor>(&self, ray: &Ray, t_max: f32, visitor: &mut V) {
         let slabs = RaySlabs::new(ray, self.reach);
         let mut limit = later(t_max);
-        let mut stack = Stack::new();
+        // All but the deepest trees need this array alone, which is small, as every ray clears one.
+        let mut stack = [Waiting(0); STACK_SIZE];
+        let mut count = 0;
+        // What was in the array when it was full.
+        let mut below = Vec::new();
         let mut next = self.root;
         loop {
             match next.kind() {
                 ChildKind::Node(index) => {
                     let node = &self.nodes[index];
+                    if count > STACK_SIZE - WIDTH {
+                        set_aside(&mut below, &stack[..count]);
+                        count = 0;
+                    }
                     let (enter, passed) = slabs.enter(node, limit);
-                    let first = stack.make_room();
+                    let first = count;
                     for lane in passed {
-                        let waiting = Waiting::new(enter[lane], node.children[lane]);
-                        if V::NEAREST_FIRST {
-                            stack.insert(first, waiting);
-                        } else {
-                            stack.push(waiting);
+                        // Where the order does not matter, no beginning is asked for again.
+                        let enter = if V::NEAREST_FIRST { enter[lane] } else { 0.0 };
+                        let waiting = Waiting::new(enter, node.children[lane]);
+                        let mut at = count;
+                        // The nearest is on top.
+                        while V::NEAREST_FIRST && at > first && stack[at - 1] < waiting {
+                            stack[at] = stack[at - 1];
+                            at -= 1;
                         }
+                        stack[at] = waiting;
+                        count += 1;
                     }
                 }
                 ChildKind::Leaf(blocks) => match visitor.visit(&self.blocks[blocks]) {
@@ -43,15 +56,40 @@ impl WideTree {
                 },
             }
             next = loop {
-                let Some(waiting) = stack.pop() else {
-                    return;
-                };
-                if waiting.enter() <= limit {
+                if count == 0 {
+                    count = take_back(&mut below, &mut stack);
+                    if count == 0 {
+                        return;
+                    }
+                }
+                count -= 1;
+                let waiting = stack[count];
+                if !V::NEAREST_FIRST || waiting.enter() <= limit {
                     break waiting.child();
                 }
             };
         }
     }
+}
+
+const STACK_SIZE: usize = 64;
+
+#[cold]
+#[inline(never)]
+fn set_aside(below: &mut Vec<Waiting>, stack: &[Waiting]) {
+    below.extend_from_slice(stack);
+}
+
+/// Moves as much as there is and fits back onto the empty stack; returns how much.
+#[inline(always)]
+fn take_back(below: &mut Vec<Waiting>, stack: &mut [Waiting; STACK_SIZE]) -> usize {
+    if below.is_empty() {
+        return 0;
+    }
+    let count = below.len().min(STACK_SIZE - WIDTH);
+    stack[..count].copy_from_slice(&below[below.len() - count..]);
+    below.truncate(below.len() - count);
+    count
 }
 
 /// A child that waits for its turn: where it begins in the upper half, the child in the lower. As no child begins before 0,
@@ -75,63 +113,5 @@ impl Waiting {
         #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
         let bits = self.0 as u32;
         Child::from_bits(bits)
-    }
-}
-
-/// What waits on a walk. All but the deepest trees need the array alone, which is small, as every ray clears one.
-struct Stack {
-    top: [Waiting; Self::SIZE],
-    count: usize,
-    /// What was below the array when it was full.
-    rest: Vec<Waiting>,
-}
-
-impl Stack {
-    const SIZE: usize = 64;
-
-    #[inline(always)]
-    fn new() -> Self {
-        Self {
-            top: [Waiting(0); Self::SIZE],
-            count: 0,
-            rest: Vec::new(),
-        }
-    }
-
-    /// Makes room for the children of a node; returns where they begin.
-    #[inline(always)]
-    fn make_room(&mut self) -> usize {
-        if self.count > Self::SIZE - WIDTH {
-            self.rest.extend_from_slice(&self.top[..self.count]);
-            self.count = 0;
-        }
-        self.count
-    }
-
-    #[inline(always)]
-    fn push(&mut self, waiting: Waiting) {
-        self.top[self.count] = waiting;
-        self.count += 1;
-    }
-
-    /// Adds one to those from `first` on, of which the nearest is on top.
-    #[inline(always)]
-    fn insert(&mut self, first: usize, waiting: Waiting) {
-        let mut at = self.count;
-        while at > first && self.top[at - 1] < waiting {
-            self.top[at] = self.top[at - 1];
-            at -= 1;
-        }
-        self.top[at] = waiting;
-        self.count += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<Waiting> {
-        if self.count == 0 {
-            return self.rest.pop();
-        }
-        self.count -= 1;
-        Some(self.top[self.count])
     }
 }
