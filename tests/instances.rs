@@ -190,6 +190,8 @@ fn structures_and_threads_give_the_same_bits() {
     };
     let expected = hash(AcceleratorChoice::KdTree, 1);
     assert_eq!(hash(AcceleratorChoice::KdTree, 3), expected);
+    assert_eq!(hash(AcceleratorChoice::Wide, 1), expected);
+    assert_eq!(hash(AcceleratorChoice::Wide, 3), expected);
     assert_eq!(hash(AcceleratorChoice::BruteForce, 2), expected);
 }
 

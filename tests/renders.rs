@@ -361,7 +361,11 @@ fn the_picture_is_the_same_for_any_number_of_threads_and_any_structure() {
         );
         assert_eq!(run(&scene, threads).stats.rays, reference.stats.rays);
     }
-    for structure in [AcceleratorChoice::BruteForce, AcceleratorChoice::KdTree] {
+    for structure in [
+        AcceleratorChoice::BruteForce,
+        AcceleratorChoice::KdTree,
+        AcceleratorChoice::Wide,
+    ] {
         scene.render.accelerator = structure;
         assert_eq!(
             picture(&scene).hash(),

@@ -120,10 +120,10 @@ impl Assembly {
         }
         assert_eq!(
             in_flat as usize,
-            assembly.flat.triangles().len(),
+            assembly.flat.triangle_count(),
             "flat parts and triangles"
         );
-        if matches!(assembly.flat, Accelerator::KdTree(_)) {
+        if !matches!(assembly.flat, Accelerator::BruteForce(_)) {
             assembly.tree = Some(BoxTree::build(&boxes));
         }
         let all = boxes.iter().copied();
@@ -142,13 +142,14 @@ impl Assembly {
         start: u32,
         boxes: &mut Vec<Bounds>,
     ) -> (u32, Content) {
-        let triangles = self.shared[structure].triangles();
-        let count = u32::try_from(triangles.len()).expect("the structure counts in u32");
+        let shared = &self.shared[structure];
+        let count = u32::try_from(shared.triangle_count()).expect("the structure counts in u32");
         let part = u32::try_from(self.parts.len()).expect("less parts than triangles");
-        let around = triangles
-            .par_iter()
-            .map(|triangle| {
-                DBounds::of_points(triangle.corners.map(|corner| turn.apply(corner.as_dvec3())))
+        let around = (0..shared.triangle_count())
+            .into_par_iter()
+            .map(|id| {
+                let corners = shared.triangle(id).corners;
+                DBounds::of_points(corners.map(|corner| turn.apply(corner.as_dvec3())))
             })
             .reduce(|| DBounds::EMPTY, DBounds::union);
 
@@ -302,19 +303,17 @@ impl Assembly {
         let part = &self.parts[index];
         let number = id - part.start;
         let (triangle, place) = match part.content {
-            Content::Flat(first) => (self.flat.triangles()[(first + number) as usize], None),
+            Content::Flat(first) => (self.flat.triangle((first + number) as usize), None),
             Content::Copies {
                 structure,
                 ref turn,
                 is_mirrored,
                 first,
             } => {
-                let triangles = self.shared[structure].triangles();
-                let (copy, in_copy) = (
-                    number as usize / triangles.len(),
-                    number as usize % triangles.len(),
-                );
-                let mut triangle = triangles[in_copy];
+                let shared = &self.shared[structure];
+                let count = shared.triangle_count();
+                let (copy, in_copy) = (number as usize / count, number as usize % count);
+                let mut triangle = shared.triangle(in_copy);
                 triangle.corners = outward(triangle.corners, is_mirrored);
                 let translation = self.copies[first + copy].translation;
                 (triangle, Some(Place { turn, translation }))
@@ -349,7 +348,7 @@ impl Assembly {
             return None;
         };
         let structure = &self.shared[structure];
-        let count = (part.end - part.start) as usize / structure.triangles().len();
+        let count = (part.end - part.start) as usize / structure.triangle_count();
         let copies = self.copies[first..first + count].iter();
         Some((structure, turn, copies.map(|copy| copy.translation)))
     }

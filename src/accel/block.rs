@@ -89,7 +89,7 @@ impl BlockFilter {
     /// A lane is rejected when its edge functions have different signs for certain. Numbers too large for `f32` make the
     /// bound infinite or NaN, and a lane with such a bound passes: (P + h)(P + Z) is at least as large as every product
     /// in the edge functions, so they cannot overflow unless it does. The smallest normal number covers underflow.
-    #[inline]
+    #[inline(always)]
     pub fn may_hit(&self, block: &TriangleBlock) -> LaneSet {
         let [ax, ay, az] = self.sheared(&block.corners[0]);
         let [bx, by, bz] = self.sheared(&block.corners[1]);
@@ -108,10 +108,10 @@ impl BlockFilter {
             let rejected = (min(min(u, v), w) < -error) & (max(max(u, v), w) > error);
             passed[i] = u8::from(!rejected & !az[i].is_nan());
         }
-        LaneSet(u64::from_le_bytes(passed))
+        LaneSet::from_bytes(passed)
     }
 
-    #[inline]
+    #[inline(always)]
     fn sheared(&self, corner: &[Lanes; 3]) -> [Lanes; 3] {
         let [x, y, z] = self.axes.map(|axis| &corner[axis]);
         let mut result = [[0.0; LANES]; 3];
@@ -125,14 +125,22 @@ impl BlockFilter {
     }
 }
 
-/// Lanes of a block, in ascending order: a byte each, 0 or 1, as comparing vectors gives them.
+/// Lanes of a block or a node, in ascending order: a byte each, 0 or 1, as comparing vectors gives them.
 #[derive(Debug)]
 pub(super) struct LaneSet(u64);
+
+impl LaneSet {
+    /// The lanes with a 1.
+    #[inline(always)]
+    pub fn from_bytes(bytes: [u8; LANES]) -> Self {
+        Self(u64::from_le_bytes(bytes))
+    }
+}
 
 impl Iterator for LaneSet {
     type Item = usize;
 
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<usize> {
         (self.0 != 0).then(|| {
             let lane = self.0.trailing_zeros() as usize / 8;
@@ -143,13 +151,13 @@ impl Iterator for LaneSet {
 }
 
 /// The smaller number; `f32::min` treats NaN differently and costs three instructions.
-#[inline]
+#[inline(always)]
 fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The larger number; see [`min`].
-#[inline]
+#[inline(always)]
 fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }

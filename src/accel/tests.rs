@@ -1,4 +1,4 @@
-//! The kd-tree against brute force, bit for bit, on rays and scenes chosen to be hard.
+//! The trees against brute force, bit for bit, on rays and scenes chosen to be hard.
 
 use super::*;
 use crate::control::CancelToken;
@@ -44,7 +44,7 @@ fn teapot_in_a_stadium() -> TriangleMesh {
     joined([shapes::grid(4), teapot])
 }
 
-fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
+pub(super) fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
     let identical = vec![[0, 1, 2]; 100];
     let identical = TriangleMesh {
         triangles: identical,
@@ -103,12 +103,22 @@ fn kd_tree(triangles: &[Triangle]) -> KdTree {
     tree.expect("nobody cancels")
 }
 
+fn wide_tree(triangles: &[Triangle]) -> WideTree {
+    WideTree::build(triangles, &CancelToken::new()).expect("nobody cancels")
+}
+
+/// Every structure but the reference.
+fn trees(triangles: &[Triangle]) -> [Accelerator; 2] {
+    let (kd, wide) = (kd_tree(triangles), wide_tree(triangles));
+    [Accelerator::KdTree(kd), Accelerator::Wide(wide)]
+}
+
 fn narrowed(v: DVec3) -> Vec3 {
     v.as_vec3()
 }
 
 /// Rays that miss, hit, graze and run along `triangles`.
-fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
+pub(super) fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);
     let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
     let (center, half) = if bounds.is_empty() {
@@ -185,8 +195,9 @@ fn bits(hit: Option<Hit>) -> Option<(u32, u32, [u32; 3])> {
 }
 
 /// Asserts that both structures answer with the same bits; returns the number of hits.
-fn assert_same(name: &str, tree: &KdTree, all: &BruteForce, rays: &[Ray]) -> usize {
+fn assert_same(name: &str, tree: &Accelerator, all: &BruteForce, rays: &[Ray]) -> usize {
     let mut hits = 0;
+    let name = format!("{} over {name}", tree.name());
     for ray in rays {
         let expected = all.intersect(ray, f32::INFINITY);
         assert_eq!(
@@ -222,22 +233,54 @@ fn assert_same(name: &str, tree: &KdTree, all: &BruteForce, rays: &[Ray]) -> usi
 }
 
 #[test]
-fn the_kd_tree_answers_like_brute_force() {
+fn the_trees_answer_like_brute_force() {
     for (name, triangles) in scenes() {
-        let tree = kd_tree(&triangles);
-        tree.validate()
-            .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let hits = assert_same(
-            name,
-            &tree,
-            &BruteForce::new(triangles.clone()),
-            &rays(&triangles, 1),
-        );
-        assert!(
-            triangles.is_empty() || hits > 200,
-            "{name}: only {hits} hits"
-        );
+        for tree in trees(&triangles) {
+            let sound = match &tree {
+                Accelerator::Wide(tree) => tree.validate(),
+                Accelerator::KdTree(tree) => tree.validate(),
+                Accelerator::BruteForce(_) => Ok(()),
+            };
+            sound.unwrap_or_else(|error| panic!("{} over {name}: {error}", tree.name()));
+            let hits = assert_same(
+                name,
+                &tree,
+                &BruteForce::new(triangles.clone()),
+                &rays(&triangles, 1),
+            );
+            assert!(
+                triangles.is_empty() || hits > 200,
+                "{name}: only {hits} hits"
+            );
+        }
     }
+}
+
+/// Rays that no margin is relative to: distances overflow and underflow, and planes lie where differences are infinite.
+#[test]
+fn extreme_rays_and_triangles_are_met_as_by_brute_force() {
+    let mut random = Random::new(8);
+    let mut hits = 0;
+    for turn in 0..400 {
+        let exponent = random.unit() * 270.0 - 145.0;
+        let mut extreme = |exponent: f64| narrowed(random.in_cube() * exponent.exp2());
+        let triangles: Vec<_> = (0..40)
+            .map(|i| Triangle {
+                corners: [0, 1, 2].map(|_| extreme(if i % 2 == 0 { exponent } else { 126.9 })),
+            })
+            .collect();
+        let mut rays = Vec::new();
+        for i in 0..50 {
+            let origin = extreme([exponent, 127.0, -120.0][turn % 3]);
+            let target = triangles[i % 40].corners[i % 3];
+            let direction = [target - origin, target, extreme(-126.0), extreme(127.0)][i % 4];
+            rays.push(Ray::new(origin, direction));
+        }
+        rays.retain(|ray| ray.direction.is_finite() && ray.direction != Vec3::ZERO);
+        let tree = Accelerator::Wide(wide_tree(&triangles));
+        hits += assert_same("extreme", &tree, &BruteForce::new(triangles), &rays);
+    }
+    assert!(hits > 1000, "only {hits} hits");
 }
 
 /// Small leaves, many planes: what the default parameters would leave in one block is cut up too.
@@ -256,6 +299,7 @@ fn a_tree_of_tiny_cells_answers_like_brute_force() {
         tree.validate()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let some: Vec<_> = rays(&triangles, 2).into_iter().step_by(3).collect();
+        let tree = Accelerator::KdTree(tree);
         assert_same(name, &tree, &BruteForce::new(triangles), &some);
     }
 }
@@ -279,18 +323,19 @@ fn no_ray_escapes_a_closed_mesh_through_its_edges_and_vertices() {
         for triangle in &mut triangles {
             triangle.corners = triangle.corners.map(|corner| corner + offset);
         }
-        let tree = kd_tree(&triangles);
+        let trees = trees(&triangles);
         for i in 0..60 {
             let origin = narrowed(random.in_cube() * 0.1 + f64::from(offset));
             for triangle in &triangles {
                 let [a, b, _] = triangle.corners.map(Vec3::as_dvec3);
                 let share = if i % 3 == 0 { 0.0 } else { random.unit() };
                 let ray = Ray::new(origin, narrowed(a + (b - a) * share) - origin);
-                assert!(
-                    tree.intersect(&ray, f32::INFINITY).is_some(),
-                    "{ray:?} escapes"
-                );
-                assert!(tree.occluded(&ray, f32::INFINITY), "{ray:?} escapes");
+                for tree in &trees {
+                    let hit = tree.intersect(&ray, f32::INFINITY);
+                    assert!(hit.is_some(), "{ray:?} escapes the {}", tree.name());
+                    let occluded = tree.occluded(&ray, f32::INFINITY);
+                    assert!(occluded, "{ray:?} escapes the {}", tree.name());
+                }
             }
         }
     }
@@ -365,9 +410,9 @@ fn the_filter_passes_every_hit_of_extreme_size() {
 #[test]
 fn the_length_of_the_direction_scales_t_and_nothing_else() {
     let triangles = rough_sphere(2, 3);
-    let tree = kd_tree(&triangles);
+    let trees = trees(&triangles);
     for ray in rays(&triangles, 4) {
-        let hit = tree.intersect(&ray, f32::INFINITY);
+        let hit = trees[0].intersect(&ray, f32::INFINITY);
         for exponent in [-40, 40] {
             let scale = power_of_two(exponent);
             let scaled = Ray::new(ray.origin, narrowed(ray.direction.as_dvec3() * scale));
@@ -375,7 +420,9 @@ fn the_length_of_the_direction_scales_t_and_nothing_else() {
                 t: narrowed(DVec3::splat(f64::from(hit.t) / scale)).x,
                 ..hit
             });
-            assert_eq!(tree.intersect(&scaled, f32::INFINITY), expected, "{ray:?}");
+            for tree in &trees {
+                assert_eq!(tree.intersect(&scaled, f32::INFINITY), expected, "{ray:?}");
+            }
         }
     }
 }
@@ -384,16 +431,18 @@ fn the_length_of_the_direction_scales_t_and_nothing_else() {
 fn of_coinciding_triangles_the_first_is_hit() {
     let square = shapes::grid(8);
     let triangles = prepared(&joined([square.clone(), square.clone(), square]));
-    let tree = kd_tree(&triangles);
+    let trees = trees(&triangles);
     let mut random = Random::new(6);
     for _ in 0..1000 {
         let target = random.in_cube().with_z(0.0) * 0.49;
         let origin = target + DVec3::new(0.1, 0.2, 1.0);
         let ray = Ray::new(narrowed(origin), narrowed(target - origin));
-        let hit = tree
-            .intersect(&ray, f32::INFINITY)
-            .expect("the ray meets the square");
-        assert!(hit.triangle < 128, "{hit:?}");
+        for tree in &trees {
+            let hit = tree
+                .intersect(&ray, f32::INFINITY)
+                .expect("the ray meets the square");
+            assert!(hit.triangle < 128, "{hit:?}");
+        }
     }
 }
 
@@ -447,6 +496,18 @@ fn hostile_scenes_cost_less_than_one_leaf() {
     }
 }
 
+/// The wide tree divides them in the middle, where no heuristic tells them apart, and no triangle is there twice.
+#[test]
+fn hostile_scenes_fill_the_blocks_of_the_wide_tree() {
+    for (name, triangles) in hostile(2000) {
+        let tree = wide_tree(&triangles);
+        tree.validate()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let bytes = tree.bytes() / triangles.len();
+        assert!(bytes < 75, "{name}: {bytes} bytes per triangle");
+    }
+}
+
 #[test]
 fn identical_triangles_make_one_leaf() {
     let mesh = TriangleMesh {
@@ -466,14 +527,14 @@ fn few_triangles_need_no_planes() {
 }
 
 #[test]
-fn the_tree_does_not_depend_on_the_number_of_threads() {
+fn the_trees_do_not_depend_on_the_number_of_threads() {
     let triangles = prepared(&shapes::soup(30_000, 0.05, 1));
     let built = |threads| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
-        format!("{:?}", pool.install(|| kd_tree(&triangles)))
+        pool.install(|| trees(&triangles).map(|tree| format!("{tree:?}")))
     };
     let alone = built(1);
     for threads in [2, 5] {
@@ -489,7 +550,8 @@ fn a_cancelled_build_returns_nothing() {
     let triangles = prepared(&shapes::soup(5000, 0.1, 1));
     let cancel = CancelToken::new();
     cancel.cancel();
-    assert!(KdTree::build(triangles, &KdParameters::default(), &cancel).is_none());
+    assert!(KdTree::build(triangles.clone(), &KdParameters::default(), &cancel).is_none());
+    assert!(WideTree::build(&triangles, &cancel).is_none());
 }
 
 /// The build would run for minutes; ten seconds is far more than a cancelled one needs on any machine.
@@ -525,30 +587,34 @@ fn triangles_that_are_not_finite_are_never_hit() {
         triangles[i * 7].corners[i % 3].x = bad;
         triangles[i * 11 + 50].corners = [Vec3::splat(bad); 3];
     }
-    let tree = kd_tree(&triangles);
     let finite = prepared(&shapes::soup(300, 0.3, 1));
-    let hits = assert_same(
-        "not finite",
-        &tree,
-        &BruteForce::new(triangles),
-        &rays(&finite, 7),
-    );
-    assert!(hits > 300, "only {hits} hits");
+    for tree in trees(&triangles) {
+        assert!(triangles.iter().zip(tree.triangles()).all(|(a, b)| {
+            let bits =
+                |triangle: &Triangle| triangle.corners.map(|c| c.to_array().map(f32::to_bits));
+            bits(a) == bits(&b)
+        }));
+        let all = BruteForce::new(triangles.clone());
+        let hits = assert_same("not finite", &tree, &all, &rays(&finite, 7));
+        assert!(hits > 300, "only {hits} hits");
+    }
 }
 
 #[test]
 fn an_accelerator_passes_questions_on() {
     let triangles = prepared(&shapes::icosphere(1));
-    let tree = Accelerator::KdTree(kd_tree(&triangles));
+    let [kd, wide] = trees(&triangles);
     let all = Accelerator::BruteForce(BruteForce::new(triangles.clone()));
-    assert_eq!((tree.name(), all.name()), ("kd-tree", "brute-force"));
+    let names = [&kd, &wide, &all].map(Accelerator::name);
+    assert_eq!(names, ["kd-tree", "wide", "brute-force"]);
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    for accelerator in [&tree, &all] {
-        assert_eq!(accelerator.triangles(), triangles);
-        assert_eq!(accelerator.bounds(), tree.bounds());
+    for accelerator in [&kd, &wide, &all] {
+        assert!(accelerator.triangles().eq(triangles.iter().copied()));
+        assert_eq!(accelerator.bounds(), all.bounds());
         assert!(accelerator.intersect(&ray, f32::INFINITY).is_some());
         assert!(accelerator.occluded(&ray, f32::INFINITY));
         assert!(!accelerator.occluded(&ray, 0.1));
         assert!(accelerator.bytes() >= size_of_val(&*triangles));
+        assert_eq!(accelerator.triangle_count(), triangles.len());
     }
 }

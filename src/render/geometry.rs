@@ -7,7 +7,9 @@ mod shared;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::accel::{Accelerator, Assembly, BruteForce, KdParameters, KdTree, Part, PlacedTriangle};
+use crate::accel::{
+    Accelerator, Assembly, BruteForce, KdParameters, KdTree, Part, PlacedTriangle, WideTree,
+};
 use crate::control::CancelToken;
 use crate::geometry::{Triangle, TriangleMesh, corner_normals};
 use crate::math::{Degrees, SceneFrame, Vec3};
@@ -173,7 +175,10 @@ fn build(
 ) -> Option<Accelerator> {
     match structure {
         AcceleratorChoice::BruteForce => Some(Accelerator::BruteForce(BruteForce::new(triangles))),
-        AcceleratorChoice::Auto | AcceleratorChoice::KdTree => {
+        AcceleratorChoice::Auto | AcceleratorChoice::Wide => {
+            WideTree::build(&triangles, cancel).map(Accelerator::Wide)
+        }
+        AcceleratorChoice::KdTree => {
             let tree = KdTree::build(triangles, &KdParameters::default(), cancel)?;
             Some(Accelerator::KdTree(tree))
         }

@@ -232,9 +232,11 @@ impl Choice for PhongModel {
 /// Which structure finds the hits. All give the same picture, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AcceleratorChoice {
-    /// The fastest there is for the scene.
+    /// The fastest: the wide tree.
     #[default]
     Auto,
+    /// A tree of boxes, eight to a node.
+    Wide,
     /// A tree of axis-aligned planes.
     KdTree,
     /// Every triangle for every ray: the reference.
@@ -244,6 +246,7 @@ pub enum AcceleratorChoice {
 impl Choice for AcceleratorChoice {
     const ALL: &'static [(Self, &'static str)] = &[
         (Self::Auto, "auto"),
+        (Self::Wide, "wide"),
         (Self::KdTree, "kd-tree"),
         (Self::BruteForce, "brute-force"),
     ];

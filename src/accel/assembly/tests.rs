@@ -1,5 +1,5 @@
 use super::*;
-use crate::accel::{BruteForce, KdParameters, KdTree};
+use crate::accel::{BruteForce, KdParameters, KdTree, WideTree};
 use crate::control::CancelToken;
 use crate::geometry::{Triangle, TriangleMesh, shapes, shapes::Random};
 use crate::math::{DMat3, SceneFrame, power_of_two};
@@ -17,6 +17,15 @@ fn triangles(mesh: &TriangleMesh) -> Vec<Triangle> {
 fn kd_tree(triangles: Vec<Triangle>) -> Accelerator {
     let tree = KdTree::build(triangles, &KdParameters::default(), &CancelToken::new());
     Accelerator::KdTree(tree.expect("nobody cancels"))
+}
+
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "as the other structures want it"
+)]
+fn wide_tree(triangles: Vec<Triangle>) -> Accelerator {
+    let tree = WideTree::build(&triangles, &CancelToken::new());
+    Accelerator::Wide(tree.expect("nobody cancels"))
 }
 
 fn brute_force(triangles: Vec<Triangle>) -> Accelerator {
@@ -86,19 +95,23 @@ fn rays(assembly: &Assembly) -> Vec<Ray> {
 
 #[test]
 fn the_tree_of_boxes_answers_like_all_copies_in_turn() {
-    let (tree, all) = (assembly(kd_tree), assembly(brute_force));
-    assert!(tree.tree.is_some() && all.tree.is_none());
-    let mut met = vec![0; tree.parts.len()];
-    for ray in rays(&tree) {
+    let trees = [assembly(kd_tree), assembly(wide_tree)];
+    let all = assembly(brute_force);
+    assert!(trees.iter().all(|tree| tree.tree.is_some()) && all.tree.is_none());
+    let mut met = vec![0; all.parts.len()];
+    for ray in rays(&all) {
         let expected = all.intersect(&ray, f32::INFINITY);
-        assert_eq!(tree.intersect(&ray, f32::INFINITY), expected, "{ray:?}");
+        for tree in &trees {
+            assert_eq!(tree.intersect(&ray, f32::INFINITY), expected, "{ray:?}");
+        }
         let Some(hit) = expected else {
-            assert!(!tree.occluded(&ray, f32::INFINITY), "{ray:?}");
+            let occluded = |tree: &Assembly| tree.occluded(&ray, f32::INFINITY);
+            assert!(!trees.iter().any(occluded), "{ray:?}");
             continue;
         };
-        met[tree.part_of(hit.triangle)] += 1;
+        met[all.part_of(hit.triangle)] += 1;
         for (t_max, expected) in [(hit.t, false), (hit.t.next_up(), true)] {
-            for assembly in [&tree, &all] {
+            for assembly in trees.iter().chain([&all]) {
                 assert_eq!(assembly.occluded(&ray, t_max), expected, "{ray:?}");
                 let hit = assembly.intersect(&ray, t_max);
                 assert_eq!(hit.is_some(), expected, "{ray:?}");

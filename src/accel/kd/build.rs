@@ -9,7 +9,8 @@
 
 use super::clip::Clipper;
 use super::split::{Plane, Splitter, leaf_cost};
-use super::{KdParameters, LANES, MAX_DEPTH, MAX_REFERENCES, half_area};
+use super::{KdParameters, LANES, MAX_DEPTH, MAX_REFERENCES};
+use crate::accel::half_area;
 use crate::control::CancelToken;
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Vec3};

@@ -184,9 +184,3 @@ impl KdTree {
         size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.triangles)
     }
 }
-
-/// Half the surface area of a box, in `f64` so that small boxes keep theirs.
-fn half_area(bounds: &Bounds) -> f64 {
-    let size = bounds.max.as_dvec3() - bounds.min.as_dvec3();
-    size.x * size.y + size.y * size.z + size.z * size.x
-}

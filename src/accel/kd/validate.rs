@@ -2,8 +2,9 @@
 
 use super::clip::{Clipper, magnitude};
 use super::node::NodeKind;
-use super::{KdStatistics, KdTree, MAX_DEPTH, half_area};
+use super::{KdStatistics, KdTree, MAX_DEPTH};
 use crate::accel::block::TriangleBlock;
+use crate::accel::half_area;
 use crate::math::{Bounds, DVec3};
 use std::ops::Range;
 

@@ -26,7 +26,7 @@ pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
         {
             let key = (Arc::as_ptr(structure), normals.map(std::ptr::from_ref));
             let corners = shared.entry(key).or_insert_with(|| {
-                let corners = structure.triangles().iter().map(|t| t.corners);
+                let corners = structure.triangles().map(|t| t.corners);
                 mesh.add_corners(corners, normals)
             });
             PreviewObject {

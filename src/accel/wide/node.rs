@@ -1,0 +1,223 @@
+//! Nodes as they lie in memory, and the test of a ray against the eight boxes of one.
+
+use crate::accel::block::LaneSet;
+use crate::math::robust::gamma;
+use crate::math::{Bounds, Ray};
+use std::ops::Range;
+
+/// Children per node.
+pub(super) const WIDTH: usize = 8;
+
+/// One number per child.
+type Lanes = [f32; WIDTH];
+
+/// The boxes of up to eight children, stored by axis, side and lane so that a loop over lanes becomes vector instructions.
+///
+/// Lanes without a child hold a box that is entered at +∞ and left at −∞, and [`Child::NONE`] for rays that miss no box.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Node {
+    /// By axis, then the lower and the upper sides.
+    planes: [[Lanes; 2]; 3],
+    pub children: [Child; WIDTH],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Self = Self {
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+        children: [Child::NONE; WIDTH],
+    };
+
+    /// Sets the child in `lane`.
+    pub fn set(&mut self, lane: usize, bounds: &Bounds, child: Child) {
+        for axis in 0..3 {
+            self.planes[axis][0][lane] = bounds.min[axis];
+            self.planes[axis][1][lane] = bounds.max[axis];
+        }
+        self.children[lane] = child;
+    }
+
+    /// The box in `lane`.
+    pub fn bounds(&self, lane: usize) -> Bounds {
+        let corner = |side: usize| [0, 1, 2].map(|axis: usize| self.planes[axis][side][lane]);
+        Bounds {
+            min: corner(0).into(),
+            max: corner(1).into(),
+        }
+    }
+}
+
+/// What a lane of a node leads to, in four bytes: a node's index, or a flag, the number of blocks in two bits and the index
+/// of the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Child(u32);
+
+/// A [`Child`] unpacked.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum ChildKind {
+    Node(usize),
+    /// Blocks of triangles.
+    Leaf(Range<usize>),
+}
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = 29;
+
+    /// A leaf without triangles.
+    pub const NONE: Self = Self(Self::LEAF);
+
+    pub fn node(index: usize) -> Self {
+        let index = u32::try_from(index).ok().filter(|i| i & Self::LEAF == 0);
+        Self(index.expect("less nodes than triangles"))
+    }
+
+    /// A leaf of one to three blocks.
+    pub fn leaf(blocks: &Range<usize>) -> Self {
+        let first = u32::try_from(blocks.start)
+            .ok()
+            .filter(|first| first >> Self::COUNT_SHIFT == 0)
+            .expect("no more blocks than triangles");
+        let count = u32::try_from(blocks.len()).expect("leaves are small");
+        assert!(count < 4, "leaves are small");
+        Self(Self::LEAF | count << Self::COUNT_SHIFT | first)
+    }
+
+    #[inline]
+    pub fn kind(self) -> ChildKind {
+        if self.0 & Self::LEAF == 0 {
+            return ChildKind::Node(self.0 as usize);
+        }
+        let first = (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize;
+        let count = (self.0 >> Self::COUNT_SHIFT & 3) as usize;
+        ChildKind::Leaf(first..first + count)
+    }
+
+    /// The bits, for packing into a larger number.
+    #[inline]
+    pub fn to_bits(self) -> u32 {
+        self.0
+    }
+
+    /// The inverse of [`Self::to_bits`].
+    #[inline]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+}
+
+/// By how much the distances to a box's planes are moved outwards, relative to themselves, so that rounding loses no hit.
+///
+/// A computed distance is a difference, a reciprocal and a product, so it is off by a factor of at most 1 ± γ₃, and the
+/// reciprocal is rounded once more when the margin goes into it. Two bounds that are compared each carry that, and a hit's
+/// own distance one rounding.
+/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013; twice his margin.
+const MARGIN: f32 = 4.0 * gamma(3);
+
+/// A bound on distances that no hit at `t` or before it comes after. The smallest normal number stands in for digits lost
+/// below it.
+#[inline]
+pub(super) fn later(t: f32) -> f32 {
+    t * (1.0 + MARGIN) + f32::MIN_POSITIVE
+}
+
+/// A ray prepared for tests against the boxes of many nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RaySlabs {
+    origin: [f32; 3],
+    /// Reciprocals of the direction, smaller by the margin for where a box is entered, larger for where it is left.
+    to_enter: [f32; 3],
+    to_exit: [f32; 3],
+    /// Which side of a box is entered by: 1 for the upper.
+    backward: [usize; 3],
+}
+
+impl RaySlabs {
+    /// For boxes whose coordinates are at most `reach` in magnitude.
+    #[inline]
+    pub fn new(ray: &Ray, reach: f32) -> Self {
+        let direction = ray.direction.to_array();
+        // Where the difference between a plane and the origin may overflow, no distance can be trusted.
+        let fits = (ray.origin.abs().max_element() + reach).is_finite();
+        let inverse = direction.map(|d| if fits { reciprocal(d) } else { f32::NAN });
+        Self {
+            origin: ray.origin.to_array(),
+            to_enter: inverse.map(|inverse| inverse * (1.0 - MARGIN)),
+            to_exit: inverse.map(|inverse| inverse * (1.0 + MARGIN)),
+            backward: direction.map(|d| usize::from(d.is_sign_negative())),
+        }
+    }
+
+    /// Where the ray enters each box, not before its start, and which boxes it may pass before `limit`, a distance moved
+    /// outwards by [`later`].
+    ///
+    /// NaN, from a ray within a plane (0 · ∞) or from [`reciprocal`], bounds nothing. A distance below 0 is moved in the wrong
+    /// direction, but its sign is right, and no more is asked of it.
+    #[inline(always)]
+    pub fn enter(&self, node: &Node, limit: f32) -> (Lanes, LaneSet) {
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| {
+            let planes = &node.planes[axis];
+            let backward = self.backward[axis] & 1;
+            [&planes[backward], &planes[1 - backward]]
+        });
+        let mut enter = [0.0; WIDTH];
+        let mut passed = [0; WIDTH];
+        for i in 0..WIDTH {
+            let mut start = 0.0;
+            start = larger((x[0][i] - self.origin[0]) * self.to_enter[0], start);
+            start = larger((y[0][i] - self.origin[1]) * self.to_enter[1], start);
+            start = larger((z[0][i] - self.origin[2]) * self.to_enter[2], start);
+            let mut end = limit;
+            end = smaller((x[1][i] - self.origin[0]) * self.to_exit[0], end);
+            end = smaller((y[1][i] - self.origin[1]) * self.to_exit[1], end);
+            end = smaller((z[1][i] - self.origin[2]) * self.to_exit[2], end);
+            enter[i] = start;
+            // The products may have lost digits below the smallest normal number.
+            passed[i] = u8::from(start <= end + f32::MIN_POSITIVE);
+        }
+        (enter, LaneSet::from_bytes(passed))
+    }
+}
+
+/// `1 / d`; infinite for zeros. NaN, which bounds nothing, where the result would lack digits or have no room for the margin.
+#[inline]
+fn reciprocal(d: f32) -> f32 {
+    let inverse = d.recip();
+    let has_room = (inverse * 0.5).is_normal() && (inverse * 2.0).is_normal();
+    if has_room || d == 0.0 {
+        inverse
+    } else {
+        f32::NAN
+    }
+}
+
+/// The smaller number; `old` if `new` is NaN.
+#[inline(always)]
+fn smaller(new: f32, old: f32) -> f32 {
+    if new < old { new } else { old }
+}
+
+/// The larger number; `old` if `new` is NaN.
+#[inline(always)]
+fn larger(new: f32, old: f32) -> f32 {
+    if new > old { new } else { old }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_survive_packing() {
+        assert_eq!(size_of::<Node>(), 256);
+        for index in [0, 1, (1 << 29) - 1] {
+            assert_eq!(Child::node(index).kind(), ChildKind::Node(index));
+            for count in 1..=3 {
+                let blocks = index..index + count;
+                assert_eq!(Child::leaf(&blocks).kind(), ChildKind::Leaf(blocks));
+            }
+        }
+        assert_eq!(Child::NONE.kind(), ChildKind::Leaf(0..0));
+    }
+}
