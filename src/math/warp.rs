@@ -24,10 +24,11 @@ pub fn concentric_disk(u: Vec2) -> Vec2 {
 
 /// Sine and cosine of an angle within ±π/4, right to the last digit or two: their power series, which need few terms there.
 fn sin_cos_octant(angle: f32) -> (f32, f32) {
+    const SIN: [f32; 4] = [1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0];
+    const COS: [f32; 4] = [1.0 / 40_320.0, -1.0 / 720.0, 1.0 / 24.0, -0.5];
     let x = angle * angle;
-    let sin = 1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0)));
-    let cos = 1.0 - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0)));
-    (angle * sin, cos)
+    let series = |terms: [f32; 4]| terms.into_iter().fold(0.0, |sum, term| sum * x + term);
+    (angle + angle * (x * series(SIN)), 1.0 + x * series(COS))
 }
 
 /// The unit square onto the hemisphere about +Z with density [`cosine_hemisphere_pdf`].

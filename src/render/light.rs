@@ -27,6 +27,10 @@ pub struct PreparedDisk {
     visible: bool,
     /// Two radii at right angles.
     radii: [Vec3; 2],
+    /// `axis · p = height` for the points of its plane; in `f64`, so that whether a grazing ray meets the rim does not depend on
+    /// how far away it starts.
+    axis: DVec3,
+    height: f64,
     /// What puts a rounded point of the disk in front of it.
     lift: Vec3,
 }
@@ -171,6 +175,8 @@ impl PreparedDisk {
             radiance,
             visible: true,
             radii: [x * radius, y * radius],
+            axis: normal.as_dvec3(),
+            height: normal.as_dvec3().dot(center.as_dvec3()),
             lift: normal * normal.abs().dot(error),
         }
     }
@@ -236,19 +242,17 @@ impl PreparedDisk {
 
     /// Where `ray` meets the disk; nothing is missed up to `t_max`.
     fn intersect_plane(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        // In f64: whether a grazing ray meets the rim must not depend on how far away it starts.
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        let (center, normal) = (self.center.as_dvec3(), self.normal.as_dvec3());
-        let along = normal.dot(direction);
-        let height = normal.dot(center - origin);
+        let along = self.axis.dot(direction);
+        let height = self.height - self.axis.dot(origin);
         // Behind the start, or further than any rounding of t reaches: most disks, for most rays.
         let reach = f64::from(t_max) * (1.0 + f64::from(f32::EPSILON));
         if height * along <= 0.0 || height.abs() > along.abs() * reach {
             return None;
         }
         let t = height / along;
-        let inside =
-            (origin + direction * t - center).length_squared() <= f64::from(self.radius).powi(2);
+        let from_center = origin + direction * t - self.center.as_dvec3();
+        let inside = from_center.length_squared() <= f64::from(self.radius).powi(2);
         #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
         let t = t as f32;
         (inside && t > 0.0).then_some(t)
