@@ -16,7 +16,7 @@ use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use crate::math::Vec3;
-use crate::scene::LightSampling;
+use crate::scene::{LightSampling, RenderSettings};
 
 /// Scattering events before roulette may end a path.
 const ROULETTE_FROM: u32 = 4;
@@ -42,21 +42,17 @@ pub fn gather(
 
     for bounce in 0.. {
         // Emission met along the way.
-        let weight =
-            |aimed_pdf: &dyn Fn(&Receiver) -> f32| match (&scattered, settings.light_sampling) {
-                (None, _) | (_, LightSampling::Bsdf) => 1.0,
-                (_, LightSampling::Nee) => 0.0,
-                (Some((pdf, from)), LightSampling::Mis) => power_heuristic(*pdf, aimed_pdf(from)),
-            };
         let point = match scene.nearest(&ray) {
             Seen::Background => {
                 let (radiance, pdf) = aim::background_along(scene, ray.direction.normalize());
-                let weight = pdf.map_or(1.0, |pdf| weight(&|_| pdf));
+                let weight =
+                    pdf.map_or(1.0, |pdf| met_weight(settings, scattered.as_ref(), |_| pdf));
                 gathered.add_background(beginning, throughput * radiance * weight);
                 break;
             }
             Seen::Disk(met) => {
-                let weight = weight(&|from| aim::pdf_of_disk(scene, from, &ray, &met));
+                let aimed = |from: &Receiver| aim::pdf_of_disk(scene, from, &ray, &met);
+                let weight = met_weight(settings, scattered.as_ref(), aimed);
                 let radiance = met.disk.emitted(ray.direction);
                 gathered.add_light(beginning, throughput * radiance * weight);
                 break;
@@ -65,7 +61,8 @@ pub fn gather(
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
-            let weight = weight(&|from| aim::pdf_of_object(scene, from, &ray, &point));
+            let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &ray, &point);
+            let weight = met_weight(settings, scattered.as_ref(), aimed);
             gathered.add_light(beginning, throughput * radiance * weight);
             break;
         }
@@ -131,6 +128,20 @@ pub fn gather(
         start = 0.0;
     }
     gathered
+}
+
+/// Weight of light that a path meets after it `scattered`, with a density, at a point where `aimed_pdf` says how likely it was to
+/// aim at that light instead.
+fn met_weight(
+    settings: &RenderSettings,
+    scattered: Option<&(f32, Receiver)>,
+    aimed_pdf: impl FnOnce(&Receiver) -> f32,
+) -> f32 {
+    match (scattered, settings.light_sampling) {
+        (None, _) | (_, LightSampling::Bsdf) => 1.0,
+        (_, LightSampling::Nee) => 0.0,
+        (Some((pdf, from)), LightSampling::Mis) => power_heuristic(*pdf, aimed_pdf(from)),
+    }
 }
 
 /// A surface point that aims at lights.
