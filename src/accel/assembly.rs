@@ -10,8 +10,8 @@
 use std::sync::Arc;
 
 use super::placed::{Place, PlacedTriangle, outward};
-use super::{Accelerator, BoxTree, Hit};
-use crate::geometry::TriangleHit;
+use super::{Accelerator, BoxTree, Hit, Visits, half_area};
+use crate::geometry::{Triangle, TriangleHit};
 use crate::math::robust::gamma;
 use crate::math::{Bounds, DBounds, DVec3, Ray, ScaledRotation, Vec3};
 use rayon::prelude::*;
@@ -258,6 +258,95 @@ impl Assembly {
         #[expect(clippy::cast_possible_truncation, reason = "a bound with a reserve")]
         let slack = (ray.origin.length() + self.reach as f32) * gamma(6);
         tree.walk_grown(ray, t_max, slack, visit);
+    }
+
+    /// What [`Assembly::intersect`], or [`Assembly::occluded`] where `any_hit`, visits.
+    #[must_use]
+    pub fn visits(&self, ray: &Ray, t_max: f32, any_hit: bool) -> Visits {
+        let mut visits = self.flat.visits(ray, t_max, any_hit);
+        if self.copies.is_empty() || any_hit && self.flat.occluded(ray, t_max) {
+            return visits;
+        }
+        let mut limit = t_max;
+        if !any_hit && let Some(hit) = self.flat.intersect(ray, t_max) {
+            limit = hit.t;
+        }
+        self.walk_copies(ray, limit, |index| {
+            visits.nodes += 1;
+            let (structure, place, _) = self.structure_of(&self.copies[index as usize]);
+            let Some(local) = place.local_ray(ray) else {
+                return limit;
+            };
+            let reach = if limit < t_max {
+                limit.next_up()
+            } else {
+                t_max
+            };
+            visits += structure.visits(&local, reach, any_hit);
+            if any_hit {
+                limit = if structure.occluded(&local, t_max) {
+                    -1.0
+                } else {
+                    t_max
+                };
+            } else if let Some(hit) = structure.intersect(&local, reach) {
+                limit = limit.min(hit.t);
+            }
+            limit
+        });
+        visits
+    }
+
+    /// The structures, each once, with half the area of the boxes it fills in the scene, all its copies together.
+    pub(super) fn structures_and_areas(&self) -> impl Iterator<Item = (&Accelerator, f64)> {
+        let area_of = |bounds: &Bounds| {
+            if bounds.is_empty() {
+                0.0
+            } else {
+                half_area(bounds)
+            }
+        };
+        let mut areas = vec![0.0; self.shared.len()];
+        for copy in &self.copies {
+            if let Content::Copies {
+                structure, turn, ..
+            } = &self.parts[copy.part as usize].content
+            {
+                let local = area_of(&self.shared[*structure].bounds());
+                areas[*structure] += local * turn.scale().powi(2);
+            }
+        }
+        let shared = self.shared.iter().map(|structure| &**structure).zip(areas);
+        std::iter::once((&self.flat, area_of(&self.flat.bounds()))).chain(shared)
+    }
+
+    /// The same scene in other structures: `build` gets the triangles of each, the flat one first. `None` where that returns
+    /// it.
+    pub fn rebuilt(
+        &self,
+        mut build: impl FnMut(Vec<Triangle>) -> Option<Accelerator>,
+    ) -> Option<Self> {
+        let flat = build(self.flat.triangles().collect())?;
+        let shared = self
+            .shared
+            .iter()
+            .map(|structure| build(structure.triangles().collect()).map(Arc::new))
+            .collect::<Option<_>>()?;
+        let part = |(index, part): (usize, &PlacedPart)| match part.content {
+            Content::Flat(_) => Part::Flat(part.end - part.start),
+            Content::Copies {
+                structure, turn, ..
+            } => Part::Copies(Copies {
+                structure,
+                turn,
+                translations: self
+                    .copies_of(index)
+                    .map(|(_, _, translations)| translations.collect())
+                    .unwrap_or_default(),
+            }),
+        };
+        let parts = self.parts.iter().enumerate().map(part).collect();
+        Some(Self::new(flat, shared, parts))
     }
 
     fn structure_of(&self, copy: &Copy) -> (&Accelerator, Place<'_>, bool) {

@@ -15,6 +15,7 @@ mod box_tree;
 mod brute_force;
 mod kd;
 mod placed;
+mod quality;
 mod simd;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ pub use box_tree::BoxTree;
 pub use brute_force::BruteForce;
 pub use kd::{KdParameters, KdStatistics, KdTree};
 pub use placed::{AimingError, PlacedTriangle};
+pub use quality::{StructureQuality, Visits};
 pub use wide::WideTree;
 
 use crate::geometry::{Triangle, TriangleHit};

@@ -32,6 +32,30 @@ fn brute_force(triangles: Vec<Triangle>) -> Accelerator {
     Accelerator::BruteForce(BruteForce::new(triangles))
 }
 
+/// A scene built anew is the same scene.
+#[test]
+fn rebuilding_changes_no_answer() {
+    let before = assembly(brute_force);
+    for (name, structure) in [
+        ("wide", wide_tree as fn(Vec<Triangle>) -> Accelerator),
+        ("kd-tree", kd_tree),
+    ] {
+        let after = before.rebuilt(|triangles| Some(structure(triangles)));
+        let after = after.expect("nobody cancels");
+        assert_eq!(after.name(), name);
+        assert_eq!(after.triangle_count(), before.triangle_count());
+        let quality = after.quality();
+        assert!(quality.references >= quality.triangles && quality.sah_cost > 0.0);
+        for ray in rays(&before) {
+            let hit = after.intersect(&ray, f32::INFINITY);
+            assert_eq!(hit, before.intersect(&ray, f32::INFINITY), "{name}");
+            let [nearest, any] = [false, true].map(|any| after.visits(&ray, f32::INFINITY, any));
+            assert!(hit.is_none() || nearest.blocks > 0 && any.blocks > 0);
+        }
+    }
+    assert!(before.rebuilt(|_| None).is_none());
+}
+
 fn turned(x: f64, z: f64, scale: f64) -> ScaledRotation {
     ScaledRotation::new(DMat3::from_rotation_z(z) * DMat3::from_rotation_x(x) * scale)
 }

@@ -7,6 +7,7 @@
 mod build;
 mod clip;
 mod node;
+mod quality;
 mod split;
 mod validate;
 mod walk;

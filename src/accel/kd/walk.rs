@@ -20,10 +20,17 @@ impl KdTree {
     ///
     /// All comparisons are written so that NaN, from a ray within a plane (0 · ∞), visits both sides.
     #[inline]
-    pub(super) fn walk(
+    pub(super) fn walk(&self, ray: &Ray, t_max: f32, visit: impl FnMut(&[TriangleBlock]) -> f32) {
+        self.walk_past(ray, t_max, || (), visit);
+    }
+
+    /// [`Self::walk`] that calls `pass` at every plane.
+    #[inline]
+    pub(super) fn walk_past(
         &self,
         ray: &Ray,
         t_max: f32,
+        mut pass: impl FnMut(),
         mut visit: impl FnMut(&[TriangleBlock]) -> f32,
     ) {
         let origin = ray.origin.to_array();
@@ -54,6 +61,7 @@ impl KdTree {
                     position,
                     children,
                 } => {
+                    pass();
                     let t = (position - origin[axis]) * inverse[axis];
                     let near = children + backward[axis];
                     let far = children + 1 - backward[axis];

@@ -12,8 +12,8 @@ use crate::control::CancelToken;
 use crate::math::Bounds;
 
 /// Costs of the surface area heuristic: testing the boxes of one node, and testing one block of up to eight triangles.
-const NODE_COST: f64 = 1.0;
-const BLOCK_COST: f64 = 0.6;
+pub(super) const NODE_COST: f64 = 1.0;
+pub(super) const BLOCK_COST: f64 = 0.6;
 
 /// Sets this small are not divided: their triangles fill part of one block.
 const SMALLEST: usize = 4;

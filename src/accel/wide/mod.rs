@@ -7,6 +7,7 @@
 mod build;
 mod collapse;
 mod node;
+mod quality;
 mod query;
 mod split;
 mod validate;

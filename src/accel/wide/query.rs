@@ -20,23 +20,31 @@ impl Query for NearestHit<'_> {
 
     #[inline(always)]
     fn answer(&self) -> Option<Hit> {
-        let kernel = RayKernel::new(self.ray);
-        let mut nearest = Nearest {
-            filter: BlockFilter::new(self.ray, &kernel),
-            kernel,
-            t_max: self.t_max,
-            best: None,
-        };
+        let mut nearest = Nearest::new(self.ray, self.t_max);
         self.tree.walk(self.ray, self.t_max, &mut nearest);
         nearest.best
     }
 }
 
-struct Nearest {
+/// Finds the nearest hit.
+pub(super) struct Nearest {
     kernel: RayKernel,
     filter: BlockFilter,
     t_max: f32,
     best: Option<Hit>,
+}
+
+impl Nearest {
+    #[inline(always)]
+    pub fn new(ray: &Ray, t_max: f32) -> Self {
+        let kernel = RayKernel::new(ray);
+        Self {
+            filter: BlockFilter::new(ray, &kernel),
+            kernel,
+            t_max,
+            best: None,
+        }
+    }
 }
 
 impl Visitor for Nearest {
@@ -67,23 +75,31 @@ impl Query for AnyHit<'_> {
 
     #[inline(always)]
     fn answer(&self) -> bool {
-        let kernel = RayKernel::new(self.ray);
-        let mut any = Any {
-            filter: BlockFilter::new(self.ray, &kernel),
-            kernel,
-            t_max: self.t_max,
-            found: false,
-        };
+        let mut any = Any::new(self.ray, self.t_max);
         self.tree.walk(self.ray, self.t_max, &mut any);
         any.found
     }
 }
 
-struct Any {
+/// Finds any hit.
+pub(super) struct Any {
     kernel: RayKernel,
     filter: BlockFilter,
     t_max: f32,
     found: bool,
+}
+
+impl Any {
+    #[inline(always)]
+    pub fn new(ray: &Ray, t_max: f32) -> Self {
+        let kernel = RayKernel::new(ray);
+        Self {
+            filter: BlockFilter::new(ray, &kernel),
+            kernel,
+            t_max,
+            found: false,
+        }
+    }
 }
 
 impl Visitor for Any {

@@ -10,6 +10,10 @@ pub(super) trait Visitor {
     /// Whether the children of each node are visited in the order in which the ray enters them.
     const NEAREST_FIRST: bool;
 
+    /// A node is about to be tested; what is done here by those who do not count costs nothing.
+    #[inline(always)]
+    fn enter_node(&mut self) {}
+
     /// Visits a leaf. Returns the `t` beyond which nothing matters any more, `None` to stop.
     fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32>;
 }
@@ -29,6 +33,7 @@ impl WideTree {
         loop {
             match next.kind() {
                 ChildKind::Node(index) => {
+                    visitor.enter_node();
                     let node = &self.nodes[index];
                     if count > STACK_SIZE - WIDTH {
                         set_aside(&mut below, &stack[..count]);

@@ -1,0 +1,159 @@
+//! What a structure came out like, and what a ray meets in it: numbers to compare structures by, besides time.
+
+use std::ops::AddAssign;
+
+use super::block::LANES;
+use super::{Accelerator, Assembly, BruteForce};
+use crate::geometry::RayKernel;
+use crate::math::Ray;
+
+/// What a ray visits in a structure on its way to the answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Visits {
+    /// Nodes with children: planes of a kd-tree, nodes of eight boxes of a wide tree, and boxes of placed copies.
+    pub nodes: u64,
+    /// Blocks of up to eight triangles, of whole leaves.
+    pub blocks: u64,
+}
+
+impl AddAssign for Visits {
+    fn add_assign(&mut self, other: Self) {
+        self.nodes += other.nodes;
+        self.blocks += other.blocks;
+    }
+}
+
+/// What a structure came out like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StructureQuality {
+    /// Triangles stored; those of a shared mesh once.
+    pub triangles: u64,
+    /// Triangles in leaves, counted once per leaf.
+    pub references: u64,
+    /// Expected cost of a random ray that passes the box around everything, by the surface area heuristic, in the
+    /// structure's own unit: visiting one node, or testing one block by brute force. The tree over copies is left out.
+    pub sah_cost: f64,
+}
+
+impl Accelerator {
+    /// What [`Accelerator::intersect`], or [`Accelerator::occluded`] where `any_hit`, visits.
+    #[must_use]
+    pub fn visits(&self, ray: &Ray, t_max: f32, any_hit: bool) -> Visits {
+        match self {
+            Self::Wide(tree) => tree.visits_along(ray, t_max, any_hit),
+            Self::KdTree(tree) => tree.visits_along(ray, t_max, any_hit),
+            Self::BruteForce(all) => all.visits_along(ray, t_max, any_hit),
+        }
+    }
+
+    /// What the structure came out like.
+    #[must_use]
+    pub fn quality(&self) -> StructureQuality {
+        match self {
+            Self::Wide(tree) => tree.quality(),
+            Self::KdTree(tree) => tree.quality(),
+            Self::BruteForce(all) => all.quality(),
+        }
+    }
+}
+
+impl BruteForce {
+    /// Eight triangles count as a block.
+    fn visits_along(&self, ray: &Ray, t_max: f32, any_hit: bool) -> Visits {
+        let kernel = RayKernel::new(ray);
+        let hit = |triangle| kernel.intersect(triangle, t_max).is_some();
+        let first_hit = any_hit.then(|| self.triangles().iter().position(hit));
+        let tested = first_hit
+            .flatten()
+            .map_or(self.triangles().len(), |index| index + 1);
+        Visits {
+            nodes: 0,
+            blocks: tested.div_ceil(LANES) as u64,
+        }
+    }
+
+    fn quality(&self) -> StructureQuality {
+        let triangles = self.triangles().len();
+        StructureQuality {
+            triangles: triangles as u64,
+            references: triangles as u64,
+            sah_cost: triangles.div_ceil(LANES) as f64,
+        }
+    }
+}
+
+impl Assembly {
+    /// What all structures together came out like: each counts its triangles and references once, and its cost as often as
+    /// there are copies, by the chance that a ray passes the copy's box.
+    #[must_use]
+    pub fn quality(&self) -> StructureQuality {
+        let whole = super::half_area(&self.bounds());
+        let chance = |area: f64| if whole > 0.0 { area / whole } else { 1.0 };
+        let mut all = StructureQuality::default();
+        for (structure, area) in self.structures_and_areas() {
+            let quality = structure.quality();
+            all.triangles += quality.triangles;
+            all.references += quality.references;
+            all.sah_cost += quality.sah_cost * chance(area);
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::tests::{rays, scenes};
+    use crate::accel::{KdParameters, KdTree, WideTree};
+    use crate::control::CancelToken;
+
+    fn structures(triangles: &[crate::geometry::Triangle]) -> [Accelerator; 3] {
+        let cancel = CancelToken::new();
+        let kd = KdTree::build(triangles.to_vec(), &KdParameters::default(), &cancel);
+        [
+            Accelerator::Wide(WideTree::build(triangles, &cancel).expect("nobody cancels")),
+            Accelerator::KdTree(kd.expect("nobody cancels")),
+            Accelerator::BruteForce(BruteForce::new(triangles.to_vec())),
+        ]
+    }
+
+    #[test]
+    fn no_hit_is_found_without_a_block_and_an_end_never_visits_more() {
+        for (name, triangles) in scenes() {
+            for structure in structures(&triangles) {
+                let name = format!("{name}, {}", structure.name());
+                for ray in rays(&triangles, 6).iter().step_by(7) {
+                    let far = structure.visits(ray, f32::INFINITY, false);
+                    let hit = structure.intersect(ray, f32::INFINITY);
+                    assert!(hit.is_none() || far.blocks > 0, "{name}: {ray:?}");
+                    let any = structure.visits(ray, f32::INFINITY, true);
+                    assert!(hit.is_none() || any.blocks > 0, "{name}: {ray:?}");
+                    if let Some(hit) = hit {
+                        // All that lies beyond the hit is left out.
+                        let up_to = structure.visits(ray, hit.t.next_up(), false);
+                        assert!(up_to.nodes <= far.nodes, "{name}: {ray:?}");
+                        assert!(up_to.blocks <= far.blocks, "{name}: {ray:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn quality_counts_every_triangle() {
+        for (name, triangles) in scenes() {
+            for structure in structures(&triangles) {
+                let quality = structure.quality();
+                let name = format!("{name}, {}: {quality:?}", structure.name());
+                assert_eq!(quality.triangles, triangles.len() as u64, "{name}");
+                assert!(
+                    quality.sah_cost.is_finite() && quality.sah_cost >= 0.0,
+                    "{name}"
+                );
+                if matches!(structure, Accelerator::BruteForce(_)) {
+                    assert_eq!(quality.references, quality.triangles, "{name}");
+                }
+            }
+        }
+    }
+}
