@@ -1,12 +1,15 @@
-//! Bytes to meshes, scene files and pictures, and back. Parsers take bytes or text; paths appear at the edge only.
+//! Bytes to meshes, scene files, pictures and rays, and back. Parsers take bytes or text; paths appear at the edge only.
 
 mod atomic;
 mod builtin;
 mod image_file;
 mod load;
 mod mesh_file;
+pub mod npy;
 pub mod off;
+pub mod ply;
 mod radiance_file;
+mod ray_file;
 pub mod scene_file;
 mod whole_file;
 
@@ -21,3 +24,4 @@ pub use load::{
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
 pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};
+pub use ray_file::{RayFileError, load_rays, save_rays};
