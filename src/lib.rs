@@ -7,7 +7,7 @@
 //! files ──io──▶ Scene ──prepare──▶ PreparedScene ──passes of tiles──▶ Film ──▶ Image ──▶ window, PNG, EXR
 //! ```
 //!
-//! and so do imports: `main → gui, cli → render → scene, accel → geometry → math`, with [`io`] beside [`scene`].
+//! and so do imports: `main → gui, cli → analysis → render → scene, accel → geometry → math`, with [`io`] beside [`scene`].
 //!
 //! - [`math`]: vectors, boxes, frames, colour, error bounds
 //! - [`geometry`]: triangle meshes, watertight intersection, polygons, shading normals; knows no material
@@ -15,10 +15,12 @@
 //! - [`scene`]: the description, plain data in the units of the file
 //! - [`io`]: bytes to meshes, scenes and pictures, and back
 //! - [`render`]: the prepared scene, samplers, shading, tiles and passes, film
+//! - [`analysis`]: measuring structures and rays
 //! - [`cli`], `gui`: the program's two faces, which do not know each other
 //! - [`control`]: cancelling and progress as values
 
 pub mod accel;
+pub mod analysis;
 pub mod cli;
 pub mod control;
 pub mod geometry;

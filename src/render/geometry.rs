@@ -116,7 +116,7 @@ impl PreparedGeometry {
             });
             start += count;
         }
-        let flat = build(origin.structure, triangles, cancel)?;
+        let flat = build_structure(origin.structure, triangles, cancel)?;
         Some(Self {
             frame,
             accelerator: Assembly::new(flat, shared.structures(), parts),
@@ -168,7 +168,11 @@ impl PreparedGeometry {
 }
 
 /// The structure of that choice over `triangles`; `None` when cancelled.
-fn build(
+///
+/// # Panics
+/// When there are more triangles than the structure can number.
+#[must_use]
+pub fn build_structure(
     structure: AcceleratorChoice,
     triangles: Vec<Triangle>,
     cancel: &CancelToken,

@@ -37,10 +37,11 @@ mod surface;
 mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
-pub use geometry::{PreparedGeometry, PreparedObject, ShadingNormals};
+pub use geometry::{PreparedGeometry, PreparedObject, ShadingNormals, build_structure};
 pub use image::Image;
 pub use layers::Layer;
 pub use prepare::PreparedScene;
 pub use run::{Clamped, RayCounts, RenderOutcome, RenderProgress, RenderStats, RunConfig, render};
 pub use sampler::{Decision, Dimension, Sampler, Turns};
+pub use surface::SurfacePoint;
 pub use tiles::{Region, TilePixels};

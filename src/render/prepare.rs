@@ -244,7 +244,8 @@ impl PreparedScene {
     }
 
     /// The surface that `ray` meets first in `0 < t < t_max`, lights aside.
-    pub(super) fn surface_along(&self, ray: &Ray, t_max: f32) -> Option<SurfacePoint> {
+    #[must_use]
+    pub fn surface_along(&self, ray: &Ray, t_max: f32) -> Option<SurfacePoint> {
         let hit = self.accelerator().intersect(ray, t_max)?;
         Some(SurfacePoint::new(&self.geometry, ray, &hit))
     }
@@ -271,6 +272,21 @@ impl PreparedScene {
         &self.materials[object]
     }
 
+    /// Number of lights in the description.
+    #[must_use]
+    pub fn light_count(&self) -> usize {
+        self.lights.len()
+    }
+
+    /// Where light number `light` is aimed at from `from`: a point uniform over its area by `u`, or the point it is.
+    ///
+    /// # Panics
+    /// When there is no light of that number.
+    #[must_use]
+    pub fn point_on_light(&self, light: usize, from: Vec3, u: Vec2) -> Vec3 {
+        self.lights[light].sample(from, u).position
+    }
+
     pub(super) fn lights(&self) -> &[PreparedLight] {
         &self.lights
     }
@@ -291,7 +307,9 @@ impl PreparedScene {
         self.clamp
     }
 
-    pub(super) fn occlusion_radius(&self) -> f32 {
+    /// How near a surface must be to count as occluding, in prepared units.
+    #[must_use]
+    pub fn occlusion_radius(&self) -> f32 {
         self.occlusion_radius
     }
 }

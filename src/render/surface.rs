@@ -33,6 +33,8 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// The point where `ray` makes `hit`.
+    #[must_use]
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
         let triangle = geometry.triangle(hit.triangle);
         let (position, error) = triangle.point(hit.barycentrics);
@@ -111,11 +113,13 @@ impl SurfacePoint {
     ///
     /// A smooth surface may be lit from a little below its triangles: rays start where the smooth surface would be, and
     /// where the triangles really are in the way, they are met.
+    #[must_use]
     pub fn cosine(&self, wi: Vec3) -> f32 {
         self.shading_normal.dot(wi).max(0.0)
     }
 
     /// The point as one that light is wanted at.
+    #[must_use]
     pub fn receiver(&self) -> Receiver {
         Receiver {
             position: self.position,
@@ -124,32 +128,38 @@ impl SurfacePoint {
     }
 
     /// Of the triangle, on the side of `wo`; unit.
+    #[must_use]
     pub fn geometric_normal(&self) -> Vec3 {
         self.geometric_normal
     }
 
     /// The mirror direction of `wo` about [`Self::specular_normal`].
+    #[must_use]
     pub fn mirror_direction(&self) -> Vec3 {
         reflect(self.wo, self.specular_normal)
     }
 
     /// A ray along `direction`, on the side of the surface that `wo` is on. It can meet the triangle it leaves only where it
     /// leads below it.
+    #[must_use]
     pub fn ray_above(&self, direction: Vec3) -> Ray {
         Ray::new(self.start, direction)
     }
 
     /// [`Self::ray_above`] that ends at `target` where its parameter is 1.
+    #[must_use]
     pub fn ray_to(&self, target: Vec3) -> Ray {
         Ray::new(self.start, target - self.start)
     }
 
     /// A ray that goes on behind the surface along `direction`, and cannot meet the triangle it leaves.
+    #[must_use]
     pub fn ray_through(&self, direction: Vec3) -> Ray {
         Ray::new(self.start_behind(), direction)
     }
 
     /// [`Self::ray_through`] that ends at `target` where its parameter is 1.
+    #[must_use]
     pub fn ray_through_to(&self, target: Vec3) -> Ray {
         let start = self.start_behind();
         Ray::new(start, target - start)

@@ -132,7 +132,7 @@ impl SharedMesh {
         Some(Self {
             mesh: identity.clone(),
             frame,
-            structure: Arc::new(super::build(structure, triangles, cancel)?),
+            structure: Arc::new(super::build_structure(structure, triangles, cancel)?),
             normals: Vec::new(),
         })
     }
