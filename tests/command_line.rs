@@ -382,3 +382,155 @@ fn a_failed_write_leaves_no_temporary_file() {
         .collect();
     assert_eq!(left.len(), 4, "no temporary file is left: {left:?}");
 }
+
+/// Numbers by name, under a structure's key.
+fn by_set<'a>(structure: &'a Value, key: &str) -> &'a serde_json::Map<String, Value> {
+    structure[key]
+        .as_object()
+        .unwrap_or_else(|| panic!("{key}: {structure}"))
+}
+
+#[test]
+fn bench_measures_every_structure_on_the_same_rays() {
+    let folder = folder();
+    let bench = |more: &[&str]| -> Value {
+        let mut arguments = vec!["bench", "scene.toml", "--json", "--repeats", "1"];
+        arguments.extend(more);
+        serde_json::from_str(&succeed(folder.path(), &arguments)).expect("is JSON")
+    };
+    let facts = bench(&["--write", "rays", "--threads", "2"]);
+    assert_eq!(facts["triangles"], 6);
+    assert_eq!(
+        (&facts["threads"], &facts["repeats"]),
+        (&2.into(), &1.into())
+    );
+    assert_eq!(facts["version"], env!("CARGO_PKG_VERSION"));
+    let sets = ["camera", "shadow", "ambient_occlusion", "bounce"];
+    let rays = facts["rays"].as_array().expect("a list");
+    assert!(rays.iter().map(|set| &set["name"]).eq(&sets));
+    let (camera, hits) = (&rays[0], rays[0]["hits"].as_u64().expect("a count"));
+    assert!(hits > 500 && hits <= camera["rays"].as_u64().expect("a count"));
+    assert!(rays[1..].iter().all(|set| set["rays"] == hits));
+
+    let structures = facts["structures"].as_array().expect("a list");
+    let names = ["wide", "kd-tree", "brute-force"];
+    assert!(
+        structures
+            .iter()
+            .map(|structure| &structure["name"])
+            .eq(&names)
+    );
+    for structure in structures {
+        for key in [
+            "build_seconds",
+            "build_seconds_one_thread",
+            "bytes_per_triangle",
+            "references_per_triangle",
+            "sah_cost",
+        ] {
+            assert!(structure[key].as_f64().expect(key) >= 0.0, "{key}");
+        }
+        assert!(structure["references_per_triangle"].as_f64() >= Some(1.0));
+        for key in [
+            "mrays_per_second",
+            "mrays_per_second_all_threads",
+            "blocks_per_ray",
+            "nodes_per_ray",
+        ] {
+            let values = by_set(structure, key);
+            assert!(sets.iter().all(|set| values[*set].is_f64()), "{values:?}");
+        }
+        for key in ["mrays_per_second", "mrays_per_second_all_threads"] {
+            let ranges = by_set(structure, &format!("{key}_range"));
+            for (set, value) in by_set(structure, key) {
+                let range = &ranges[set];
+                assert!(
+                    range["min"].as_f64() <= value.as_f64()
+                        && value.as_f64() <= range["max"].as_f64()
+                );
+            }
+        }
+    }
+
+    // The written rays are the generated ones, bit for bit.
+    let files = ["camera", "lights_shadow", "occlusion_shadow", "bounce"];
+    let paths = files.map(|name| format!("rays/{name}.npy"));
+    let again = paths.iter().flat_map(|path| ["--rays", path]);
+    let again = bench(&again.chain(["--structure", "kd-tree"]).collect::<Vec<_>>());
+    for (index, set) in again["rays"].as_array().expect("a list").iter().enumerate() {
+        assert_eq!(set["name"], files[index]);
+        for key in ["rays", "hits", "any_hit"] {
+            assert_eq!(set[key], rays[index][key], "{}: {key}", files[index]);
+        }
+    }
+    let structures = again["structures"].as_array().expect("a list");
+    assert_eq!(structures.len(), 1);
+    let kept = by_set(&structures[0], "mrays_per_second");
+    assert!(kept.keys().all(|key| files.contains(&&**key)) && kept.len() == 4);
+
+    let mesh = std::fs::read(folder.path().join("rays/mesh.ply")).expect("is written");
+    assert!(mesh.starts_with(b"ply\nformat binary_little_endian 1.0\nelement vertex 8\n"));
+    assert_eq!(
+        std::fs::read_dir(folder.path().join("rays"))
+            .expect("a folder")
+            .count(),
+        5
+    );
+}
+
+#[test]
+fn bench_prints_tables_for_people() {
+    let folder = folder();
+    let text = succeed(
+        folder.path(),
+        &["bench", "tetra.off", "--size", "40x30", "--repeats", "1"],
+    );
+    for expected in [
+        "tetra.off: 4 triangles",
+        "brute-force",
+        "refs/tri",
+        "ambient_occlusion",
+        "Mrays/s, one thread",
+    ] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+}
+
+#[test]
+fn bench_refuses_what_it_cannot_measure() {
+    let folder = folder();
+    let write = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.path().join(name), bytes).expect("is written");
+    };
+    write("other.npy", b"PK");
+    write("empty.toml", b"");
+    write(
+        "away.toml",
+        b"[camera]\neye = [0, -9, 0]\ntarget = [0, -99, 0]\n[[objects]]\nmesh = \"tetra.off\"\n",
+    );
+    let cases: [(&[&str], i32, &str); 7] = [
+        (
+            &["scene.toml", "--rays", "other.npy"],
+            1,
+            "other.npy: byte 0: expected an array of NumPy",
+        ),
+        (
+            &["scene.toml", "--rays", "no.npy"],
+            1,
+            "no.npy: there is no such file",
+        ),
+        (&["empty.toml"], 1, "no triangles"),
+        (&["away.toml"], 1, "no ray of the picture"),
+        (&["scene.toml", "--structure", "octree"], 2, "kd-tree"),
+        (&["scene.toml", "--repeats", "0"], 2, "--repeats"),
+        (
+            &["scene.toml", "--rays", "a.npy", "--write", "b"],
+            2,
+            "--write",
+        ),
+    ];
+    for (arguments, code, expected) in cases {
+        let complaint = fail(folder.path(), code, &[&["bench"], arguments].concat());
+        assert!(complaint.contains(expected), "{arguments:?}: {complaint}");
+    }
+}

@@ -2,14 +2,18 @@
 //!
 //! Errors carry exit code 1; wrong usage 2, by clap.
 
+mod bench;
 mod info;
 mod render;
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::{Parser, Subcommand};
+
+use crate::control::{CancelToken, Progress};
+use crate::io::{self, LoadedScene};
 
 pub use render::{RenderArguments, render_to_file};
 
@@ -33,6 +37,20 @@ pub enum Command {
     Render(RenderArguments),
     /// Say what a mesh, scene or rendered picture holds
     Info(info::InfoArguments),
+    /// Measure how fast the structures over a scene are built and traversed
+    Bench(bench::BenchArguments),
+}
+
+/// The scene of a file; the demo where none is named.
+fn load(path: Option<&Path>) -> Result<LoadedScene> {
+    match path {
+        None => Ok(LoadedScene {
+            scene: io::demo_scene(),
+            warnings: Vec::new(),
+        }),
+        Some(path) => io::load_scene(path, &CancelToken::new(), &Progress::new())?
+            .ok_or_else(|| anyhow!("loading was cancelled")),
+    }
 }
 
 /// Prints a line to the standard output. A reader that has gone away is no error.
@@ -54,6 +72,7 @@ impl Command {
         match self {
             Self::Render(arguments) => render::run(&arguments),
             Self::Info(arguments) => info::run(&arguments),
+            Self::Bench(arguments) => bench::run(&arguments),
         }
     }
 }

@@ -7,8 +7,8 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::control::{CancelToken, Progress};
-use crate::io::{self, LoadedScene};
+use crate::control::CancelToken;
+use crate::io;
 use crate::render::{
     Clamped, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RunConfig, render,
 };
@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
     io::check_image_path(&arguments.output)?;
 
     let started = Instant::now();
-    let mut loaded = load(arguments.scene.as_deref())?;
+    let mut loaded = super::load(arguments.scene.as_deref())?;
     io::override_scene(&mut loaded, &arguments.assignments(), &CancelToken::new())?;
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
         eprintln!("warning: {warning}");
@@ -137,17 +137,6 @@ pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
         stats: None,
     };
     render_scene(scene, &arguments, 0.0).map(drop)
-}
-
-fn load(path: Option<&Path>) -> Result<LoadedScene> {
-    match path {
-        None => Ok(LoadedScene {
-            scene: io::demo_scene(),
-            warnings: Vec::new(),
-        }),
-        Some(path) => io::load_scene(path, &CancelToken::new(), &Progress::new())?
-            .ok_or_else(|| anyhow!("loading was cancelled")),
-    }
 }
 
 fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<Stats> {
@@ -276,7 +265,7 @@ fn peak_memory_bytes() -> Option<u64> {
     Some(kilobytes * 1024)
 }
 
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text
         .split_once(['x', 'X', '×'])
         .and_then(|(width, height)| {
