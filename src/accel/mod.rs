@@ -13,6 +13,7 @@ mod assembly;
 mod block;
 mod box_tree;
 mod brute_force;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
 mod kd;
 mod placed;
 mod simd;

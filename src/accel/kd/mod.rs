@@ -7,14 +7,16 @@
 mod build;
 mod clip;
 mod node;
+mod query;
 mod split;
 mod validate;
 mod walk;
 
 use super::Hit;
-use super::block::{BlockFilter, LANES, TriangleBlock};
+use super::block::{LANES, TriangleBlock};
+use super::simd;
 use crate::control::CancelToken;
-use crate::geometry::{RayKernel, Triangle};
+use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray};
 use node::{Node, packed};
 
@@ -134,36 +136,21 @@ impl KdTree {
     /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
     #[must_use]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
-        let kernel = RayKernel::new(ray);
-        let filter = BlockFilter::new(ray, &kernel);
-        let mut best: Option<Hit> = None;
-        self.walk(ray, t_max, |blocks| {
-            for block in blocks {
-                for lane in filter.may_hit(block) {
-                    if let Some(new) = kernel.intersect(&block.triangle(lane), t_max) {
-                        best = Some(Hit::nearer(best, block.ids[lane], new));
-                    }
-                }
-            }
-            best.map_or(t_max, |hit| hit.t)
-        });
-        best
+        simd::answer(&query::NearestHit {
+            tree: self,
+            ray,
+            t_max,
+        })
     }
 
     /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
     #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
-        let kernel = RayKernel::new(ray);
-        let filter = BlockFilter::new(ray, &kernel);
-        let mut occluded = false;
-        self.walk(ray, t_max, |blocks| {
-            occluded = blocks.iter().any(|block| {
-                let hit = |lane| kernel.intersect(&block.triangle(lane), t_max).is_some();
-                filter.may_hit(block).any(hit)
-            });
-            if occluded { -1.0 } else { t_max }
-        });
-        occluded
+        simd::answer(&query::AnyHit {
+            tree: self,
+            ray,
+            t_max,
+        })
     }
 
     /// The triangles in the order given.
