@@ -291,7 +291,6 @@ fn a_tree_of_tiny_cells_answers_like_brute_force() {
         min_gain: -1.0,
         max_depth: Some(30),
         reference_budget: 20.0,
-        exact_limit: 100,
         ..KdParameters::default()
     };
     for (name, triangles) in scenes() {

@@ -6,6 +6,7 @@
 
 mod build;
 mod clip;
+mod events;
 mod node;
 mod query;
 mod split;
@@ -53,8 +54,6 @@ pub struct KdParameters {
     pub halvings: u32,
     /// References allowed per triangle. Ordinary scenes need one to three; it stops those where many triangles overlap.
     pub reference_budget: f64,
-    /// Cells with up to this many references try every plane; larger ones try 63 per axis.
-    pub exact_limit: usize,
 }
 
 impl Default for KdParameters {
@@ -68,7 +67,6 @@ impl Default for KdParameters {
             halved_above: 64,
             halvings: 3,
             reference_budget: 8.0,
-            exact_limit: 1024,
         }
     }
 }
@@ -106,7 +104,7 @@ pub struct KdTree {
 impl KdTree {
     /// Builds the tree; `None` when cancelled. The result depends on the arguments alone, not on the number of threads.
     ///
-    /// Takes time in proportion to `n log² n` and a bounded number of references for any finite triangles.
+    /// Takes time in proportion to `n log n` and a bounded number of references for any finite triangles.
     ///
     /// # Panics
     /// When there are more than 2²⁹ triangles.
