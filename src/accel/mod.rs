@@ -96,7 +96,7 @@ impl Accelerator {
     pub fn triangle_count(&self) -> usize {
         match self {
             Self::Wide(tree) => tree.triangle_count(),
-            Self::KdTree(tree) => tree.triangles().len(),
+            Self::KdTree(tree) => tree.triangle_count(),
             Self::BruteForce(all) => all.triangles().len(),
         }
     }
@@ -107,7 +107,7 @@ impl Accelerator {
     pub fn triangle(&self, id: usize) -> Triangle {
         match self {
             Self::Wide(tree) => tree.triangle(id),
-            Self::KdTree(tree) => tree.triangles()[id],
+            Self::KdTree(tree) => tree.triangle(id),
             Self::BruteForce(all) => all.triangles()[id],
         }
     }

@@ -179,7 +179,7 @@ fn build(
             WideTree::build(&triangles, cancel).map(Accelerator::Wide)
         }
         AcceleratorChoice::KdTree => {
-            let tree = KdTree::build(triangles, &KdParameters::default(), cancel)?;
+            let tree = KdTree::build(&triangles, &KdParameters::default(), cancel)?;
             Some(Accelerator::KdTree(tree))
         }
     }

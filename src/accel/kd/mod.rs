@@ -19,7 +19,7 @@ use super::simd;
 use crate::control::CancelToken;
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray};
-use node::{Node, packed};
+use node::{Node, packed, places};
 
 /// No tree has more planes above a leaf, so that the stack of a walk has a fixed size.
 const MAX_DEPTH: u32 = 48;
@@ -94,10 +94,12 @@ pub struct KdStatistics {
 /// The surface area heuristic kd-tree.
 #[derive(Clone, Debug)]
 pub struct KdTree {
-    triangles: Vec<Triangle>,
+    /// Where each triangle is for the first time: eight times its block plus its lane. There is no other list of them.
+    places: Vec<u32>,
     bounds: Bounds,
     /// The root is the first.
     nodes: Vec<Node>,
+    /// Those of the leaves, then those of triangles that are in none, as they are not finite.
     blocks: Vec<TriangleBlock>,
     parameters: KdParameters,
 }
@@ -111,7 +113,7 @@ impl KdTree {
     /// When there are more than 2²⁹ triangles.
     #[must_use]
     pub fn build(
-        triangles: Vec<Triangle>,
+        triangles: &[Triangle],
         parameters: &KdParameters,
         cancel: &CancelToken,
     ) -> Option<Self> {
@@ -121,10 +123,10 @@ impl KdTree {
             triangles.len()
         );
         let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
-        let pieces = build::grow(&triangles, bounds, parameters, cancel)?;
-        let (nodes, blocks) = packed(&pieces, &triangles, cancel)?;
+        let pieces = build::grow(triangles, bounds, parameters, cancel)?;
+        let (nodes, mut blocks) = packed(&pieces, triangles, cancel)?;
         Some(Self {
-            triangles,
+            places: places(&mut blocks, triangles),
             bounds,
             nodes,
             blocks,
@@ -152,10 +154,18 @@ impl KdTree {
         })
     }
 
-    /// The triangles in the order given.
+    /// Number of triangles.
     #[must_use]
-    pub fn triangles(&self) -> &[Triangle] {
-        &self.triangles
+    pub fn triangle_count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The triangle with that position in the order given.
+    #[must_use]
+    #[inline]
+    pub fn triangle(&self, id: usize) -> Triangle {
+        let place = self.places[id] as usize;
+        self.blocks[place / LANES].triangle(place % LANES)
     }
 
     /// The box around all triangles; empty when there are none.
@@ -164,9 +174,9 @@ impl KdTree {
         self.bounds
     }
 
-    /// Memory of nodes, leaves and triangles.
+    /// Memory of nodes, leaves and the triangles' places in them.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.triangles)
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.places)
     }
 }

@@ -79,7 +79,7 @@ mod tests {
     fn wide_instructions_answer_with_the_same_bits() {
         for (name, triangles) in scenes() {
             let parameters = KdParameters::default();
-            let tree = KdTree::build(triangles.clone(), &parameters, &CancelToken::new());
+            let tree = KdTree::build(&triangles, &parameters, &CancelToken::new());
             let tree = &tree.expect("nobody cancels");
             for ray in &rays(&triangles, 9) {
                 for t_max in [f32::INFINITY, 0.7] {
