@@ -13,6 +13,7 @@ mod assembly;
 mod block;
 mod box_tree;
 mod brute_force;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
 mod kd;
 mod placed;
 mod quality;
@@ -97,7 +98,7 @@ impl Accelerator {
     pub fn triangle_count(&self) -> usize {
         match self {
             Self::Wide(tree) => tree.triangle_count(),
-            Self::KdTree(tree) => tree.triangles().len(),
+            Self::KdTree(tree) => tree.triangle_count(),
             Self::BruteForce(all) => all.triangles().len(),
         }
     }
@@ -108,7 +109,7 @@ impl Accelerator {
     pub fn triangle(&self, id: usize) -> Triangle {
         match self {
             Self::Wide(tree) => tree.triangle(id),
-            Self::KdTree(tree) => tree.triangles()[id],
+            Self::KdTree(tree) => tree.triangle(id),
             Self::BruteForce(all) => all.triangles()[id],
         }
     }

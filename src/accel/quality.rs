@@ -109,7 +109,7 @@ mod tests {
 
     fn structures(triangles: &[crate::geometry::Triangle]) -> [Accelerator; 3] {
         let cancel = CancelToken::new();
-        let kd = KdTree::build(triangles.to_vec(), &KdParameters::default(), &cancel);
+        let kd = KdTree::build(triangles, &KdParameters::default(), &cancel);
         [
             Accelerator::Wide(WideTree::build(triangles, &cancel).expect("nobody cancels")),
             Accelerator::KdTree(kd.expect("nobody cancels")),

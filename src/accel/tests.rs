@@ -95,11 +95,7 @@ pub(super) fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
 }
 
 fn kd_tree(triangles: &[Triangle]) -> KdTree {
-    let tree = KdTree::build(
-        triangles.to_vec(),
-        &KdParameters::default(),
-        &CancelToken::new(),
-    );
+    let tree = KdTree::build(triangles, &KdParameters::default(), &CancelToken::new());
     tree.expect("nobody cancels")
 }
 
@@ -291,11 +287,10 @@ fn a_tree_of_tiny_cells_answers_like_brute_force() {
         min_gain: -1.0,
         max_depth: Some(30),
         reference_budget: 20.0,
-        exact_limit: 100,
         ..KdParameters::default()
     };
     for (name, triangles) in scenes() {
-        let tree = KdTree::build(triangles.clone(), &parameters, &CancelToken::new()).unwrap();
+        let tree = KdTree::build(&triangles, &parameters, &CancelToken::new()).unwrap();
         tree.validate()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let some: Vec<_> = rays(&triangles, 2).into_iter().step_by(3).collect();
@@ -469,7 +464,7 @@ fn hostile_scenes_stay_within_the_reference_budget() {
     };
     for (name, triangles) in hostile(2000) {
         for parameters in [KdParameters::default(), eager] {
-            let tree = KdTree::build(triangles.clone(), &parameters, &CancelToken::new()).unwrap();
+            let tree = KdTree::build(&triangles, &parameters, &CancelToken::new()).unwrap();
             let KdStatistics {
                 references,
                 max_depth,
@@ -506,6 +501,13 @@ fn hostile_scenes_fill_the_blocks_of_the_wide_tree() {
         let bytes = tree.bytes() / triangles.len();
         assert!(bytes < 75, "{name}: {bytes} bytes per triangle");
     }
+}
+
+#[test]
+fn triangles_of_a_smooth_mesh_take_at_most_90_bytes_in_the_kd_tree() {
+    let triangles = prepared(&shapes::icosphere(5));
+    let bytes = kd_tree(&triangles).bytes() / triangles.len();
+    assert!(bytes <= 90, "{bytes} bytes per triangle");
 }
 
 #[test]
@@ -550,7 +552,7 @@ fn a_cancelled_build_returns_nothing() {
     let triangles = prepared(&shapes::soup(5000, 0.1, 1));
     let cancel = CancelToken::new();
     cancel.cancel();
-    assert!(KdTree::build(triangles.clone(), &KdParameters::default(), &cancel).is_none());
+    assert!(KdTree::build(&triangles, &KdParameters::default(), &cancel).is_none());
     assert!(WideTree::build(&triangles, &cancel).is_none());
 }
 
@@ -566,7 +568,7 @@ fn a_build_stops_when_cancelled_half_way() {
     };
     let cancel = CancelToken::new();
     let (built, elapsed) = std::thread::scope(|scope| {
-        let building = scope.spawn(|| KdTree::build(triangles, &endless, &cancel));
+        let building = scope.spawn(|| KdTree::build(&triangles, &endless, &cancel));
         std::thread::sleep(Duration::from_millis(100));
         cancel.cancel();
         let cancelled = Instant::now();

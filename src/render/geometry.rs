@@ -183,7 +183,7 @@ pub fn build_structure(
             WideTree::build(&triangles, cancel).map(Accelerator::Wide)
         }
         AcceleratorChoice::KdTree => {
-            let tree = KdTree::build(triangles, &KdParameters::default(), cancel)?;
+            let tree = KdTree::build(&triangles, &KdParameters::default(), cancel)?;
             Some(Accelerator::KdTree(tree))
         }
     }

@@ -14,15 +14,13 @@ fn triangles(mesh: &TriangleMesh) -> Vec<Triangle> {
         .collect()
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "as brute force wants it")]
 fn kd_tree(triangles: Vec<Triangle>) -> Accelerator {
-    let tree = KdTree::build(triangles, &KdParameters::default(), &CancelToken::new());
+    let tree = KdTree::build(&triangles, &KdParameters::default(), &CancelToken::new());
     Accelerator::KdTree(tree.expect("nobody cancels"))
 }
 
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "as the other structures want it"
-)]
+#[expect(clippy::needless_pass_by_value, reason = "as brute force wants it")]
 fn wide_tree(triangles: Vec<Triangle>) -> Accelerator {
     let tree = WideTree::build(&triangles, &CancelToken::new());
     Accelerator::Wide(tree.expect("nobody cancels"))

@@ -1,19 +1,21 @@
 //! Growing a kd-tree from the root down.
 //!
-//! The upper part is grown first, until what is left falls into many subtrees, which are grown in parallel. How the work
-//! is divided depends on the triangles alone, so the tree is the same for any number of threads.
+//! The upper part is grown first, until what is left falls into many subtrees, which are grown in parallel; so are all
+//! large cells of one generation. How the work is divided depends on the triangles alone, so the tree is the same for any
+//! number of threads.
 //!
 //! References to triangles that a plane cuts are clipped to both sides, so each knows the box of its part of the
 //! triangle. A budget of references keeps hostile scenes finite: every cell that is worth splitting waits in a queue,
 //! the ones rays meet most often and with most to test first, and what the budget does not reach becomes a leaf.
 
 use super::clip::Clipper;
-use super::split::{Plane, Splitter, leaf_cost};
+use super::events::{self, Distributor, Events, Fate, Side};
+use super::split::{Plane, best_plane, leaf_cost};
 use super::{KdParameters, LANES, MAX_DEPTH, MAX_REFERENCES};
 use crate::accel::half_area;
 use crate::control::CancelToken;
 use crate::geometry::Triangle;
-use crate::math::{Bounds, Vec3};
+use crate::math::Bounds;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -79,17 +81,22 @@ pub(super) fn grow(
     };
     let budget = parameters.most_references(references.len());
 
+    let events = if job.may_split(references.len(), 0) {
+        events::sorted(&references, cancel)
+    } else {
+        Events::default()
+    };
     let root = Cell {
         references,
+        events,
         bounds,
         depth: 0,
         halvings: 0,
     };
-    let mut top = Growth::new(root, budget);
-    top.split_while(&job, |growth| {
-        let is_large = |w: &Waiting| w.cell.references.len() > SUBTREE_REFERENCES;
-        growth.waiting.len() < SUBTREES && growth.waiting.iter().any(is_large)
-    })?;
+    let mut top = Growth::new(&job, root, budget);
+    while top.waiting.len() < SUBTREES && top.waiting.iter().any(Waiting::is_large) {
+        top.split_large()?;
+    }
 
     // What is left of the budget goes to the subtrees in proportion to their references.
     let waiting = std::mem::take(&mut top.waiting).into_sorted_vec();
@@ -108,8 +115,8 @@ pub(super) fn grow(
             reason = "a share of a usize"
         )]
         let share = (spare * (count as f64 / waiting_references as f64)) as usize;
-        let mut subtree = Growth::new(cell, count + share);
-        subtree.split_while(&job, |_| true)?;
+        let mut subtree = Growth::new(&job, cell, count + share);
+        subtree.split_all()?;
         Some(subtree.nodes)
     });
     let subtrees: Vec<Vec<Node>> = grown.collect::<Option<_>>()?;
@@ -127,7 +134,10 @@ struct Job<'a> {
 
 /// A box of space and what lies in it.
 struct Cell {
+    /// By ascending triangle.
     references: Vec<Reference>,
+    /// Theirs; none if the cell will not be split.
+    events: Events,
     bounds: Bounds,
     depth: u32,
     /// How often in a row it came about by halving.
@@ -139,6 +149,13 @@ struct Waiting {
     priority: f64,
     slot: usize,
     cell: Cell,
+}
+
+impl Waiting {
+    /// Whether the cell is to be divided among threads.
+    fn is_large(&self) -> bool {
+        self.cell.references.len() > SUBTREE_REFERENCES
+    }
 }
 
 impl Ord for Waiting {
@@ -164,7 +181,8 @@ impl PartialEq for Waiting {
 impl Eq for Waiting {}
 
 /// A list of nodes under growth.
-struct Growth {
+struct Growth<'a> {
+    job: &'a Job<'a>,
     nodes: Vec<Node>,
     waiting: BinaryHeap<Waiting>,
     /// References in leaves and waiting cells together.
@@ -172,82 +190,112 @@ struct Growth {
     budget: usize,
 }
 
-impl Growth {
-    fn new(root: Cell, budget: usize) -> Self {
+impl<'a> Growth<'a> {
+    fn new(job: &'a Job<'a>, root: Cell, budget: usize) -> Self {
         let mut growth = Self {
+            job,
             nodes: vec![Node::Leaf(Vec::new())],
             waiting: BinaryHeap::new(),
             references: root.references.len(),
             budget,
         };
-        growth.enqueue(0, root);
+        growth.add(0, root);
         growth
     }
 
-    fn enqueue(&mut self, slot: usize, cell: Cell) {
-        self.waiting.push(Waiting {
-            priority: half_area(&cell.bounds) * cell.references.len() as f64,
-            slot,
-            cell,
-        });
+    /// Makes a cell wait, or a leaf of it.
+    fn add(&mut self, slot: usize, cell: Cell) {
+        let count = cell.references.len();
+        if self.job.may_split(count, cell.depth) {
+            self.waiting.push(Waiting {
+                priority: half_area(&cell.bounds) * count as f64,
+                slot,
+                cell,
+            });
+        } else {
+            self.nodes[slot] = leaf(&cell);
+        }
     }
 
-    /// Splits waiting cells, or makes leaves of them, as long as there are any and `go_on` holds. `None` when cancelled.
-    fn split_while(&mut self, job: &Job, go_on: impl Fn(&Self) -> bool) -> Option<()> {
-        let mut splitter = Splitter::new(job.parameters, job.cancel);
-        while go_on(self)
-            && let Some(Waiting { slot, cell, .. }) = self.waiting.pop()
-        {
-            let split = job.split(&mut splitter, &cell);
-            if job.cancel.is_cancelled() {
+    /// Splits waiting cells, or makes leaves of them, until there are none. `None` when cancelled.
+    fn split_all(&mut self) -> Option<()> {
+        let mut distributor = Distributor::default();
+        while let Some(Waiting { slot, cell, .. }) = self.waiting.pop() {
+            let split = self.job.split(&mut distributor, &cell);
+            if self.job.cancel.is_cancelled() {
                 return None;
             }
-            let split = split.filter(|(_, children)| {
-                let kept = children
-                    .iter()
-                    .map(|child| child.references.len())
-                    .sum::<usize>();
-                let references = self.references - cell.references.len() + kept;
-                let within_budget = references <= self.budget && self.nodes.len() < 2 * self.budget;
-                if within_budget {
-                    self.references = references;
-                }
-                within_budget
-            });
-            self.nodes[slot] = match split {
-                Some((plane, [left, right])) => {
-                    let children = self.nodes.len();
-                    self.nodes
-                        .extend([Node::Leaf(Vec::new()), Node::Leaf(Vec::new())]);
-                    self.enqueue(children, left);
-                    self.enqueue(children + 1, right);
-                    Node::Interior {
-                        axis: plane.axis,
-                        position: plane.position,
-                        children,
-                    }
-                }
-                None => Node::Leaf(cell.references.iter().map(|r| r.triangle).collect()),
-            };
+            self.settle(slot, &cell, split);
         }
         Some(())
     }
+
+    /// Splits all large waiting cells once, or makes leaves of them. `None` when cancelled.
+    fn split_large(&mut self) -> Option<()> {
+        let waiting = std::mem::take(&mut self.waiting).into_sorted_vec();
+        let (large, small): (Vec<_>, Vec<_>) = waiting.into_iter().partition(Waiting::is_large);
+        self.waiting = small.into();
+        let split = |w: &Waiting| self.job.split(&mut Distributor::default(), &w.cell);
+        let splits: Vec<_> = large.par_iter().map(split).collect();
+        if self.job.cancel.is_cancelled() {
+            return None;
+        }
+        // The most urgent is last.
+        for (Waiting { slot, cell, .. }, split) in large.into_iter().zip(splits).rev() {
+            self.settle(slot, &cell, split);
+        }
+        Some(())
+    }
+
+    /// Puts a plane in the cell's slot, and makes the two cells it leads to wait, if there is a split and the budget allows it;
+    /// a leaf otherwise.
+    fn settle(&mut self, slot: usize, cell: &Cell, split: Option<(Plane, [Cell; 2])>) {
+        let split = split.filter(|(_, children)| {
+            let kept: usize = children.iter().map(|child| child.references.len()).sum();
+            let references = self.references - cell.references.len() + kept;
+            let within_budget = references <= self.budget && self.nodes.len() < 2 * self.budget;
+            if within_budget {
+                self.references = references;
+            }
+            within_budget
+        });
+        self.nodes[slot] = match split {
+            Some((plane, [left, right])) => {
+                let children = self.nodes.len();
+                self.nodes
+                    .extend([Node::Leaf(Vec::new()), Node::Leaf(Vec::new())]);
+                self.add(children, left);
+                self.add(children + 1, right);
+                Node::Interior {
+                    axis: plane.axis,
+                    position: plane.position,
+                    children,
+                }
+            }
+            None => leaf(cell),
+        };
+    }
+}
+
+fn leaf(cell: &Cell) -> Node {
+    Node::Leaf(cell.references.iter().map(|r| r.triangle).collect())
 }
 
 impl Job<'_> {
-    /// The plane to split `cell` with and the two cells that result; `None` when a leaf is better.
-    fn split(&self, splitter: &mut Splitter, cell: &Cell) -> Option<(Plane, [Cell; 2])> {
+    /// Whether a cell with so many references at that depth may be worth splitting.
+    fn may_split(&self, count: usize, depth: u32) -> bool {
+        // One block needs no tree around it.
+        let is_whole_scene = depth == 0 && count <= LANES;
+        !is_whole_scene
+            && leaf_cost(self.parameters, count) > self.parameters.traversal_cost
+            && depth < self.max_depth
+    }
+
+    /// The plane to split `cell` with and the two cells that result; `None` when a leaf is better, and when cancelled.
+    fn split(&self, distributor: &mut Distributor, cell: &Cell) -> Option<(Plane, [Cell; 2])> {
         let count = cell.references.len();
         let unsplit = leaf_cost(self.parameters, count);
-        // One block needs no tree around it.
-        let is_whole_scene = cell.depth == 0 && count <= LANES;
-        if is_whole_scene
-            || unsplit <= self.parameters.traversal_cost
-            || cell.depth >= self.max_depth
-        {
-            return None;
-        }
-        let best = splitter.best_plane(&cell.references, &cell.bounds)?;
+        let best = best_plane(self.parameters, &cell.events, count, &cell.bounds)?;
         let may_halve =
             count > self.parameters.halved_above && cell.halvings < self.parameters.halvings;
         let (plane, halvings) = if best.cost < unsplit * (1.0 - self.parameters.min_gain) {
@@ -257,88 +305,112 @@ impl Job<'_> {
         } else {
             return None;
         };
-        let children = self.divide(cell, &plane);
-        if children.iter().all(|references| references.len() == count) {
+        let Divided { sides, fates } = self.divide(cell, &plane);
+        if self.cancel.is_cancelled() || sides.iter().all(|side| side.references.len() == count) {
             return None;
         }
-        let mut side = 0;
-        let children = children.map(|references| {
-            let mut bounds = cell.bounds;
-            let cut = if side == 0 {
-                &mut bounds.max
-            } else {
-                &mut bounds.min
-            };
-            cut[plane.axis] = plane.position;
-            side += 1;
-            Cell {
-                references,
-                bounds,
-                depth: cell.depth + 1,
-                halvings,
-            }
-        });
+        let depth = cell.depth + 1;
+        let with_events = sides
+            .each_ref()
+            .map(|side| Some(side).filter(|side| self.may_split(side.references.len(), depth)));
+        let [left_events, right_events] = distributor.distribute(&cell.events, &fates, with_events);
+        let (mut left_bounds, mut right_bounds) = (cell.bounds, cell.bounds);
+        left_bounds.max[plane.axis] = plane.position;
+        right_bounds.min[plane.axis] = plane.position;
+        let [left, right] = sides;
+        let child = |side: Side, events, bounds| Cell {
+            references: side.references,
+            events,
+            bounds,
+            depth,
+            halvings,
+        };
+        let children = [
+            child(left, left_events, left_bounds),
+            child(right, right_events, right_bounds),
+        ];
         Some((plane, children))
     }
 
-    /// The references on the left and on the right of `plane`.
-    fn divide(&self, cell: &Cell, plane: &Plane) -> [Vec<Reference>; 2] {
+    /// The references on the left and on the right of `plane`. Not meaningful when cancelled.
+    fn divide(&self, cell: &Cell, plane: &Plane) -> Divided {
         let parts = cell.references.par_chunks(CHUNK).map(|chunk| {
             if self.cancel.is_cancelled() {
-                [Vec::new(), Vec::new()]
+                Divided::default()
             } else {
                 self.divide_chunk(chunk, plane)
             }
         });
-        parts.reduce(
-            || [Vec::new(), Vec::new()],
-            |[mut left, mut right], [more_left, more_right]| {
-                if left.is_empty() && right.is_empty() {
-                    return [more_left, more_right];
-                }
-                left.extend(more_left);
-                right.extend(more_right);
-                [left, right]
-            },
-        )
+        parts.reduce(Divided::default, Divided::followed_by)
     }
 
-    fn divide_chunk(&self, references: &[Reference], plane: &Plane) -> [Vec<Reference>; 2] {
+    fn divide_chunk(&self, references: &[Reference], plane: &Plane) -> Divided {
         let mut clipper = Clipper::default();
-        let [mut left, mut right] = [Vec::new(), Vec::new()];
+        let mut divided = Divided::default();
         for reference in references {
             let start = reference.bounds.min[plane.axis];
             let end = reference.bounds.max[plane.axis];
             let in_plane = start >= plane.position && end <= plane.position;
-            let side = if in_plane {
+            let is_left = if in_plane {
                 plane.planar_goes_left
             } else {
                 end <= plane.position
             };
-            if side {
-                left.push(*reference);
-            } else if in_plane || start >= plane.position {
-                right.push(*reference);
+            let is_right = !is_left && (in_plane || start >= plane.position);
+            let fate = if is_left || is_right {
+                let side = &mut divided.sides[usize::from(is_right)].references;
+                side.push(*reference);
+                Fate::whole(is_right, number(side.len() - 1))
             } else {
                 let triangle = &self.triangles[reference.triangle as usize];
-                let mut clip = |list: &mut Vec<Reference>,
-                                mut region: Bounds,
-                                cut: fn(&mut Bounds) -> &mut Vec3| {
-                    cut(&mut region)[plane.axis] = plane.position;
+                let (mut left, mut right) = (reference.bounds, reference.bounds);
+                left.max[plane.axis] = plane.position;
+                right.min[plane.axis] = plane.position;
+                for (side, region) in divided.sides.iter_mut().zip([left, right]) {
                     let bounds = clipper.bounds(triangle, &region);
                     if !bounds.is_empty() {
-                        list.push(Reference {
+                        side.cut.push(number(side.references.len()));
+                        side.references.push(Reference {
                             bounds,
                             ..*reference
                         });
                     }
-                };
-                clip(&mut left, reference.bounds, |b| &mut b.max);
-                clip(&mut right, reference.bounds, |b| &mut b.min);
-            }
+                }
+                Fate::CUT
+            };
+            divided.fates.push(fate);
         }
-        [left, right]
+        divided
     }
+}
+
+/// The references of a cell on both sides of a plane, and how they came there.
+#[derive(Default)]
+struct Divided {
+    sides: [Side; 2],
+    fates: Vec<Fate>,
+}
+
+impl Divided {
+    /// Both parts of a cell together.
+    fn followed_by(mut self, next: Self) -> Self {
+        if self.fates.is_empty() {
+            return next;
+        }
+        let before = self.sides.each_ref().map(|s| number(s.references.len()));
+        let fates = next.fates.into_iter();
+        self.fates.extend(fates.map(|fate| fate.behind(before)));
+        for (i, (side, next)) in self.sides.iter_mut().zip(next.sides).enumerate() {
+            side.references.extend(next.references);
+            side.cut.extend(next.cut.into_iter().map(|c| c + before[i]));
+        }
+        self
+    }
+}
+
+/// An index of a reference in a cell.
+fn number(index: usize) -> u32 {
+    u32::try_from(index).expect("a cell has at most 2^29 references")
 }
 
 impl KdParameters {
@@ -366,5 +438,45 @@ impl KdParameters {
         )]
         let budget = (self.reference_budget * triangles as f64) as usize;
         budget.min(MAX_REFERENCES).max(triangles)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::math::{DVec3, Vec3};
+
+    /// References that were not looked at any more have no place on either side.
+    #[test]
+    fn cancelling_during_a_split_leaves_no_half_divided_cell() {
+        let mesh = shapes::soup(100, 0.2, 1);
+        let corners = (0..100).map(|i| mesh.corners(i).map(DVec3::as_vec3));
+        let triangles: Vec<_> = corners.map(|corners| Triangle { corners }).collect();
+        let references: Vec<_> = (0..)
+            .zip(&triangles)
+            .map(|(triangle, t)| Reference {
+                bounds: t.bounds(),
+                triangle,
+            })
+            .collect();
+        let cancel = CancelToken::new();
+        let job = Job {
+            triangles: &triangles,
+            parameters: &KdParameters::default(),
+            max_depth: 20,
+            cancel: &cancel,
+        };
+        let cell = Cell {
+            events: events::sorted(&references, &cancel),
+            references,
+            bounds: Bounds::of_points([Vec3::splat(-1.2), Vec3::splat(1.2)]),
+            depth: 0,
+            halvings: 0,
+        };
+        let mut distributor = Distributor::default();
+        assert!(job.split(&mut distributor, &cell).is_some());
+        cancel.cancel();
+        assert!(job.split(&mut distributor, &cell).is_none());
     }
 }

@@ -6,18 +6,21 @@
 
 mod build;
 mod clip;
+mod events;
 mod node;
 mod quality;
+mod query;
 mod split;
 mod validate;
 mod walk;
 
 use super::Hit;
-use super::block::{BlockFilter, LANES, TriangleBlock};
+use super::block::{LANES, TriangleBlock};
+use super::simd;
 use crate::control::CancelToken;
-use crate::geometry::{RayKernel, Triangle};
+use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray};
-use node::{Node, packed};
+use node::{Node, packed, places};
 
 /// No tree has more planes above a leaf, so that the stack of a walk has a fixed size.
 const MAX_DEPTH: u32 = 48;
@@ -27,8 +30,9 @@ const MAX_REFERENCES: usize = 1 << 29;
 
 /// What the builder assumes and how far it may go. Costs are relative to each other.
 ///
-/// The default costs gave the fastest rays (camera, shadow and bounce, on smooth meshes and soups of 28,000 to 82,000
-/// triangles) among `intersection_cost` 0.5 to 4, `empty_bonus` 0 to 0.8 and `min_gain` 0 to 0.1; the optimum is flat.
+/// The default costs gave the fastest rays (camera, bounce and shadow, on smooth meshes and soups of 28,000 to 328,000
+/// triangles) among `intersection_cost` 0.5 to 3, `empty_bonus` 0.05 to 0.8 and `min_gain` 0 to 0.1. The optimum is flat;
+/// they are at the end of it that needs least memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KdParameters {
     /// Cost of deciding at one plane which way to go.
@@ -52,22 +56,19 @@ pub struct KdParameters {
     pub halvings: u32,
     /// References allowed per triangle. Ordinary scenes need one to three; it stops those where many triangles overlap.
     pub reference_budget: f64,
-    /// Cells with up to this many references try every plane; larger ones try 63 per axis.
-    pub exact_limit: usize,
 }
 
 impl Default for KdParameters {
     fn default() -> Self {
         Self {
             traversal_cost: 1.0,
-            intersection_cost: 1.5,
+            intersection_cost: 0.6,
             empty_bonus: 0.15,
             max_depth: None,
             min_gain: 0.05,
             halved_above: 64,
             halvings: 3,
             reference_budget: 8.0,
-            exact_limit: 1024,
         }
     }
 }
@@ -94,10 +95,12 @@ pub struct KdStatistics {
 /// The surface area heuristic kd-tree.
 #[derive(Clone, Debug)]
 pub struct KdTree {
-    triangles: Vec<Triangle>,
+    /// Where each triangle is for the first time: eight times its block plus its lane. There is no other list of them.
+    places: Vec<u32>,
     bounds: Bounds,
     /// The root is the first.
     nodes: Vec<Node>,
+    /// Those of the leaves, then those of triangles that are in none, as they are not finite.
     blocks: Vec<TriangleBlock>,
     parameters: KdParameters,
 }
@@ -105,13 +108,13 @@ pub struct KdTree {
 impl KdTree {
     /// Builds the tree; `None` when cancelled. The result depends on the arguments alone, not on the number of threads.
     ///
-    /// Takes time in proportion to `n log² n` and a bounded number of references for any finite triangles.
+    /// Takes time in proportion to `n log n` and a bounded number of references for any finite triangles.
     ///
     /// # Panics
     /// When there are more than 2²⁹ triangles.
     #[must_use]
     pub fn build(
-        triangles: Vec<Triangle>,
+        triangles: &[Triangle],
         parameters: &KdParameters,
         cancel: &CancelToken,
     ) -> Option<Self> {
@@ -121,10 +124,10 @@ impl KdTree {
             triangles.len()
         );
         let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
-        let pieces = build::grow(&triangles, bounds, parameters, cancel)?;
-        let (nodes, blocks) = packed(&pieces, &triangles, cancel)?;
+        let pieces = build::grow(triangles, bounds, parameters, cancel)?;
+        let (nodes, mut blocks) = packed(&pieces, triangles, cancel)?;
         Some(Self {
-            triangles,
+            places: places(&mut blocks, triangles),
             bounds,
             nodes,
             blocks,
@@ -135,42 +138,35 @@ impl KdTree {
     /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
     #[must_use]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
-        let kernel = RayKernel::new(ray);
-        let filter = BlockFilter::new(ray, &kernel);
-        let mut best: Option<Hit> = None;
-        self.walk(ray, t_max, |blocks| {
-            for block in blocks {
-                for lane in filter.may_hit(block) {
-                    if let Some(new) = kernel.intersect(&block.triangle(lane), t_max) {
-                        best = Some(Hit::nearer(best, block.ids[lane], new));
-                    }
-                }
-            }
-            best.map_or(t_max, |hit| hit.t)
-        });
-        best
+        simd::answer(&query::NearestHit {
+            tree: self,
+            ray,
+            t_max,
+        })
     }
 
     /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
     #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
-        let kernel = RayKernel::new(ray);
-        let filter = BlockFilter::new(ray, &kernel);
-        let mut occluded = false;
-        self.walk(ray, t_max, |blocks| {
-            occluded = blocks.iter().any(|block| {
-                let hit = |lane| kernel.intersect(&block.triangle(lane), t_max).is_some();
-                filter.may_hit(block).any(hit)
-            });
-            if occluded { -1.0 } else { t_max }
-        });
-        occluded
+        simd::answer(&query::AnyHit {
+            tree: self,
+            ray,
+            t_max,
+        })
     }
 
-    /// The triangles in the order given.
+    /// Number of triangles.
     #[must_use]
-    pub fn triangles(&self) -> &[Triangle] {
-        &self.triangles
+    pub fn triangle_count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The triangle with that position in the order given.
+    #[must_use]
+    #[inline]
+    pub fn triangle(&self, id: usize) -> Triangle {
+        let place = self.places[id] as usize;
+        self.blocks[place / LANES].triangle(place % LANES)
     }
 
     /// The box around all triangles; empty when there are none.
@@ -179,9 +175,9 @@ impl KdTree {
         self.bounds
     }
 
-    /// Memory of nodes, leaves and triangles.
+    /// Memory of nodes, leaves and the triangles' places in them.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.triangles)
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.places)
     }
 }

@@ -111,6 +111,39 @@ pub(super) fn packed(
     Some((nodes, blocks))
 }
 
+/// Where each triangle is for the first time: eight times its block plus its lane. Those that are in no leaf get blocks of
+/// their own.
+pub(super) fn places(blocks: &mut Vec<TriangleBlock>, triangles: &[Triangle]) -> Vec<u32> {
+    let mut places = vec![NOWHERE; triangles.len()];
+    note_places(&mut places, blocks, 0);
+    let ids = (0..).zip(&places);
+    let others: Vec<u32> = ids
+        .filter(|&(_, &place)| place == NOWHERE)
+        .map(|(id, _)| id)
+        .collect();
+    let first = blocks.len();
+    let chunks = others.chunks(LANES);
+    blocks.extend(chunks.map(|ids| TriangleBlock::new(ids, triangles)));
+    note_places(&mut places, &blocks[first..], first);
+    places
+}
+
+/// No place.
+const NOWHERE: u32 = u32::MAX;
+
+/// Notes the places of triangles that have none yet; `first` is the index of the first of these blocks.
+fn note_places(places: &mut [u32], blocks: &[TriangleBlock], first: usize) {
+    let lanes = blocks.iter().flat_map(|block| block.ids);
+    for (place, id) in (first * LANES..).zip(lanes) {
+        if id != TriangleBlock::NO_TRIANGLE && places[id as usize] == NOWHERE {
+            places[id as usize] = u32::try_from(place)
+                .ok()
+                .filter(|&place| place != NOWHERE)
+                .expect("the reference budget keeps blocks below 2^29");
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -23,11 +23,7 @@ impl KdTree {
                     }
                 }
             }
-            if any_hit && nearest < t_max {
-                -1.0
-            } else {
-                nearest
-            }
+            (!any_hit || nearest >= t_max).then_some(nearest)
         };
         let mut planes = 0;
         self.walk_past(ray, t_max, || planes += 1, visit);
@@ -38,13 +34,13 @@ impl KdTree {
     /// Counts references and computes the expected cost, see [`KdTree::statistics`].
     #[must_use]
     pub fn quality(&self) -> StructureQuality {
-        if self.triangles.is_empty() {
+        if self.triangle_count() == 0 {
             // Its box, which holds nothing, has no area to take a share of.
             return StructureQuality::default();
         }
         let statistics = self.statistics();
         StructureQuality {
-            triangles: self.triangles.len() as u64,
+            triangles: self.triangle_count() as u64,
             references: statistics.references as u64,
             sah_cost: statistics.sah_cost,
         }

@@ -1,10 +1,9 @@
 //! Which plane to split a cell with, by the surface area heuristic.
 
 use super::KdParameters;
-use super::build::{CHUNK, Reference};
-use crate::control::CancelToken;
+use super::build::CHUNK;
+use super::events::{Event, EventKind, Events};
 use crate::math::Bounds;
-use rayon::prelude::*;
 
 /// A plane that splits a cell, and what the heuristic expects of it.
 #[derive(Clone, Copy, Debug)]
@@ -36,177 +35,52 @@ pub(super) fn leaf_cost(parameters: &KdParameters, references: usize) -> f64 {
     parameters.intersection_cost * references.div_ceil(super::LANES) as f64
 }
 
-/// Finds planes; holds the buffers it sorts in.
-pub(super) struct Splitter<'a> {
-    parameters: &'a KdParameters,
-    cancel: &'a CancelToken,
-    starts: Vec<f32>,
-    ends: Vec<f32>,
-    planars: Vec<f32>,
-}
-
-impl<'a> Splitter<'a> {
-    pub fn new(parameters: &'a KdParameters, cancel: &'a CancelToken) -> Self {
-        Self {
-            parameters,
-            cancel,
-            starts: Vec::new(),
-            ends: Vec::new(),
-            planars: Vec::new(),
-        }
-    }
-
-    /// The cheapest plane through the inside of `cell`; `None` when it has none or no area.
-    pub fn best_plane(&mut self, references: &[Reference], cell: &Bounds) -> Option<Plane> {
-        let mut best: Option<Plane> = None;
-        for axis in 0..3 {
-            let Some(candidates) = Candidates::new(self.parameters, cell, axis) else {
-                continue;
-            };
-            let found = if references.len() <= self.parameters.exact_limit {
-                self.sweep(references, &candidates)
-            } else {
-                bins(references, &candidates, self.cancel)
-            };
-            if let Some(found) = found
-                && best.is_none_or(|best| found.cost < best.cost)
-            {
-                best = Some(found);
-            }
-        }
-        best
-    }
-
-    /// The exact search: every plane at which some reference starts or ends.
-    fn sweep(&mut self, references: &[Reference], candidates: &Candidates) -> Option<Plane> {
-        self.starts.clear();
-        self.ends.clear();
-        self.planars.clear();
-        for reference in references {
-            let start = reference.bounds.min[candidates.axis];
-            let end = reference.bounds.max[candidates.axis];
-            if start < end {
-                self.starts.push(start);
-                self.ends.push(end);
-            } else {
-                self.planars.push(start);
-            }
-        }
-        for list in [&mut self.starts, &mut self.ends, &mut self.planars] {
-            list.sort_unstable_by(f32::total_cmp);
-        }
-
-        let mut starts = Cursor(&self.starts);
-        let mut ends = Cursor(&self.ends);
-        let mut planars = Cursor(&self.planars);
-        let (mut left, mut right) = (0, references.len());
-        let mut best = None;
-        loop {
-            let position = starts.next().min(ends.next()).min(planars.next());
-            if position >= candidates.end {
-                return best;
-            }
-            let planar = planars.pass(position);
-            right -= ends.pass(position) + planar;
-            candidates.offer(&mut best, position, [left, planar, right]);
-            left += starts.pass(position) + planar;
-        }
-    }
-}
-
-/// What is left of a sorted list.
-struct Cursor<'a>(&'a [f32]);
-
-impl Cursor<'_> {
-    /// The next value; infinity at the end.
-    fn next(&self) -> f32 {
-        self.0.first().copied().unwrap_or(f32::INFINITY)
-    }
-
-    /// Moves past all values equal to `position`, which are the next ones, and counts them.
-    fn pass(&mut self, position: f32) -> usize {
-        let count = self
-            .0
-            .iter()
-            .take_while(|&&value| value <= position)
-            .count();
-        self.0 = &self.0[count..];
-        count
-    }
-}
-
-/// The approximate search for many references: equally spaced planes.
-///
-/// Counts of starts and ends per bin say how many references lie on each side, up to those that touch a plane. Once
-/// cancelled, any plane will do.
-fn bins(references: &[Reference], candidates: &Candidates, cancel: &CancelToken) -> Option<Plane> {
-    #[expect(clippy::cast_possible_truncation, reason = "a position among 64 bins")]
-    let bins_per_length = (BINS as f64 / candidates.length) as f32;
-    let bin = |x: f32| {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "saturates, then is clamped"
-        )]
-        let index = ((x - candidates.start) * bins_per_length) as usize;
-        index.min(BINS - 1)
+/// The cheapest of all planes through the inside of `cell` at which one of its `count` references starts or ends; `None` when
+/// there is none or the cell has no area. `events` are those of its references.
+pub(super) fn best_plane(
+    parameters: &KdParameters,
+    events: &Events,
+    count: usize,
+    cell: &Bounds,
+) -> Option<Plane> {
+    let best_across = |axis: usize| {
+        let candidates = Candidates::new(parameters, cell, axis)?;
+        sweep(&events[axis], count, &candidates)
     };
-    let count = |chunk: &[Reference]| {
-        let mut counts = Counts::default();
-        if cancel.is_cancelled() {
-            return counts;
-        }
-        for reference in chunk {
-            counts.starts[bin(reference.bounds.min[candidates.axis])] += 1;
-            counts.ends[bin(reference.bounds.max[candidates.axis])] += 1;
-        }
-        counts
+    let planes: [Option<Plane>; 3] = if count > CHUNK {
+        let (x, (y, z)) = rayon::join(
+            || best_across(0),
+            || rayon::join(|| best_across(1), || best_across(2)),
+        );
+        [x, y, z]
+    } else {
+        [0, 1, 2].map(best_across)
     };
-    let counts = references
-        .par_chunks(CHUNK)
-        .map(count)
-        .reduce(Counts::default, Counts::add);
-    let (mut left, mut right) = (0, references.len());
+    let cheaper = |a: Plane, b: Plane| if b.cost < a.cost { b } else { a };
+    planes.into_iter().flatten().reduce(cheaper)
+}
+
+/// Counts along an axis how many references lie on each side of every plane.
+fn sweep(events: &[Event], count: usize, candidates: &Candidates) -> Option<Plane> {
+    let (mut left, mut right) = (0, count);
     let mut best = None;
-    for k in 1..BINS {
-        left += counts.starts[k - 1];
-        right -= counts.ends[k - 1];
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "any position inside will do"
-        )]
-        let position =
-            (f64::from(candidates.start) + candidates.length * (k as f64 / BINS as f64)) as f32;
-        candidates.offer(&mut best, position, [left, 0, right]);
+    let mut rest = events.iter().copied().peekable();
+    while let Some(&first) = rest.peek() {
+        let position = first.position();
+        if position >= candidates.end {
+            break;
+        }
+        let [mut ends, mut planar, mut starts] = [0; 3];
+        while let Some(event) = rest.next_if(|event| event.is_at_position_of(first)) {
+            ends += usize::from(event.kind() == EventKind::End);
+            planar += usize::from(event.kind() == EventKind::Planar);
+            starts += usize::from(event.kind() == EventKind::Start);
+        }
+        right -= ends + planar;
+        candidates.offer(&mut best, position, [left, planar, right]);
+        left += starts + planar;
     }
     best
-}
-
-const BINS: usize = 64;
-
-#[derive(Clone, Copy)]
-struct Counts {
-    starts: [usize; BINS],
-    ends: [usize; BINS],
-}
-
-impl Default for Counts {
-    fn default() -> Self {
-        Self {
-            starts: [0; BINS],
-            ends: [0; BINS],
-        }
-    }
-}
-
-impl Counts {
-    fn add(mut self, other: Self) -> Self {
-        for i in 0..BINS {
-            self.starts[i] += other.starts[i];
-            self.ends[i] += other.ends[i];
-        }
-        self
-    }
 }
 
 /// The planes across one axis of a cell, and their cost.
@@ -260,7 +134,12 @@ impl<'a> Candidates<'a> {
             };
             self.parameters.traversal_cost + bonus * children
         };
-        let (if_left, if_right) = (cost(left + planar, right), cost(left, right + planar));
+        let if_left = cost(left + planar, right);
+        let if_right = if planar == 0 {
+            if_left
+        } else {
+            cost(left, right + planar)
+        };
         let planar_goes_left = if_left <= if_right;
         let cost = if_left.min(if_right);
         if best.is_none_or(|best| cost < best.cost) {
@@ -277,8 +156,11 @@ impl<'a> Candidates<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::kd::build::Reference;
+    use crate::accel::kd::events::sorted;
+    use crate::control::CancelToken;
     use crate::geometry::shapes::Random;
-    use crate::math::{DVec3, Vec3};
+    use crate::math::Vec3;
 
     const CELL: Bounds = Bounds {
         min: Vec3::NEG_ONE,
@@ -317,45 +199,18 @@ mod tests {
 
     #[test]
     fn the_sweep_finds_the_cheapest_plane() {
-        let (parameters, cancel) = (KdParameters::default(), CancelToken::new());
-        let mut splitter = Splitter::new(&parameters, &cancel);
+        let parameters = KdParameters::default();
         let mut random = Random::new(1);
         for _ in 0..200 {
             let references = lattice_boxes(60, &mut random);
-            let found = splitter.best_plane(&references, &CELL).unwrap();
+            let events = sorted(&references, &CancelToken::new());
+            let found = best_plane(&parameters, &events, references.len(), &CELL).unwrap();
             let expected = least_cost(&references, &parameters);
             assert!(
                 (found.cost - expected).abs() < 1e-12,
                 "{found:?}, {expected}"
             );
         }
-    }
-
-    #[test]
-    fn bins_come_close_to_the_cheapest_plane() {
-        let exact = KdParameters::default();
-        let binned = KdParameters {
-            exact_limit: 0,
-            ..exact
-        };
-        let cancel = CancelToken::new();
-        let mut random = Random::new(2);
-        let references: Vec<_> = (0..900)
-            .map(|triangle| {
-                let middle = random.in_cube() * 0.95;
-                let half = random.in_cube() * 0.05;
-                Reference {
-                    bounds: Bounds::of_points([middle + half, middle - half].map(DVec3::as_vec3)),
-                    triangle,
-                }
-            })
-            .collect();
-        let cost = |parameters| {
-            let plane = Splitter::new(parameters, &cancel).best_plane(&references, &CELL);
-            plane.unwrap().cost
-        };
-        assert!(cost(&binned) >= cost(&exact));
-        assert!(cost(&binned) < 1.05 * cost(&exact));
     }
 
     #[test]

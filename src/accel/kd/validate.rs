@@ -3,7 +3,7 @@
 use super::clip::{Clipper, magnitude};
 use super::node::NodeKind;
 use super::{KdStatistics, KdTree, MAX_DEPTH};
-use crate::accel::block::TriangleBlock;
+use crate::accel::block::{LANES, TriangleBlock};
 use crate::accel::half_area;
 use crate::math::{Bounds, DVec3};
 use std::ops::Range;
@@ -48,8 +48,8 @@ impl KdTree {
     }
 
     /// Checks what the walk relies on: every node is reached once and no deeper than allowed, planes cut their cells,
-    /// blocks hold the triangles they name, and every triangle is in each leaf whose cell holds a part of it. Lying on a
-    /// cell's side does not count: the neighbour may have it.
+    /// every triangle is where its place says and has the same corners wherever it is, and it is in each leaf whose cell
+    /// holds a part of it. Lying on a cell's side does not count: the neighbour may have it.
     ///
     /// # Errors
     /// A sentence about the first thing found wrong.
@@ -98,12 +98,16 @@ impl KdTree {
         if let Some(index) = reached.iter().position(|reached| !reached) {
             return Err(format!("node {index} is never reached"));
         }
-        if next_block != self.blocks.len() {
+        let places = self.places.iter();
+        let in_no_leaf = places.filter(|&&place| place as usize >= next_block * LANES);
+        let others = self.leaf_ids(next_block..self.blocks.len());
+        if others.count() != in_no_leaf.count() {
             return Err(format!(
-                "{next_block} of {} blocks belong to leaves",
+                "only {next_block} of {} blocks belong to leaves",
                 self.blocks.len()
             ));
         }
+        self.validate_places()?;
         self.validate_completeness()
     }
 
@@ -146,6 +150,18 @@ impl KdTree {
         })
     }
 
+    /// Checks that every triangle has a place that names it.
+    fn validate_places(&self) -> Result<(), String> {
+        for (id, &place) in (0..).zip(&self.places) {
+            let place = place as usize;
+            let there = self.blocks.get(place / LANES);
+            if there.map(|block| block.ids[place % LANES]) != Some(id) {
+                return Err(format!("triangle {id} is not at its place {place}"));
+            }
+        }
+        Ok(())
+    }
+
     fn leaf_ids(&self, blocks: Range<usize>) -> impl Iterator<Item = u32> {
         let ids = self.blocks[blocks].iter().flat_map(|block| block.ids);
         ids.filter(|&id| id != TriangleBlock::NO_TRIANGLE)
@@ -157,7 +173,7 @@ impl KdTree {
         if !ids.is_sorted_by(|a, b| a < b) {
             return Err(format!("the ids of leaf {index} are not in order: {ids:?}"));
         }
-        let chunks = ids.chunks(super::LANES);
+        let chunks = ids.chunks(LANES);
         if chunks.len() != blocks.len() {
             return Err(format!(
                 "leaf {index} has {} blocks for {} triangles",
@@ -170,11 +186,16 @@ impl KdTree {
                 return Err(format!("leaf {index} has a gap in {:?}", block.ids));
             }
             for (lane, &id) in ids.iter().enumerate() {
-                if self.triangles.get(id as usize) != Some(&block.triangle(lane)) {
+                let place = self.places.get(id as usize).map(|&p| p as usize);
+                let there = place.and_then(|place| {
+                    let block = self.blocks.get(place / LANES)?;
+                    Some(block.triangle(place % LANES))
+                });
+                if there != Some(block.triangle(lane)) {
                     return Err(format!("leaf {index} has other corners than triangle {id}"));
                 }
             }
-            for lane in ids.len()..super::LANES {
+            for lane in ids.len()..LANES {
                 if !block
                     .triangle(lane)
                     .corners
@@ -196,7 +217,7 @@ impl KdTree {
         const CLEARLY: f64 = 1.0 / (1_u64 << 40) as f64;
         let mut clipper = Clipper::default();
         let mut is_inside = |id: u32, cell: &Bounds| {
-            let triangle = &self.triangles[id as usize];
+            let triangle = &self.triangle(id as usize);
             let (min, max) = (cell.min.as_dvec3(), cell.max.as_dvec3());
             let margin = DVec3::splat(magnitude(triangle) * CLEARLY);
             // Flat cells have no inside to withdraw to.
@@ -211,7 +232,7 @@ impl KdTree {
             depth: 0,
             cell: self.bounds,
         };
-        let all: Vec<u32> = (0..u32::MAX).take(self.triangles.len()).collect();
+        let all: Vec<u32> = (0..u32::MAX).take(self.places.len()).collect();
         let mut open = vec![(root, all)];
         while let Some((visit, ids)) = open.pop() {
             match self.nodes[visit.index].kind() {
@@ -241,7 +262,6 @@ impl KdTree {
 mod tests {
     use super::*;
     use crate::accel::KdParameters;
-    use crate::accel::block::LANES;
     use crate::accel::kd::node::Node;
     use crate::control::CancelToken;
     use crate::geometry::Triangle;
@@ -250,8 +270,8 @@ mod tests {
     fn tree() -> KdTree {
         let mesh = shapes::soup(300, 0.2, 1);
         let corners = (0..300).map(|i| mesh.corners(i).map(DVec3::as_vec3));
-        let triangles = corners.map(|corners| Triangle { corners }).collect();
-        KdTree::build(triangles, &KdParameters::default(), &CancelToken::new()).unwrap()
+        let triangles: Vec<_> = corners.map(|corners| Triangle { corners }).collect();
+        KdTree::build(&triangles, &KdParameters::default(), &CancelToken::new()).unwrap()
     }
 
     fn assert_found(complaint: &str, damage: impl Fn(&mut KdTree)) {
@@ -294,8 +314,19 @@ mod tests {
             tree.blocks.truncate(tree.blocks.len() - 1);
         });
         assert_found("not in order", |tree| tree.blocks[0].ids.swap(0, 1));
+        assert_found("other corners", |tree| tree.places.swap(0, 1));
+        assert_found("not at its place", |tree| tree.places.push(0));
         assert_found("other corners", |tree| {
-            tree.triangles[0].corners[0].x += 0.1;
+            let mut triangles: Vec<_> = (0..300).map(|id| tree.triangle(id)).collect();
+            let mut lanes = tree.blocks.iter().flat_map(|block| block.ids).enumerate();
+            let is_again = |&(place, id): &(usize, u32)| {
+                id != TriangleBlock::NO_TRIANGLE && tree.places[id as usize] as usize != place
+            };
+            let (place, id) = lanes.find(is_again).unwrap();
+            triangles[id as usize].corners[0].x += 0.1;
+            let index = place / LANES;
+            let ids: Vec<_> = tree.leaf_ids(index..index + 1).collect();
+            tree.blocks[index] = TriangleBlock::new(&ids, &triangles);
         });
         assert_found("not NaN", |tree| {
             let is_partial =
@@ -309,7 +340,8 @@ mod tests {
                     id
                 }
             });
-            tree.blocks[index] = TriangleBlock::new(&filled, &tree.triangles);
+            let triangles: Vec<_> = (0..300).map(|id| tree.triangle(id)).collect();
+            tree.blocks[index] = TriangleBlock::new(&filled, &triangles);
             tree.blocks[index].ids = ids;
         });
     }

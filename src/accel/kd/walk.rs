@@ -15,23 +15,28 @@ use crate::math::robust::gamma;
 const MARGIN: f32 = 4.0 * gamma(3);
 
 impl KdTree {
-    /// Visits the leaves whose cells `ray` passes in `0 < t < t_max`, nearest first, until they begin beyond the `t` that
-    /// the last call of `visit` returned.
+    /// Visits the leaves whose cells `ray` passes in `0 < t < t_max`, nearest first. `visit` returns the `t` beyond which
+    /// nothing matters any more, `None` to stop.
     ///
     /// All comparisons are written so that NaN, from a ray within a plane (0 · ∞), visits both sides.
-    #[inline]
-    pub(super) fn walk(&self, ray: &Ray, t_max: f32, visit: impl FnMut(&[TriangleBlock]) -> f32) {
+    #[inline(always)]
+    pub(super) fn walk(
+        &self,
+        ray: &Ray,
+        t_max: f32,
+        visit: impl FnMut(&[TriangleBlock]) -> Option<f32>,
+    ) {
         self.walk_past(ray, t_max, || (), visit);
     }
 
     /// [`Self::walk`] that calls `pass` at every plane.
-    #[inline]
+    #[inline(always)]
     pub(super) fn walk_past(
         &self,
         ray: &Ray,
         t_max: f32,
         mut pass: impl FnMut(),
-        mut visit: impl FnMut(&[TriangleBlock]) -> f32,
+        mut visit: impl FnMut(&[TriangleBlock]) -> Option<f32>,
     ) {
         let origin = ray.origin.to_array();
         let direction = ray.direction.to_array();
@@ -79,7 +84,9 @@ impl KdTree {
                 }
                 NodeKind::Leaf { blocks } => {
                     // The margin of `enter` covers the rounding of a hit's distance, too.
-                    let limit = visit(&self.blocks[blocks]);
+                    let Some(limit) = visit(&self.blocks[blocks]) else {
+                        return;
+                    };
                     loop {
                         if waiting == 0 {
                             return;
