@@ -92,7 +92,7 @@ pub fn gather(
                     }
                 }
                 let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
-                let lobe = sampler.next_2d(Dimension::at(Decision::Lobe, bounce)).x;
+                let lobe = sampler.next_1d(Dimension::at(Decision::Lobe, bounce));
                 let Some(sample) = phong.sample(point.shading_normal, mirror, lobe, direction)
                 else {
                     break;
@@ -103,7 +103,7 @@ pub fn gather(
                 ray = point.ray_above(sample.wi);
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
+                let u = || sampler.next_1d(Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
                 concentration *= onward.concentration;
@@ -117,7 +117,7 @@ pub fn gather(
         // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
         if settings.roulette && bounce + 1 >= ROULETTE_FROM {
             let survival = (throughput.max_element() * concentration).min(MOST_SURVIVAL);
-            if sampler.next_2d(Dimension::at(Decision::Roulette, bounce)).x >= survival {
+            if sampler.next_1d(Dimension::at(Decision::Roulette, bounce)) >= survival {
                 break;
             }
             throughput /= survival;
