@@ -9,16 +9,17 @@ use super::{Vec2, Vec3};
 /// Source: Shirley & Chiu, A Low Distortion Map Between Disk and Square, 1997.
 #[must_use]
 pub fn concentric_disk(u: Vec2) -> Vec2 {
-    let offset = 2.0 * u - 1.0;
-    if offset == Vec2::ZERO {
-        return Vec2::ZERO;
-    }
-    if offset.x.abs() > offset.y.abs() {
-        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (offset.y / offset.x));
-        Vec2::new(offset.x * cos, offset.x * sin)
+    let Vec2 { x, y } = 2.0 * u - 1.0;
+    // Values are chosen, not ways through the code: which octant it is cannot be foreseen.
+    let is_wide = x.abs() > y.abs();
+    let (radius, other) = if is_wide { (x, y) } else { (y, x) };
+    let ratio = if radius == 0.0 { 0.0 } else { other / radius };
+    let (sin, cos) = sin_cos_octant(FRAC_PI_4 * ratio);
+    let (along, across) = (radius * cos, radius * sin);
+    if is_wide {
+        Vec2::new(along, across)
     } else {
-        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (offset.x / offset.y));
-        Vec2::new(offset.y * sin, offset.y * cos)
+        Vec2::new(across, along)
     }
 }
 
