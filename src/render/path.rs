@@ -172,7 +172,7 @@ impl Aiming<'_> {
             point,
             mirror,
         } = *self;
-        let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
+        let choice = || sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
         let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
         let aimed = Aimed::choose(scene, point, choice, u)?;
         let weight = match (aimed.pdf_solid_angle, scene.settings().light_sampling) {
