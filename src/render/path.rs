@@ -92,9 +92,7 @@ pub fn gather(
                     }
                 }
                 let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
-                let lobe = sampler.next_1d(Dimension::at(Decision::Lobe, bounce));
-                let Some(sample) = phong.sample(point.shading_normal, mirror, lobe, direction)
-                else {
+                let Some(sample) = phong.sample(point.shading_normal, mirror, direction) else {
                     break;
                 };
                 throughput *= sample.weight.sum();
@@ -175,19 +173,20 @@ impl Aiming<'_> {
         let choice = || sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
         let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
         let aimed = Aimed::choose(scene, point, choice, u)?;
+        if aimed.irradiance == Vec3::ZERO {
+            return None;
+        }
+        let cosine = point.cosine(aimed.wi);
+        if cosine <= 0.0 {
+            return None;
+        }
+        let response = phong.response(mirror, aimed.wi, cosine);
         let weight = match (aimed.pdf_solid_angle, scene.settings().light_sampling) {
             (None, _) | (_, LightSampling::Nee) => 1.0,
             (_, LightSampling::Bsdf) => return None,
-            (Some(pdf), LightSampling::Mis) => {
-                let scattered = phong.pdf_solid_angle(point.shading_normal, mirror, aimed.wi);
-                power_heuristic(pdf, scattered)
-            }
+            (Some(pdf), LightSampling::Mis) => power_heuristic(pdf, response.pdf_solid_angle),
         };
-        let cosine = point.cosine(aimed.wi);
-        if cosine <= 0.0 || aimed.irradiance == Vec3::ZERO {
-            return None;
-        }
-        let reflected = phong.brdf(mirror, aimed.wi) * Vec3::splat(cosine);
+        let reflected = response.brdf * Vec3::splat(cosine);
         if reflected.sum() == Vec3::ZERO {
             return None;
         }

@@ -19,9 +19,7 @@ pub enum Decision {
     LightChoice,
     /// Which point of an emitting object shines.
     EmitterPoint,
-    /// Which lobe of a material scatters.
-    Lobe,
-    /// Where it scatters to.
+    /// Which lobe of a material scatters, and where to.
     Direction,
     /// Whether a path ends.
     Roulette,
