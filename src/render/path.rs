@@ -122,6 +122,10 @@ pub fn gather(
         } else if throughput == Vec3::ZERO {
             break;
         }
+        // A ray that scatters no more is there for the light it meets alone.
+        if bounce + 1 == settings.max_bounces && !scene.may_meet_light(&ray) {
+            break;
+        }
         rays.bounce += 1;
         start = 0.0;
     }
