@@ -20,6 +20,9 @@ use crate::scene::{LightSampling, RenderSettings};
 
 /// Scattering events before roulette may end a path.
 const ROULETTE_FROM: u32 = 4;
+/// What a path must carry to be left alone; one that carries less goes on as often as its share of this, and then carries this. So
+/// rays are saved where they bring little, and no path that brings much is lost early.
+const ENOUGH: f32 = 0.5;
 /// The most likely a path goes on under roulette, so that it ends even where nothing is absorbed.
 const MOST_SURVIVAL: f32 = 0.95;
 
@@ -114,7 +117,8 @@ pub fn gather(
 
         // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
         if settings.roulette && bounce + 1 >= ROULETTE_FROM {
-            let survival = (throughput.max_element() * concentration).min(MOST_SURVIVAL);
+            let carried = throughput.max_element() * concentration;
+            let survival = (carried / ENOUGH).min(MOST_SURVIVAL);
             if sampler.next_1d(Dimension::at(Decision::Roulette, bounce)) >= survival {
                 break;
             }
