@@ -21,6 +21,7 @@ pub const fn gamma(n: u32) -> f32 {
 /// `normal`: the geometric normal, unit length. `error`: per-coordinate absolute bound.
 /// Source: Pharr et al., Physically Based Rendering (4th ed.), section on robust spawned ray origins.
 #[must_use]
+#[inline]
 pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
     let distance = normal.abs().dot(error + point.abs() * gamma(2)) * AS_COMPUTED;
     point + normal * (distance + f32::MIN_POSITIVE).copysign(normal.dot(direction))

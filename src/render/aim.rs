@@ -113,6 +113,7 @@ impl Aimed {
         })
     }
 
+    #[inline]
     fn at_emitter(
         scene: &PreparedScene,
         point: &SurfacePoint,
@@ -124,7 +125,7 @@ impl Aimed {
         let aim = emitters.aim(lights, &point.receiver(), choice, u)?;
         Some(Self {
             wi: aim.sample.wi,
-            irradiance: aim.sample.irradiance / share,
+            irradiance: aim.sample.irradiance * share.recip(),
             pdf_solid_angle: aim.pdf_solid_angle.map(|pdf| pdf * share),
             ray: point.ray_to(aim.sample.position),
             reach: 1.0,

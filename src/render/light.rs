@@ -162,6 +162,7 @@ impl PreparedLight {
     }
 
     /// A point of the light, uniform over its area by `u`.
+    #[inline]
     pub fn sample(&self, from: Vec3, u: Vec2) -> LightSample {
         match self {
             Self::Point { .. } => self.center(from),
@@ -257,6 +258,7 @@ impl PreparedDisk {
     }
 
     /// Where `ray` meets the disk; nothing is missed up to `t_max`.
+    #[inline]
     fn intersect_plane(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let along = self.axis.dot(direction);

@@ -237,6 +237,7 @@ impl PreparedScene {
     }
 
     /// What `ray` meets first.
+    #[inline]
     pub(super) fn nearest(&self, ray: &Ray) -> Seen<'_> {
         let hit = self.accelerator().intersect(ray, f32::INFINITY);
         let disk = self

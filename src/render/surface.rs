@@ -33,6 +33,7 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    #[inline]
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
         let triangle = geometry.triangle(hit.triangle);
         let (position, error) = triangle.point(hit.barycentrics);
