@@ -21,12 +21,11 @@ pub struct AimShares {
     pub emitters: f32,
 }
 
-/// What is aimed at.
+/// What is aimed at, and what is left of the number that chose it.
 #[derive(Clone, Copy, Debug)]
 enum Target {
-    Background,
-    /// One of the emitters, chosen by this number.
-    Emitter(Vec2),
+    Background(f32),
+    Emitter(f32),
 }
 
 impl AimShares {
@@ -55,13 +54,13 @@ impl AimShares {
         }
     }
 
-    /// Chooses by `choice`, uniform over the unit square; what is left of it chooses among the emitters.
-    fn choose(self, choice: Vec2) -> Target {
-        if choice.x < self.background {
-            return Target::Background;
+    /// Chooses by `u`, uniform in `[0, 1)`; what is left of it is so again.
+    fn choose(self, u: f32) -> Target {
+        if u < self.background {
+            Target::Background(u / self.background)
+        } else {
+            Target::Emitter((u - self.background) / self.emitters)
         }
-        let rest = (choice.x - self.background) / self.emitters;
-        Target::Emitter(Vec2::new(rest, choice.y))
     }
 }
 
@@ -83,17 +82,20 @@ pub struct Aimed {
 }
 
 impl Aimed {
-    /// Aims at the background or an emitter from `point`; `choice` and `u`: uniform over the unit square. `None` where there is
-    /// nothing to aim at.
+    /// Aims at the background or an emitter from `point`; `u`: uniform over the unit square; so is `choice`, for a choice among
+    /// very many. `None` where there is nothing to aim at.
+    ///
+    /// What `u` has left after the choice finds the place to aim at, so that places are as well spread as `u` over all of them.
+    #[inline]
     pub fn choose(
         scene: &PreparedScene,
         point: &SurfacePoint,
-        choice: Vec2,
+        choice: impl FnOnce() -> Vec2,
         u: Vec2,
     ) -> Option<Self> {
-        match scene.aim_shares().choose(choice) {
-            Target::Background => Self::at_background(scene, point, u),
-            Target::Emitter(choice) => Self::at_emitter(scene, point, choice, u),
+        match scene.aim_shares().choose(u.x) {
+            Target::Background(rest) => Self::at_background(scene, point, Vec2::new(rest, u.y)),
+            Target::Emitter(rest) => Self::at_emitter(scene, point, choice, Vec2::new(rest, u.y)),
         }
     }
 
@@ -111,18 +113,19 @@ impl Aimed {
         })
     }
 
+    #[inline]
     fn at_emitter(
         scene: &PreparedScene,
         point: &SurfacePoint,
-        choice: Vec2,
+        choice: impl FnOnce() -> Vec2,
         u: Vec2,
     ) -> Option<Self> {
         let share = scene.aim_shares().emitters;
         let (emitters, lights) = (scene.emitters(), scene.lights());
         let aim = emitters.aim(lights, &point.receiver(), choice, u)?;
         Some(Self {
-            wi: (aim.sample.position - point.position).try_normalize()?,
-            irradiance: aim.sample.irradiance / share,
+            wi: aim.sample.wi,
+            irradiance: aim.sample.irradiance * share.recip(),
             pdf_solid_angle: aim.pdf_solid_angle.map(|pdf| pdf * share),
             ray: point.ray_to(aim.sample.position),
             reach: 1.0,
@@ -171,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rest_of_the_number_chooses_evenly_among_emitters() {
+    fn the_rest_of_the_number_is_even() {
         let shares = AimShares {
             background: 0.25,
             emitters: 0.75,
@@ -179,9 +182,9 @@ mod tests {
         let steps = 1000_u16;
         let mut rests = Vec::new();
         for step in 0..steps {
-            match shares.choose(Vec2::new(f32::from(step) / f32::from(steps), 0.5)) {
-                Target::Background => {}
-                Target::Emitter(rest) => rests.push(rest.x),
+            match shares.choose(f32::from(step) / f32::from(steps)) {
+                Target::Background(rest) => assert!((0.0..1.0).contains(&rest)),
+                Target::Emitter(rest) => rests.push(rest),
             }
         }
         assert_eq!(rests.len(), 750);

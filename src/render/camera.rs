@@ -1,4 +1,4 @@
-use crate::math::{Bounds, DBounds, DVec3, Ray, SceneFrame, Vec2, warp};
+use crate::math::{Bounds, DBounds, DVec2, DVec3, Ray, SceneFrame, Vec2, warp};
 use crate::scene::{Camera, CameraAxes};
 
 /// A camera in the prepared scene. Rays are made in `f64`, so that a thousandth of a degree still has as many directions as
@@ -10,12 +10,20 @@ pub struct PreparedCamera {
     /// Half the picture's height and width at distance 1.
     half_height: f64,
     half_width: f64,
-    width: f64,
-    height: f64,
-    /// Boxes around all there is to meet, a little larger so that rounding loses no hit.
-    boxes: Vec<DBounds>,
+    /// From pixels to halves of the picture.
+    per_pixel: DVec2,
+    /// Boxes around all there is to meet, a little larger so that rounding loses no hit; none lies in another.
+    boxes: Vec<MetBox>,
     /// `None` for a pinhole.
     lens: Option<Lens>,
+}
+
+/// A box around things to meet.
+#[derive(Clone, Debug)]
+struct MetBox {
+    bounds: DBounds,
+    /// Of the box.
+    diagonal: f64,
 }
 
 /// A thin lens, in prepared units.
@@ -50,18 +58,29 @@ impl PreparedCamera {
         let half_height = libm::tan(camera.vertical_fov.radians() / 2.0);
         // Scene coordinates are at most 1: a few of their last digits.
         let margin = DVec3::splat(f64::from(4.0 * f32::EPSILON));
-        let grown = |bounds: &Bounds| DBounds {
-            min: bounds.min.as_dvec3() - margin,
-            max: bounds.max.as_dvec3() + margin,
+        let grown = |bounds: &Bounds| {
+            let bounds = DBounds {
+                min: bounds.min.as_dvec3() - margin,
+                max: bounds.max.as_dvec3() + margin,
+            };
+            let diagonal = bounds.diagonal();
+            MetBox { bounds, diagonal }
         };
+        let is_within_another = |(index, inner): (usize, &Bounds)| {
+            boxes.iter().enumerate().any(|(other, outer)| {
+                let holds = outer.contains(inner.min) && outer.contains(inner.max);
+                // Of equal boxes the first stays.
+                holds && (inner != outer || other < index)
+            })
+        };
+        let outermost = boxes.iter().enumerate().filter(|b| !is_within_another(*b));
         Some(Self {
             eye: frame.prepared_from_world(camera.eye),
             axes: camera.axes()?,
             half_height,
             half_width: half_height * width / height,
-            width,
-            height,
-            boxes: boxes.iter().map(grown).collect(),
+            per_pixel: 2.0 / DVec2::new(width, height),
+            boxes: outermost.map(|(_, bounds)| grown(bounds)).collect(),
             lens: (camera.aperture_radius > 0.0).then(|| Lens {
                 radius: camera.aperture_radius * frame.scale(),
                 focus_distance: camera.focus() * frame.scale(),
@@ -72,8 +91,8 @@ impl PreparedCamera {
     /// Unit direction through the point `(x, y)` of the picture: pixels from its top left corner.
     #[must_use]
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
-        let right = self.axes.right * ((x / self.width * 2.0 - 1.0) * self.half_width);
-        let up = self.axes.up * ((1.0 - y / self.height * 2.0) * self.half_height);
+        let right = self.axes.right * ((x * self.per_pixel.x - 1.0) * self.half_width);
+        let up = self.axes.up * ((1.0 - y * self.per_pixel.y) * self.half_height);
         (self.axes.forward + right + up).normalize()
     }
 
@@ -108,11 +127,11 @@ impl PreparedCamera {
     /// scene's box.
     #[must_use]
     pub fn ray_from(&self, eye: DVec3, direction: DVec3) -> Option<CameraRay> {
-        let start = self
+        let starts = self
             .boxes
             .iter()
-            .filter_map(|bounds| start_before(bounds, eye, direction));
-        let start = start.min_by(f64::total_cmp)?;
+            .filter_map(|met| met.start_before(eye, direction));
+        let start = starts.reduce(f64::min)?;
         let origin = (eye + direction * start).as_vec3();
         Some(CameraRay {
             ray: Ray::new(origin, direction.as_vec3()),
@@ -127,12 +146,14 @@ impl PreparedCamera {
     }
 }
 
-/// Where on the ray from `eye` along the unit vector `direction` to begin looking for what lies in `bounds`; `None` when the
-/// ray misses it. One diagonal before the box: near enough to keep the digits, and clear of everything in it.
-fn start_before(bounds: &DBounds, eye: DVec3, direction: DVec3) -> Option<f64> {
-    let (enter, exit) = crossing(bounds, eye, direction);
-    // Also false for NaN, which an empty box gives.
-    (enter <= exit && exit >= 0.0).then(|| (enter - bounds.diagonal()).max(0.0))
+impl MetBox {
+    /// Where on the ray from `eye` along the unit vector `direction` to begin looking for what lies in the box; `None` when the
+    /// ray misses it. One diagonal before the box: near enough to keep the digits, and clear of everything in it.
+    fn start_before(&self, eye: DVec3, direction: DVec3) -> Option<f64> {
+        let (enter, exit) = crossing(&self.bounds, eye, direction);
+        // Also false for NaN, which an empty box gives.
+        (enter <= exit && exit >= 0.0).then(|| (enter - self.diagonal).max(0.0))
+    }
 }
 
 /// Where the line from `eye` along `direction` enters and leaves the box.
@@ -145,7 +166,8 @@ fn crossing(bounds: &DBounds, eye: DVec3, direction: DVec3) -> (f64, f64) {
                 return (f64::INFINITY, f64::NEG_INFINITY);
             }
         } else {
-            let (a, b) = (low / direction[axis], high / direction[axis]);
+            let per_direction = direction[axis].recip();
+            let (a, b) = (low * per_direction, high * per_direction);
             enter = enter.max(a.min(b));
             exit = exit.min(a.max(b));
         }

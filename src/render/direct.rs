@@ -77,7 +77,7 @@ pub fn gather(
                 break;
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
+                let u = || sampler.next_1d(Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
                 beginning = beginning.then_specular(onward.layer);

@@ -5,11 +5,11 @@
 
 use std::f64::consts::PI;
 
-use super::alias::AliasTable;
 use super::geometry::PreparedGeometry;
 use super::light::{LightSample, PreparedLight};
 use super::light_tree::{LightTree, Luminary, Receiver, Shines};
 use super::material::PreparedMaterial;
+use super::shares;
 use crate::accel::AimingError;
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray, Vec2, Vec3, color::luminance, robust, warp};
@@ -18,12 +18,18 @@ use crate::math::{Bounds, Ray, Vec2, Vec3, color::luminance, robust, warp};
 /// a ray; it pays where most lights are far from most places.
 const MOST_BY_POWER: usize = 32;
 
+/// The least share of the choice by power, before all are scaled to sum to 1: power says little about what one place sees. It
+/// leaves 14 of the 24 digits of a random number to the point of the light.
+const LEAST_SHARE: f64 = 1.0 / 1024.0;
+
 /// The lights of a scene and how likely each is to be aimed at.
 #[derive(Clone, Debug, Default)]
 pub struct Emitters {
     /// The lights, where they are chosen from, then the triangles of emitting objects.
     items: Vec<Emitter>,
     holds_lights: bool,
+    /// For each object, the number of its first triangle, and the item that is this triangle if the object shines.
+    first: Vec<(u32, usize)>,
     /// What all of them emit.
     power: f64,
     choice: Choice,
@@ -32,24 +38,14 @@ pub struct Emitters {
 /// How one of the items is chosen.
 #[derive(Clone, Debug)]
 enum Choice {
-    ByPower {
-        table: AliasTable,
-        /// For each object, the density per prepared area with which its points are aimed at; 0 for those that do not shine.
-        pdf_area: Vec<f32>,
-    },
-    ByPlace {
-        tree: LightTree,
-        /// For each object, the number of its first triangle, and the item that is this triangle if the object shines.
-        first: Vec<(u32, usize)>,
-    },
+    /// By these cumulative shares; there are none where nothing shines.
+    ByPower(Vec<f32>),
+    ByPlace(LightTree),
 }
 
 impl Default for Choice {
     fn default() -> Self {
-        Self::ByPower {
-            table: AliasTable::default(),
-            pdf_area: Vec::new(),
-        }
+        Self::ByPower(Vec::new())
     }
 }
 
@@ -61,6 +57,7 @@ enum Emitter {
     /// A triangle of an emitting object.
     Triangle {
         triangle: Triangle,
+        normal: Vec3,
         error: AimingError,
         area: f32,
         radiance: Vec3,
@@ -69,8 +66,8 @@ enum Emitter {
 
 /// One of the items, chosen.
 #[derive(Clone, Copy, Debug)]
-pub struct Chosen {
-    emitter: Emitter,
+pub struct Chosen<'a> {
+    emitter: &'a Emitter,
     /// How likely that was.
     pub probability: f32,
 }
@@ -108,6 +105,7 @@ impl Emitters {
                 let triangle = placed.in_scene();
                 Emitter::Triangle {
                     triangle,
+                    normal: triangle.normal(),
                     error: placed.aiming_error(),
                     area: triangle.area(),
                     radiance,
@@ -118,14 +116,14 @@ impl Emitters {
         let power = powers.iter().sum();
         let choice = if items.len() > MOST_BY_POWER {
             let luminaries: Vec<_> = items.iter().map(|item| item.luminary(lights)).collect();
-            let tree = LightTree::build(&luminaries);
-            Choice::ByPlace { tree, first }
+            Choice::ByPlace(LightTree::build(&luminaries))
         } else {
-            by_power(&powers, power, materials)
+            Choice::ByPower(shares_by_power(&powers, power))
         };
         Self {
             items,
             power,
+            first,
             holds_lights: !lights.is_empty(),
             choice,
         }
@@ -134,8 +132,8 @@ impl Emitters {
     /// Whether there is nothing to aim at.
     pub fn is_empty(&self) -> bool {
         match &self.choice {
-            Choice::ByPower { table, .. } => table.is_empty(),
-            Choice::ByPlace { tree, .. } => tree.is_empty(),
+            Choice::ByPower(shares) => shares.is_empty(),
+            Choice::ByPlace(tree) => tree.is_empty(),
         }
     }
 
@@ -151,30 +149,65 @@ impl Emitters {
 
     /// One of them for light at `at`: `u` uniform over the unit square. `None` where there is none, and now and then where most
     /// give nothing.
-    pub fn choose(&self, at: &Receiver, u: Vec2) -> Option<Chosen> {
-        let (item, probability) = match &self.choice {
-            Choice::ByPower { table, .. } if table.is_empty() => return None,
-            Choice::ByPower { table, .. } => {
-                let item = table.draw(u);
-                (item, table.probability(item))
-            }
-            Choice::ByPlace { tree, .. } => tree.choose(at, u)?,
-        };
-        Some(Chosen {
-            emitter: self.items[item],
-            probability,
-        })
+    pub fn choose(&self, at: &Receiver, u: Vec2) -> Option<Chosen<'_>> {
+        match &self.choice {
+            Choice::ByPower(_) => Some(self.choose_by_power(u.x)?.0),
+            Choice::ByPlace(tree) => self.choose_by_place(tree, at, u),
+        }
     }
 
-    /// Aims at one of them from `at`: `choice` and `u` uniform over the unit square. `None` as for [`Self::choose`].
+    /// Aims at one of them from `at`: `u` uniform over the unit square; so is `choice`, asked for where the choice needs more
+    /// digits. `None` as for [`Self::choose`].
+    #[inline]
     pub fn aim(
         &self,
         lights: &[PreparedLight],
         at: &Receiver,
-        choice: Vec2,
+        choice: impl FnOnce() -> Vec2,
         u: Vec2,
     ) -> Option<Aim> {
-        Some(self.choose(at, choice)?.aim(lights, at.position, u))
+        let (chosen, u) = match &self.choice {
+            Choice::ByPower(_) => {
+                let (chosen, rest) = self.choose_by_power(u.x)?;
+                (chosen, Vec2::new(rest, u.y))
+            }
+            Choice::ByPlace(tree) => (self.choose_by_place(tree, at, choice())?, u),
+        };
+        Some(chosen.aim(lights, at.position, u))
+    }
+
+    /// The one that `u` stands for, and what is left of `u`, uniform in `[0, 1)` again.
+    #[inline]
+    fn choose_by_power(&self, u: f32) -> Option<(Chosen<'_>, f32)> {
+        let Choice::ByPower(shares) = &self.choice else {
+            return None;
+        };
+        if shares.is_empty() {
+            return None;
+        }
+        let (item, rest) = shares::draw(shares, u);
+        let chosen = Chosen {
+            emitter: &self.items[item],
+            probability: shares::share_of(shares, item),
+        };
+        Some((chosen, rest))
+    }
+
+    fn choose_by_place(&self, tree: &LightTree, at: &Receiver, u: Vec2) -> Option<Chosen<'_>> {
+        let (item, probability) = tree.choose(at, u)?;
+        Some(Chosen {
+            emitter: &self.items[item],
+            probability,
+        })
+    }
+
+    /// How likely `item` is chosen at `at`.
+    fn probability(&self, item: usize, at: &Receiver) -> f32 {
+        match &self.choice {
+            Choice::ByPower(shares) if shares.is_empty() => 0.0,
+            Choice::ByPower(shares) => shares::share_of(shares, item),
+            Choice::ByPlace(tree) => tree.probability(item, at),
+        }
     }
 
     /// Density with which a ray from `at` that meets the emitting `object` in `triangle` at `towards` from there was aimed at,
@@ -186,18 +219,12 @@ impl Emitters {
         normal: Vec3,
         towards: Vec3,
     ) -> f32 {
-        let pdf_area = match &self.choice {
-            Choice::ByPower { pdf_area, .. } => pdf_area[object],
-            Choice::ByPlace { tree, first } => {
-                let (first_triangle, first_item) = first[object];
-                let item = first_item + (triangle - first_triangle) as usize;
-                let Emitter::Triangle { area, .. } = self.items[item] else {
-                    unreachable!("the triangles of an emitting object are items");
-                };
-                tree.probability(item, at) / area
-            }
+        let (first_triangle, first_item) = self.first[object];
+        let item = first_item + (triangle - first_triangle) as usize;
+        let Emitter::Triangle { area, .. } = self.items[item] else {
+            unreachable!("the triangles of an emitting object are items");
         };
-        pdf_from_area(pdf_area, normal, towards)
+        pdf_from_area(self.probability(item, at) / area, normal, towards)
     }
 
     /// Density with which the disk light number `index` is aimed at from `at` along `ray`, which meets it at `t`, per
@@ -209,32 +236,22 @@ impl Emitters {
         index: usize,
         (ray, t): (&Ray, f32),
     ) -> f32 {
-        if self.is_empty() {
-            return 0.0;
-        }
         lights[index].visible_disk().map_or(0.0, |disk| {
-            let probability = match &self.choice {
-                Choice::ByPower { table, .. } => table.probability(index),
-                Choice::ByPlace { tree, .. } => tree.probability(index, at),
-            };
-            probability * disk.pdf_solid_angle(ray, t)
+            self.probability(index, at) * disk.pdf_solid_angle(ray, t)
         })
     }
 }
 
-/// The choice by power alone: `powers` of the lights and triangles, and their sum.
-fn by_power(powers: &[f64], total: f64, materials: &[PreparedMaterial]) -> Choice {
-    #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-    let pdf_area = materials.iter().map(|material| match material {
-        PreparedMaterial::Emitter { radiance } if total > 0.0 => {
-            (power_per_area(*radiance) / total) as f32
-        }
-        _ => 0.0,
-    });
-    Choice::ByPower {
-        table: AliasTable::new(powers),
-        pdf_area: pdf_area.collect(),
+/// Cumulative shares of the choice by `powers`, whose sum is `total`.
+fn shares_by_power(powers: &[f64], total: f64) -> Vec<f32> {
+    let mut shares = Vec::new();
+    if total > 0.0 {
+        let least = total * LEAST_SHARE;
+        let weight = |&power: &f64| if power > 0.0 { power.max(least) } else { 0.0 };
+        let weights: Vec<_> = powers.iter().map(weight).collect();
+        shares::append_shares(&weights, &mut shares);
     }
+    shares
 }
 
 impl Emitter {
@@ -273,55 +290,53 @@ impl Emitter {
     }
 }
 
-impl Chosen {
+impl Chosen<'_> {
     /// Number of the light, where it is one.
     pub fn light(&self) -> Option<u32> {
         match self.emitter {
-            Emitter::Light(index) => Some(index),
+            Emitter::Light(index) => Some(*index),
             Emitter::Triangle { .. } => None,
         }
     }
 
     /// Aims at a point of it from `from`: `u` uniform over the unit square.
+    #[inline]
     pub fn aim(&self, lights: &[PreparedLight], from: Vec3, u: Vec2) -> Aim {
         let probability = self.probability;
-        match self.emitter {
+        match *self.emitter {
             Emitter::Light(index) => {
                 let light = &lights[index as usize];
                 let mut sample = light.sample(from, u);
                 sample.irradiance /= probability;
-                let towards = Ray::new(from, sample.position - from);
-                let pdf = light
-                    .visible_disk()
-                    .map(|disk| probability * disk.pdf_solid_angle(&towards, 1.0));
+                sample.solid_angle /= probability;
+                let can_be_met = light.visible_disk().is_some();
                 Aim {
                     sample,
-                    pdf_solid_angle: pdf,
+                    pdf_solid_angle: can_be_met.then(|| sample.solid_angle.recip()),
                     light: Some(index),
                 }
             }
             Emitter::Triangle {
                 triangle,
+                normal,
                 error: aiming_error,
                 area,
                 radiance,
             } => {
                 let (position, error) = triangle.point(warp::triangle(u));
-                let normal = triangle.normal();
                 let towards = position - from;
+                let distance = towards.length();
                 let pdf = pdf_from_area(probability / area, normal, towards);
                 // In front of the surface by its rounding error, so that the triangle does not shadow itself.
-                let error = error + aiming_error.from(towards.length());
+                let error = error + aiming_error.from(distance);
                 let position = robust::offset_origin(position, error, normal, -towards);
-                let irradiance = if pdf.is_finite() {
-                    radiance / pdf
-                } else {
-                    Vec3::ZERO
-                };
+                let solid_angle = if pdf.is_finite() { pdf.recip() } else { 0.0 };
                 Aim {
                     sample: LightSample {
                         position,
-                        irradiance,
+                        wi: (position - from).normalize_or_zero(),
+                        solid_angle,
+                        irradiance: radiance * solid_angle,
                     },
                     pdf_solid_angle: Some(pdf),
                     light: None,

@@ -23,6 +23,7 @@ pub struct PreparedDisk {
     /// Unit; the disk shines on its side.
     normal: Vec3,
     radius: f32,
+    area: f32,
     radiance: Vec3,
     visible: bool,
     /// Two radii at right angles.
@@ -40,6 +41,11 @@ pub struct PreparedDisk {
 pub struct LightSample {
     /// The point of the light.
     pub position: Vec3,
+    /// Towards it; unit where the light shines that way.
+    pub wi: Vec3,
+    /// As how large the whole light counts, seen from here: one over the density of `wi`, per steradian. 0 for points, and where
+    /// the light does not shine.
+    pub solid_angle: f32,
     /// Irradiance on a surface that faces the light's point, divided by the density with which that point was chosen;
     /// black where the light does not shine that way.
     pub irradiance: Vec3,
@@ -141,15 +147,22 @@ impl PreparedLight {
             Self::Point {
                 position,
                 intensity,
-            } => LightSample {
-                position: *position,
-                irradiance: *intensity / position.distance_squared(from),
-            },
+            } => {
+                let towards = *position - from;
+                let distance_squared = towards.length_squared();
+                LightSample {
+                    position: *position,
+                    wi: towards / distance_squared.sqrt(),
+                    solid_angle: 0.0,
+                    irradiance: *intensity / distance_squared,
+                }
+            }
             Self::Disk(disk) => disk.seen_from(from, disk.center),
         }
     }
 
     /// A point of the light, uniform over its area by `u`.
+    #[inline]
     pub fn sample(&self, from: Vec3, u: Vec2) -> LightSample {
         match self {
             Self::Point { .. } => self.center(from),
@@ -172,6 +185,7 @@ impl PreparedDisk {
             center,
             normal,
             radius,
+            area: PI * radius * radius,
             radiance,
             visible: true,
             radii: [x * radius, y * radius],
@@ -183,18 +197,21 @@ impl PreparedDisk {
 
     /// What the disk's point `position`, standing for the whole area, sends to `from`.
     fn seen_from(&self, from: Vec3, position: Vec3) -> LightSample {
-        let towards = from - position;
-        let distance_squared = towards.length_squared();
-        let cosine = self.normal.dot(towards) / distance_squared.sqrt();
-        let area = PI * self.radius * self.radius;
-        let irradiance = if cosine > 0.0 {
-            self.radiance * (area * cosine / distance_squared)
+        let position = self.in_front(position);
+        let towards = position - from;
+        let per_distance = towards.length_recip();
+        let wi = towards * per_distance;
+        let cosine = -self.normal.dot(wi);
+        let solid_angle = if cosine > 0.0 {
+            self.area * cosine * per_distance * per_distance
         } else {
-            Vec3::ZERO
+            0.0
         };
         LightSample {
-            position: self.in_front(position),
-            irradiance,
+            position,
+            wi,
+            solid_angle,
+            irradiance: self.radiance * solid_angle,
         }
     }
 
@@ -241,6 +258,7 @@ impl PreparedDisk {
     }
 
     /// Where `ray` meets the disk; nothing is missed up to `t_max`.
+    #[inline]
     fn intersect_plane(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let along = self.axis.dot(direction);
@@ -273,7 +291,7 @@ impl PreparedDisk {
         let length = ray.direction.length();
         let cosine = self.normal.dot(ray.direction).abs() / length;
         let distance = t * length;
-        distance * distance / (cosine * PI * self.radius * self.radius)
+        distance * distance / (cosine * self.area)
     }
 
     /// Whether the disk is so near to `from`, for its size, that sampling its area alone is noisy: 1/d² varies by more than

@@ -6,7 +6,6 @@
 //! nothing else, and sums are formed in a fixed order, so the picture is the same for any number of threads.
 
 mod aim;
-mod alias;
 mod background;
 mod camera;
 mod direct;

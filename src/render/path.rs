@@ -20,6 +20,9 @@ use crate::scene::{LightSampling, RenderSettings};
 
 /// Scattering events before roulette may end a path.
 const ROULETTE_FROM: u32 = 4;
+/// What a path must carry to be left alone; one that carries less goes on as often as its share of this, and then carries this. So
+/// rays are saved where they bring little, and no path that brings much is lost early.
+const ENOUGH: f32 = 0.5;
 /// The most likely a path goes on under roulette, so that it ends even where nothing is absorbed.
 const MOST_SURVIVAL: f32 = 0.95;
 
@@ -92,9 +95,7 @@ pub fn gather(
                     }
                 }
                 let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
-                let lobe = sampler.next_2d(Dimension::at(Decision::Lobe, bounce)).x;
-                let Some(sample) = phong.sample(point.shading_normal, mirror, lobe, direction)
-                else {
+                let Some(sample) = phong.sample(point.shading_normal, mirror, direction) else {
                     break;
                 };
                 throughput *= sample.weight.sum();
@@ -103,7 +104,7 @@ pub fn gather(
                 ray = point.ray_above(sample.wi);
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || sampler.next_2d(Dimension::at(Decision::Boundary, bounce)).x;
+                let u = || sampler.next_1d(Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
                 concentration *= onward.concentration;
@@ -116,12 +117,17 @@ pub fn gather(
 
         // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
         if settings.roulette && bounce + 1 >= ROULETTE_FROM {
-            let survival = (throughput.max_element() * concentration).min(MOST_SURVIVAL);
-            if sampler.next_2d(Dimension::at(Decision::Roulette, bounce)).x >= survival {
+            let carried = throughput.max_element() * concentration;
+            let survival = (carried / ENOUGH).min(MOST_SURVIVAL);
+            if sampler.next_1d(Dimension::at(Decision::Roulette, bounce)) >= survival {
                 break;
             }
             throughput /= survival;
         } else if throughput == Vec3::ZERO {
+            break;
+        }
+        // A ray that scatters no more is there for the light it meets alone.
+        if bounce + 1 == settings.max_bounces && !scene.may_meet_light(&ray) {
             break;
         }
         rays.bounce += 1;
@@ -172,22 +178,23 @@ impl Aiming<'_> {
             point,
             mirror,
         } = *self;
-        let choice = sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
+        let choice = || sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
         let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
         let aimed = Aimed::choose(scene, point, choice, u)?;
+        if aimed.irradiance == Vec3::ZERO {
+            return None;
+        }
+        let cosine = point.cosine(aimed.wi);
+        if cosine <= 0.0 {
+            return None;
+        }
+        let response = phong.response(mirror, aimed.wi, cosine);
         let weight = match (aimed.pdf_solid_angle, scene.settings().light_sampling) {
             (None, _) | (_, LightSampling::Nee) => 1.0,
             (_, LightSampling::Bsdf) => return None,
-            (Some(pdf), LightSampling::Mis) => {
-                let scattered = phong.pdf_solid_angle(point.shading_normal, mirror, aimed.wi);
-                power_heuristic(pdf, scattered)
-            }
+            (Some(pdf), LightSampling::Mis) => power_heuristic(pdf, response.pdf_solid_angle),
         };
-        let cosine = point.cosine(aimed.wi);
-        if cosine <= 0.0 || aimed.irradiance == Vec3::ZERO {
-            return None;
-        }
-        let reflected = phong.brdf(mirror, aimed.wi) * Vec3::splat(cosine);
+        let reflected = response.brdf * Vec3::splat(cosine);
         if reflected.sum() == Vec3::ZERO {
             return None;
         }

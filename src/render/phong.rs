@@ -13,26 +13,40 @@ pub struct Phong {
     /// Specular reflectance.
     pub specular: Vec3,
     exponent: f32,
+    /// How often the specular lobe is sampled; 0 and 1 where there is nothing to choose.
+    specular_share: f32,
+}
+
+/// What the modified model does with light from one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Per steradian, without the cosine.
+    pub brdf: ByLobe,
+    /// Density of [`Phong::sample`] at the direction, per steradian.
+    pub pdf_solid_angle: f32,
 }
 
 impl Phong {
     /// Reflectances `0..=1` per channel, exponent 0 or more.
     pub fn new(diffuse: DVec3, specular: DVec3, shininess: f64) -> Self {
+        let (diffuse, specular) = (diffuse.as_vec3(), specular.as_vec3());
+        let (dull, shiny) = (luminance(diffuse), luminance(specular));
         Self {
-            diffuse: diffuse.as_vec3(),
-            specular: specular.as_vec3(),
+            diffuse,
+            specular,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             exponent: shininess as f32,
+            specular_share: if shiny > 0.0 {
+                shiny / (dull + shiny)
+            } else {
+                0.0
+            },
         }
     }
 
     /// What stands in for a material that is switched off.
     pub fn grey() -> Self {
-        Self {
-            diffuse: Vec3::splat(0.5),
-            specular: Vec3::ZERO,
-            exponent: 1.0,
-        }
+        Self::new(DVec3::splat(0.5), DVec3::ZERO, 1.0)
     }
 
     /// Whether nothing is reflected in any direction.
@@ -45,7 +59,7 @@ impl Phong {
     /// direction of `wo`; `cosine`: between `wi` and the normal, positive.
     pub fn reflected(&self, model: PhongModel, mirror: Vec3, wi: Vec3, cosine: f32) -> ByLobe {
         match model {
-            PhongModel::Modified => self.brdf(mirror, wi) * Vec3::splat(cosine),
+            PhongModel::Modified => self.brdf(self.lobe(mirror, wi)) * Vec3::splat(cosine),
             PhongModel::Classic => ByLobe {
                 diffuse: self.diffuse * cosine,
                 specular: self.specular * self.lobe(mirror, wi),
@@ -53,9 +67,21 @@ impl Phong {
         }
     }
 
-    /// The modified model's BRDF, per steradian, without the cosine.
-    pub fn brdf(&self, mirror: Vec3, wi: Vec3) -> ByLobe {
+    /// The modified model for light from `wi`, whose cosine to the normal is `cosine`, 0 or more.
+    #[inline]
+    pub fn response(&self, mirror: Vec3, wi: Vec3, cosine: f32) -> Response {
         let lobe = self.lobe(mirror, wi);
+        let share = self.specular_share;
+        let diffuse = if share < 1.0 { cosine / PI } else { 0.0 };
+        let specular = warp::power_cosine_pdf(lobe, self.exponent);
+        Response {
+            brdf: self.brdf(lobe),
+            pdf_solid_angle: diffuse * (1.0 - share) + specular * share,
+        }
+    }
+
+    /// The modified model's BRDF, per steradian, without the cosine, where the lobe has this value.
+    fn brdf(&self, lobe: f32) -> ByLobe {
         ByLobe {
             diffuse: self.diffuse / PI,
             specular: self.specular * ((self.exponent + 2.0) / (2.0 * PI) * lobe),
@@ -63,11 +89,17 @@ impl Phong {
     }
 
     /// A direction in which light may come from, about in proportion to what it adds; `None` where it would leave below
-    /// the surface. `choice`: uniform in `[0, 1)`; `u`: over the unit square.
-    pub fn sample(&self, normal: Vec3, mirror: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
-        let wi = if choice < self.specular_share() {
+    /// the surface. `u`: uniform over the unit square.
+    ///
+    /// The lobe is chosen by a part of `u`, so that the directions of each lobe are as well spread as `u`.
+    #[inline]
+    pub fn sample(&self, normal: Vec3, mirror: Vec3, mut u: Vec2) -> Option<Scattered> {
+        let share = self.specular_share;
+        let wi = if u.x < share {
+            u.x /= share;
             warp::around(mirror, warp::power_cosine(u, self.exponent))
         } else {
+            u.x = (u.x - share) / (1.0 - share);
             warp::around(normal, warp::cosine_hemisphere(u))
         };
         let wi = wi.normalize();
@@ -75,35 +107,15 @@ impl Phong {
         if cosine <= 0.0 {
             return None;
         }
-        let pdf_solid_angle = self.pdf_solid_angle(normal, mirror, wi);
-        let weight = self.brdf(mirror, wi) * Vec3::splat(cosine / pdf_solid_angle);
-        (pdf_solid_angle > 0.0).then_some(Scattered {
+        let Response {
+            brdf,
+            pdf_solid_angle,
+        } = self.response(mirror, wi, cosine);
+        (pdf_solid_angle > 0.0).then(|| Scattered {
             wi,
-            weight,
+            weight: brdf * Vec3::splat(cosine / pdf_solid_angle),
             pdf_solid_angle,
         })
-    }
-
-    /// Density of [`Self::sample`] at `wi`, per steradian.
-    pub fn pdf_solid_angle(&self, normal: Vec3, mirror: Vec3, wi: Vec3) -> f32 {
-        let share = self.specular_share();
-        let diffuse = if share < 1.0 {
-            normal.dot(wi).max(0.0) / PI
-        } else {
-            0.0
-        };
-        let specular = warp::power_cosine_pdf(self.lobe(mirror, wi), self.exponent);
-        diffuse * (1.0 - share) + specular * share
-    }
-
-    /// How often the specular lobe is sampled; 0 and 1 where there is nothing to choose.
-    fn specular_share(&self) -> f32 {
-        let (diffuse, specular) = (luminance(self.diffuse), luminance(self.specular));
-        if specular > 0.0 {
-            specular / (diffuse + specular)
-        } else {
-            0.0
-        }
     }
 
     /// `cosˢ α`, α between `wi` and `mirror`; 0 where `cos α ≤ 0` and where nothing is specular.

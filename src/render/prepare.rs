@@ -39,6 +39,8 @@ pub struct PreparedScene {
     aim_shares: AimShares,
     /// Whether any object is of glass, so that shadow rays must ask what they meet.
     has_glass: bool,
+    /// Whether there is a background or an object that shines.
+    has_shining_surroundings: bool,
     /// In prepared units.
     occlusion_radius: f32,
     /// The most that a camera sample may bring.
@@ -137,6 +139,10 @@ impl PreparedScene {
         Ok(Some(Self {
             camera,
             aim_shares: AimShares::new(&background, radius, emitters.power()),
+            has_shining_surroundings: !background.is_black()
+                || materials
+                    .iter()
+                    .any(|m| matches!(m, PreparedMaterial::Emitter { .. })),
             background,
             has_glass: materials
                 .iter()
@@ -231,6 +237,7 @@ impl PreparedScene {
     }
 
     /// What `ray` meets first.
+    #[inline]
     pub(super) fn nearest(&self, ray: &Ray) -> Seen<'_> {
         let hit = self.accelerator().intersect(ray, f32::INFINITY);
         let disk = self
@@ -241,6 +248,11 @@ impl PreparedScene {
             (None, Some(hit)) => Seen::Surface(SurfacePoint::new(&self.geometry, ray, &hit)),
             (None, None) => Seen::Background,
         }
+    }
+
+    /// Whether `ray`, far as it goes, may end at something that shines: `false` is certain, and asks for no surface.
+    pub(super) fn may_meet_light(&self, ray: &Ray) -> bool {
+        self.has_shining_surroundings || self.disks.nearest(ray, f32::INFINITY).is_some()
     }
 
     /// The surface that `ray` meets first in `0 < t < t_max`, lights aside.

@@ -19,9 +19,7 @@ pub enum Decision {
     LightChoice,
     /// Which point of an emitting object shines.
     EmitterPoint,
-    /// Which lobe of a material scatters.
-    Lobe,
-    /// Where it scatters to.
+    /// Which lobe of a material scatters, and where to.
     Direction,
     /// Whether a path ends.
     Roulette,
@@ -65,10 +63,9 @@ impl Dimension {
         Self { item, ..self }
     }
 
-    fn hash(self) -> u32 {
-        [self.decision as u32, self.bounce, self.item]
-            .into_iter()
-            .fold(0, |state, word| mix(state ^ mix(word)))
+    /// A number that no other dimension has, as long as paths have less than 2²⁸ bounces.
+    const fn word(self) -> u64 {
+        ((self.bounce << 4 | self.decision as u32) as u64) << 32 | self.item as u64
     }
 }
 
@@ -79,39 +76,49 @@ impl Dimension {
 /// constants of Vegdahl, Building a Better LK Hash, 2021.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
-    pixel_seed: u32,
+    /// Of the seed and the pixel.
+    key: u64,
     index: u32,
+    /// The bits of `index` in reverse order.
+    reversed: u32,
 }
 
 impl Sampler {
     /// The numbers of sample `index` of pixel `(x, y)` of the full picture.
     #[must_use]
     pub fn new(seed: u64, x: u32, y: u32, index: u32) -> Self {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the two halves of the seed"
-        )]
-        let (low, high) = (seed as u32, (seed >> 32) as u32);
-        let pixel_seed = [low, high, x, y]
-            .into_iter()
-            .fold(0, |state, word| mix(state ^ mix(word)));
-        Self { pixel_seed, index }
+        Self {
+            key: mix(mix(seed) ^ (u64::from(y) << 32 | u64::from(x))),
+            index,
+            reversed: index.reverse_bits(),
+        }
+    }
+
+    /// One number in `[0, 1)`, uniform as `index` runs.
+    #[must_use]
+    #[inline]
+    pub fn next_1d(&self, dimension: Dimension) -> f32 {
+        self.scrambles(dimension).single(self.reversed)
     }
 
     /// Two numbers in `[0, 1)`, uniform over the square as `index` runs.
     #[must_use]
+    #[inline]
     pub fn next_2d(&self, dimension: Dimension) -> Vec2 {
-        self.turns(dimension, 1).next_2d(0)
+        self.scrambles(dimension).pair(self.reversed)
     }
 
     /// The numbers of a decision taken `count` times per sample. All turns of all samples are one well-spread sequence.
     #[must_use]
     pub fn turns(&self, dimension: Dimension, count: u32) -> Turns {
-        let seed = mix(self.pixel_seed ^ dimension.hash());
         Turns {
             first: self.index.wrapping_mul(count),
-            seeds: [seed, mix(seed ^ 1), mix(seed ^ 2)],
+            scrambles: self.scrambles(dimension),
         }
+    }
+
+    fn scrambles(&self, dimension: Dimension) -> Scrambles {
+        Scrambles::from_bits(mix(self.key ^ dimension.word()))
     }
 }
 
@@ -119,8 +126,7 @@ impl Sampler {
 #[derive(Clone, Copy, Debug)]
 pub struct Turns {
     first: u32,
-    /// Of the order and of the two numbers.
-    seeds: [u32; 3],
+    scrambles: Scrambles,
 }
 
 impl Turns {
@@ -128,15 +134,54 @@ impl Turns {
     #[must_use]
     #[inline]
     pub fn next_2d(&self, turn: u32) -> Vec2 {
-        let [order, x, y] = self.seeds;
-        // Aligned blocks of 2ᵐ indices stay blocks, in another order and place: prefixes stay nets.
-        let index = self.first.wrapping_add(turn).reverse_bits();
-        let index = owen_scramble(index, order).reverse_bits();
+        let index = self.first.wrapping_add(turn);
+        self.scrambles.pair(index.reverse_bits())
+    }
+}
+
+/// The seeds that tell one decision's numbers from another's: of their order and of each number.
+#[derive(Clone, Copy, Debug)]
+struct Scrambles {
+    order: u32,
+    x: u32,
+    y: u32,
+}
+
+impl Scrambles {
+    #[expect(clippy::cast_possible_truncation, reason = "parts of the bits")]
+    fn from_bits(bits: u64) -> Self {
+        Self {
+            order: (bits >> 32) as u32,
+            x: bits as u32,
+            // Another product of all bits, of which the upper half is the good one.
+            y: (bits.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 32) as u32,
+        }
+    }
+
+    /// Number `index` of the sequence, whose bits come in reverse order.
+    #[inline]
+    fn single(&self, reversed: u32) -> f32 {
+        let index = self.shuffled(reversed);
+        unit_from_bits(owen_scramble(index, self.x).reverse_bits())
+    }
+
+    /// Pair `index` of the sequence, whose bits come in reverse order.
+    #[inline]
+    fn pair(&self, reversed: u32) -> Vec2 {
+        let index = self.shuffled(reversed);
         // The first Sobol dimension is the index read backwards, the second its Taylor shift.
-        Vec2::new(
-            unit_from_bits(owen_scramble(index, x).reverse_bits()),
-            unit_from_bits(owen_scramble(taylor_shift(index), y).reverse_bits()),
-        )
+        let x = owen_scramble(index, self.x);
+        let y = owen_scramble(taylor_shift(index), self.y);
+        // Both are turned round at once, which makes them change places.
+        let both = (u64::from(x) << 32 | u64::from(y)).reverse_bits();
+        #[expect(clippy::cast_possible_truncation, reason = "the two halves")]
+        let (x, y) = (both as u32, (both >> 32) as u32);
+        Vec2::new(unit_from_bits(x), unit_from_bits(y))
+    }
+
+    /// Aligned blocks of 2ᵐ indices stay blocks, in another order and place: prefixes stay nets.
+    fn shuffled(&self, reversed: u32) -> u32 {
+        owen_scramble(reversed, self.order).reverse_bits()
     }
 }
 
@@ -170,15 +215,13 @@ fn owen_scramble(reversed: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// A 32-bit hash without fixed structure. Source: Wellons, Prospecting for Hash Functions, 2018 (`lowbias32`), started away
-/// from its fixed point 0.
-fn mix(value: u32) -> u32 {
-    let mut x = value.wrapping_add(0x9e37_79b9);
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
+/// A 64-bit hash without fixed structure. Source: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014: a
+/// step of their generator (Stafford's variant 13).
+fn mix(value: u64) -> u64 {
+    let mut x = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
 }
 
 /// The upper 24 bits as a number in `[0, 1)`, each exactly representable.

@@ -26,9 +26,15 @@ pub fn draw(shares: &[f32], u: f32) -> (usize, f32) {
     let last = shares.len() - 1;
     let item = shares.partition_point(|&share| share <= u).min(last);
     let before = if item == 0 { 0.0 } else { shares[item - 1] };
-    let own = shares[item] - before;
+    let own = share_of(shares, item);
     let rest = if own > 0.0 { (u - before) / own } else { 0.0 };
     (item, rest.min(ONE_MINUS))
+}
+
+/// How likely [`draw`] gives `item`.
+pub fn share_of(shares: &[f32], item: usize) -> f32 {
+    let before = if item == 0 { 0.0 } else { shares[item - 1] };
+    shares[item] - before
 }
 
 /// The largest number below 1.

@@ -35,11 +35,13 @@ pub struct SurfacePoint {
 impl SurfacePoint {
     /// The point where `ray` makes `hit`.
     #[must_use]
+    #[inline]
     pub fn new(geometry: &PreparedGeometry, ray: &Ray, hit: &Hit) -> Self {
         let triangle = geometry.triangle(hit.triangle);
         let (position, error) = triangle.point(hit.barycentrics);
         let outward = triangle.normal();
-        let wo = -ray.direction.normalize();
+        let length = ray.direction.length();
+        let wo = ray.direction / -length;
         let front = outward.dot(wo) >= 0.0;
         let geometric_normal = if front { outward } else { -outward };
 
@@ -47,7 +49,7 @@ impl SurfacePoint {
             position,
             error,
             start: robust::offset_origin(position, error, geometric_normal, geometric_normal),
-            distance: hit.t * ray.direction.length(),
+            distance: hit.t * length,
             wo,
             geometric_normal,
             shading_normal: geometric_normal,
