@@ -1,15 +1,10 @@
 //! Eight triangles side by side, and the `f32` filter that spares most of them the full test.
 
+use super::simd::{LANES, LaneSet, Lanes, Simd, splat_all};
 use crate::geometry::{RayKernel, Triangle};
 use crate::math::{Ray, Vec3};
 
-/// Triangles per block.
-pub(super) const LANES: usize = 8;
-
-/// One number per lane.
-type Lanes = [f32; LANES];
-
-/// Up to eight triangles, stored by corner, axis and lane so that a loop over lanes becomes vector instructions.
+/// Up to eight triangles, stored by corner, axis and lane.
 ///
 /// Lanes without a triangle hold NaN, which no filter passes.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +21,7 @@ impl TriangleBlock {
     /// The block of the triangles with these ids, at most eight.
     pub fn new(ids: &[u32], triangles: &[Triangle]) -> Self {
         let mut block = Self {
-            corners: [[[f32::NAN; LANES]; 3]; 3],
+            corners: [[Lanes([f32::NAN; LANES]); 3]; 3],
             ids: [Self::NO_TRIANGLE; LANES],
         };
         for (lane, &id) in ids.iter().enumerate() {
@@ -37,7 +32,7 @@ impl TriangleBlock {
                 .zip(&mut block.corners)
             {
                 for (axis, value) in values.iter_mut().enumerate() {
-                    value[lane] = corner[axis];
+                    value.0[lane] = corner[axis];
                 }
             }
         }
@@ -49,7 +44,7 @@ impl TriangleBlock {
     pub fn triangle(&self, lane: usize) -> Triangle {
         let corner = |i: usize| {
             let [x, y, z] = &self.corners[i];
-            Vec3::new(x[lane], y[lane], z[lane])
+            Vec3::new(x.0[lane], y.0[lane], z.0[lane])
         };
         Triangle {
             corners: [corner(0), corner(1), corner(2)],
@@ -59,28 +54,31 @@ impl TriangleBlock {
 
 /// [`RayKernel`] in `f32`, for many triangles at once. It may pass a triangle the ray misses, but never rejects a hit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BlockFilter {
+pub(super) struct BlockFilter<S: Simd> {
+    simd: S,
     axes: [usize; 3],
-    origin: [f32; 3],
-    shear: [f32; 2],
+    origin: [S::F32x8; 3],
+    /// Its negative, so that shearing is one multiplication with addition.
+    unshear: [S::F32x8; 2],
 }
 
-/// `h / (P + Z)` of the bound derived at [`RayKernel::EDGE_ERROR_PER_ROUNDOFF`] for `f32` arithmetic. The shear is rounded twice, to
-/// `f64` and then to `f32`; the second order of the first rounding is far below the bound's reserve.
+/// `h / (P + Z)` of the bound derived at [`RayKernel::EDGE_ERROR_PER_ROUNDOFF`] for `f32` arithmetic. Products that are not
+/// rounded before they are added only make errors smaller.
 #[expect(clippy::cast_possible_truncation, reason = "a constant")]
 const EDGE_ERROR: f32 = RayKernel::EDGE_ERROR_PER_ROUNDOFF as f32 * (f32::EPSILON * 0.5);
 
-impl BlockFilter {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the bound counts this rounding"
-    )]
-    pub fn new(ray: &Ray, kernel: &RayKernel) -> Self {
-        let axes = kernel.axes();
+impl<S: Simd> BlockFilter<S> {
+    #[inline(always)]
+    pub fn new(simd: S, ray: &Ray) -> Self {
+        let axes = RayKernel::axes_of(ray);
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let [x, y, z] = axes.map(|axis| direction[axis]);
+        let moved = axes.map(|axis| origin[axis]);
         Self {
+            simd,
             axes,
-            origin: axes.map(|axis| ray.origin[axis]),
-            shear: kernel.shear().map(|s| s as f32),
+            origin: splat_all(simd, moved),
+            unshear: [simd.splat(-x / z), simd.splat(-y / z)],
         }
     }
 
@@ -91,73 +89,53 @@ impl BlockFilter {
     /// in the edge functions, so they cannot overflow unless it does. The smallest normal number covers underflow.
     #[inline(always)]
     pub fn may_hit(&self, block: &TriangleBlock) -> LaneSet {
+        let simd = self.simd;
         let [ax, ay, az] = self.sheared(&block.corners[0]);
         let [bx, by, bz] = self.sheared(&block.corners[1]);
         let [cx, cy, cz] = self.sheared(&block.corners[2]);
-        let mut passed = [0; LANES];
-        for i in 0..LANES {
-            let u = cx[i] * by[i] - cy[i] * bx[i];
-            let v = ax[i] * cy[i] - ay[i] * cx[i];
-            let w = bx[i] * ay[i] - by[i] * ax[i];
-            let ab = max(max(ax[i].abs(), ay[i].abs()), max(bx[i].abs(), by[i].abs()));
-            let extent = max(ab, max(cx[i].abs(), cy[i].abs()));
-            let depth = max(max(az[i].abs(), bz[i].abs()), cz[i].abs());
-            let sum = extent + depth;
-            let h = EDGE_ERROR * sum;
-            let error = (extent + h) * sum * (4.0 * EDGE_ERROR) + f32::MIN_POSITIVE;
-            let rejected = (min(min(u, v), w) < -error) & (max(max(u, v), w) > error);
-            passed[i] = u8::from(!rejected & !az[i].is_nan());
-        }
-        LaneSet::from_bytes(passed)
+        let u = simd.mul_sub(cx, by, simd.mul(cy, bx));
+        let v = simd.mul_sub(ax, cy, simd.mul(ay, cx));
+        let w = simd.mul_sub(bx, ay, simd.mul(by, ax));
+        let extent_of_two = simd.larger(self.largest(ax, ay), self.largest(bx, by));
+        let extent = simd.larger(extent_of_two, self.largest(cx, cy));
+        let depth = simd.larger(self.largest(az, bz), simd.abs(cz));
+        let sum = simd.add(extent, depth);
+        let h = simd.mul(simd.splat(EDGE_ERROR), sum);
+        let error = simd.mul_add(
+            simd.mul(simd.add(extent, h), sum),
+            simd.splat(4.0 * EDGE_ERROR),
+            simd.splat(f32::MIN_POSITIVE),
+        );
+        let lowest = simd.smaller(simd.smaller(u, v), w);
+        let highest = simd.larger(simd.larger(u, v), w);
+        let has_negative = simd.less(simd.add(lowest, error), simd.splat(0.0));
+        let has_positive = simd.less(error, highest);
+        let is_triangle = simd.less_or_equal(az, az);
+        is_triangle.and_not(has_negative.and(has_positive))
+    }
+
+    /// The larger magnitude.
+    #[inline(always)]
+    fn largest(&self, a: S::F32x8, b: S::F32x8) -> S::F32x8 {
+        self.simd.larger(self.simd.abs(a), self.simd.abs(b))
+    }
+
+    /// The corner's coordinate number `i` as renamed, from the origin.
+    #[inline(always)]
+    fn moved(&self, corner: &[Lanes; 3], i: usize) -> S::F32x8 {
+        let lanes = self.simd.load(&corner[self.axes[i]]);
+        self.simd.sub(lanes, self.origin[i])
     }
 
     #[inline(always)]
-    fn sheared(&self, corner: &[Lanes; 3]) -> [Lanes; 3] {
-        let [x, y, z] = self.axes.map(|axis| &corner[axis]);
-        let mut result = [[0.0; LANES]; 3];
-        for i in 0..LANES {
-            let z = z[i] - self.origin[2];
-            result[0][i] = (x[i] - self.origin[0]) - self.shear[0] * z;
-            result[1][i] = (y[i] - self.origin[1]) - self.shear[1] * z;
-            result[2][i] = z;
-        }
-        result
+    fn sheared(&self, corner: &[Lanes; 3]) -> [S::F32x8; 3] {
+        let simd = self.simd;
+        let (x, y) = (self.moved(corner, 0), self.moved(corner, 1));
+        let z = self.moved(corner, 2);
+        [
+            simd.mul_add(self.unshear[0], z, x),
+            simd.mul_add(self.unshear[1], z, y),
+            z,
+        ]
     }
-}
-
-/// Lanes of a block or a node, in ascending order: a byte each, 0 or 1, as comparing vectors gives them.
-#[derive(Debug)]
-pub(super) struct LaneSet(u64);
-
-impl LaneSet {
-    /// The lanes with a 1.
-    #[inline(always)]
-    pub fn from_bytes(bytes: [u8; LANES]) -> Self {
-        Self(u64::from_le_bytes(bytes))
-    }
-}
-
-impl Iterator for LaneSet {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        (self.0 != 0).then(|| {
-            let lane = self.0.trailing_zeros() as usize / 8;
-            self.0 &= self.0 - 1;
-            lane
-        })
-    }
-}
-
-/// The smaller number; `f32::min` treats NaN differently and costs three instructions.
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The larger number; see [`min`].
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

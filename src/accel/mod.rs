@@ -15,8 +15,13 @@ mod box_tree;
 mod brute_force;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod kd;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
+mod leaf;
 mod placed;
 mod quality;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
+mod query;
+#[expect(clippy::inline_always, reason = "its documentation says why")]
 mod simd;
 #[cfg(test)]
 mod tests;

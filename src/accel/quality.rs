@@ -2,7 +2,8 @@
 
 use std::ops::AddAssign;
 
-use super::block::LANES;
+use super::query::CountVisits;
+use super::simd::{self, LANES};
 use super::{Accelerator, Assembly, BruteForce};
 use crate::geometry::RayKernel;
 use crate::math::Ray;
@@ -40,8 +41,18 @@ impl Accelerator {
     #[must_use]
     pub fn visits(&self, ray: &Ray, t_max: f32, any_hit: bool) -> Visits {
         match self {
-            Self::Wide(tree) => tree.visits_along(ray, t_max, any_hit),
-            Self::KdTree(tree) => tree.visits_along(ray, t_max, any_hit),
+            Self::Wide(tree) => simd::answer(&CountVisits {
+                tree,
+                ray,
+                t_max,
+                any_hit,
+            }),
+            Self::KdTree(tree) => simd::answer(&CountVisits {
+                tree,
+                ray,
+                t_max,
+                any_hit,
+            }),
             Self::BruteForce(all) => all.visits_along(ray, t_max, any_hit),
         }
     }

@@ -5,7 +5,8 @@ use crate::control::CancelToken;
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{RayKernel, TriangleMesh};
 use crate::math::{DVec3, SceneFrame, Vec3, power_of_two};
-use block::{BlockFilter, LANES, TriangleBlock};
+use block::{BlockFilter, TriangleBlock};
+use simd::{LANES, LaneSet, Portable, Query, Simd};
 use std::time::{Duration, Instant};
 
 /// The mesh as the renderer prepares it.
@@ -336,6 +337,25 @@ fn no_ray_escapes_a_closed_mesh_through_its_edges_and_vertices() {
     }
 }
 
+struct MayHit<'a> {
+    ray: &'a Ray,
+    block: &'a TriangleBlock,
+}
+
+impl Query for MayHit<'_> {
+    type Answer = LaneSet;
+
+    fn answer<S: Simd>(&self, simd: S) -> LaneSet {
+        BlockFilter::new(simd, self.ray).may_hit(self.block)
+    }
+}
+
+/// What the filter passes by the widest instructions, and by the portable ones.
+fn may_hit(ray: &Ray, block: &TriangleBlock) -> [LaneSet; 2] {
+    let query = MayHit { ray, block };
+    [simd::answer(&query), query.answer(Portable)]
+}
+
 #[test]
 fn the_filter_passes_every_hit_and_no_empty_lane() {
     let mut hits = 0;
@@ -347,19 +367,19 @@ fn the_filter_passes_every_hit_and_no_empty_lane() {
             .collect();
         for ray in rays(&triangles, 3).iter().step_by(5) {
             let kernel = RayKernel::new(ray);
-            let filter = BlockFilter::new(ray, &kernel);
             for block in &blocks {
-                let passed: Vec<_> = filter.may_hit(block).collect();
+                let passed = may_hit(ray, block);
                 for lane in 0..LANES {
-                    let may_hit = passed.contains(&lane);
+                    let [wide, portable] = passed.map(|set| set.into_iter().any(|l| l == lane));
                     if block.ids[lane] == TriangleBlock::NO_TRIANGLE {
-                        assert!(!may_hit, "{name}: {ray:?} hits an empty lane");
+                        assert!(!wide && !portable, "{name}: {ray:?} hits an empty lane");
                     } else if kernel
                         .intersect(&block.triangle(lane), f32::INFINITY)
                         .is_some()
                     {
                         hits += 1;
-                        assert!(may_hit, "{name}: {ray:?} misses {:?}", block.triangle(lane));
+                        let triangle = block.triangle(lane);
+                        assert!(wide && portable, "{name}: {ray:?} misses {triangle:?}");
                     }
                 }
             }
@@ -395,8 +415,8 @@ fn the_filter_passes_every_hit_of_extreme_size() {
         if kernel.intersect(&triangle, f32::INFINITY).is_some() {
             hits += 1;
             let block = TriangleBlock::new(&[0], &[triangle]);
-            let mut passed = BlockFilter::new(&ray, &kernel).may_hit(&block);
-            assert_eq!(passed.next(), Some(0), "{ray:?} misses {triangle:?}");
+            let passed = may_hit(&ray, &block).map(|set| set.into_iter().eq([0]));
+            assert_eq!(passed, [true; 2], "{ray:?} misses {triangle:?}");
         }
     }
     assert!(hits > 20_000, "only {hits} hits");

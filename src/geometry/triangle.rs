@@ -106,22 +106,16 @@ impl RayKernel {
 
     /// Prepares `ray`, whose direction must not be zero.
     #[must_use]
+    #[inline]
     pub fn new(ray: &Ray) -> Self {
-        let length = ray.direction.abs();
-        let z = if length.x >= length.y && length.x >= length.z {
-            0
-        } else if length.y >= length.z {
-            1
-        } else {
-            2
-        };
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let renamed = |v: Vec3| axes.map(|axis| f64::from(v[axis]));
-        let direction = renamed(ray.direction);
+        let axes = Self::axes_of(ray);
+        let [x, y, z] = axes;
+        let renamed = |v: [f32; 3]| [f64::from(v[x]), f64::from(v[y]), f64::from(v[z])];
+        let direction = renamed(ray.direction.to_array());
         Self {
             ray: *ray,
             axes,
-            origin: renamed(ray.origin),
+            origin: renamed(ray.origin.to_array()),
             shear: [direction[0] / direction[2], direction[1] / direction[2]],
             direction_z: direction[2],
         }
@@ -130,8 +124,11 @@ impl RayKernel {
     /// The hit with `triangle` if its `t`, rounded to `f32`, lies in `0 < t < t_max`.
     ///
     /// Both sides count. A triangle without area is never hit.
+    ///
+    /// Always inlined, so that it is compiled with the instructions of its caller.
     #[must_use]
-    #[inline]
+    #[expect(clippy::inline_always, reason = "see above")]
+    #[inline(always)]
     pub fn intersect(&self, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
         let [a, b, c] = triangle.corners;
         let (a, b, c) = (self.sheared(a), self.sheared(b), self.sheared(c));
@@ -180,22 +177,26 @@ impl RayKernel {
         })
     }
 
-    /// Which axis of space the kernel calls x, y and z.
-    pub(crate) fn axes(&self) -> [usize; 3] {
-        self.axes
+    /// Which axis of space the kernel of `ray` calls x, y and z; z is the one its direction is longest along.
+    #[inline]
+    pub(crate) fn axes_of(ray: &Ray) -> [usize; 3] {
+        // A table, as branches on random directions cannot be foreseen.
+        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+        let length = ray.direction.abs();
+        let x_or_y = usize::from(length.y > length.x);
+        let is_z = length.z > length.x.max(length.y);
+        AXES[if is_z { 2 } else { x_or_y }]
     }
 
-    /// Change of the kernel's x and y per z along the ray.
-    pub(crate) fn shear(&self) -> [f64; 2] {
-        self.shear
-    }
-
+    #[expect(clippy::inline_always, reason = "as `intersect`")]
+    #[inline(always)]
     fn sheared(&self, corner: Vec3) -> [f64; 3] {
-        let [x, y, z] = self.axes.map(|axis| f64::from(corner[axis]));
-        let z = z - self.origin[2];
+        let corner = corner.to_array();
+        let [x, y, z] = self.axes;
+        let z = f64::from(corner[z]) - self.origin[2];
         [
-            (x - self.origin[0]) - self.shear[0] * z,
-            (y - self.origin[1]) - self.shear[1] * z,
+            (f64::from(corner[x]) - self.origin[0]) - self.shear[0] * z,
+            (f64::from(corner[y]) - self.origin[1]) - self.shear[1] * z,
             z,
         ]
     }

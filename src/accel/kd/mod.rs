@@ -9,14 +9,14 @@ mod clip;
 mod events;
 mod node;
 mod quality;
-mod query;
 mod split;
 mod validate;
 mod walk;
 
 use super::Hit;
-use super::block::{LANES, TriangleBlock};
-use super::simd;
+use super::block::TriangleBlock;
+use super::query::{AnyHit, NearestHit};
+use super::simd::{self, LANES};
 use crate::control::CancelToken;
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray};
@@ -138,7 +138,7 @@ impl KdTree {
     /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
     #[must_use]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
-        simd::answer(&query::NearestHit {
+        simd::answer(&NearestHit {
             tree: self,
             ray,
             t_max,
@@ -148,7 +148,7 @@ impl KdTree {
     /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
     #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
-        simd::answer(&query::AnyHit {
+        simd::answer(&AnyHit {
             tree: self,
             ray,
             t_max,

@@ -1,7 +1,8 @@
 //! Nodes as they lie in memory.
 
 use super::build::{self, CHUNK, Pieces};
-use crate::accel::block::{LANES, TriangleBlock};
+use crate::accel::block::TriangleBlock;
+use crate::accel::simd::LANES;
 use crate::control::CancelToken;
 use crate::geometry::Triangle;
 use std::ops::Range;

@@ -3,8 +3,9 @@
 use super::clip::{Clipper, magnitude};
 use super::node::NodeKind;
 use super::{KdStatistics, KdTree, MAX_DEPTH};
-use crate::accel::block::{LANES, TriangleBlock};
+use crate::accel::block::TriangleBlock;
 use crate::accel::half_area;
+use crate::accel::simd::LANES;
 use crate::math::{Bounds, DVec3};
 use std::ops::Range;
 

@@ -2,7 +2,9 @@
 
 use super::node::NodeKind;
 use super::{KdTree, MAX_DEPTH};
-use crate::accel::block::TriangleBlock;
+use crate::accel::leaf::Visitor;
+use crate::accel::query::Tree;
+use crate::accel::simd::Simd;
 use crate::math::Ray;
 use crate::math::robust::gamma;
 
@@ -14,30 +16,11 @@ use crate::math::robust::gamma;
 /// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013, which does this for boxes.
 const MARGIN: f32 = 4.0 * gamma(3);
 
-impl KdTree {
-    /// Visits the leaves whose cells `ray` passes in `0 < t < t_max`, nearest first. `visit` returns the `t` beyond which
-    /// nothing matters any more, `None` to stop.
-    ///
-    /// All comparisons are written so that NaN, from a ray within a plane (0 · ∞), visits both sides.
+impl Tree for KdTree {
+    /// Leaves come nearest first for every visitor. All comparisons are written so that NaN, from a ray within a plane (0 · ∞),
+    /// visits both sides.
     #[inline(always)]
-    pub(super) fn walk(
-        &self,
-        ray: &Ray,
-        t_max: f32,
-        visit: impl FnMut(&[TriangleBlock]) -> Option<f32>,
-    ) {
-        self.walk_past(ray, t_max, || (), visit);
-    }
-
-    /// [`Self::walk`] that calls `pass` at every plane.
-    #[inline(always)]
-    pub(super) fn walk_past(
-        &self,
-        ray: &Ray,
-        t_max: f32,
-        mut pass: impl FnMut(),
-        mut visit: impl FnMut(&[TriangleBlock]) -> Option<f32>,
-    ) {
+    fn walk<S: Simd, V: Visitor>(&self, _simd: S, ray: &Ray, t_max: f32, visitor: &mut V) {
         let origin = ray.origin.to_array();
         let direction = ray.direction.to_array();
         let inverse = direction.map(reciprocal);
@@ -66,7 +49,7 @@ impl KdTree {
                     position,
                     children,
                 } => {
-                    pass();
+                    visitor.enter_node();
                     let t = (position - origin[axis]) * inverse[axis];
                     let near = children + backward[axis];
                     let far = children + 1 - backward[axis];
@@ -84,7 +67,7 @@ impl KdTree {
                 }
                 NodeKind::Leaf { blocks } => {
                     // The margin of `enter` covers the rounding of a hit's distance, too.
-                    let Some(limit) = visit(&self.blocks[blocks]) else {
+                    let Some(limit) = visitor.visit(&self.blocks[blocks]) else {
                         return;
                     };
                     loop {

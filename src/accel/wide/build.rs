@@ -6,8 +6,8 @@
 use super::node::WIDTH;
 use super::split::divide;
 use super::{Item, LARGEST_LEAF, number};
-use crate::accel::block::LANES;
 use crate::accel::half_area;
+use crate::accel::simd::LANES;
 use crate::control::CancelToken;
 use crate::math::Bounds;
 

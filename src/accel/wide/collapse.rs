@@ -3,7 +3,8 @@
 use super::build::{Binary, children};
 use super::node::{Child, Node};
 use super::{Item, block};
-use crate::accel::block::{LANES, TriangleBlock};
+use crate::accel::block::TriangleBlock;
+use crate::accel::simd::LANES;
 use crate::geometry::Triangle;
 use rayon::prelude::*;
 

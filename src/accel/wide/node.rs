@@ -1,17 +1,14 @@
 //! Nodes as they lie in memory, and the test of a ray against the eight boxes of one.
 
-use crate::accel::block::LaneSet;
+use crate::accel::simd::{LANES, LaneSet, Lanes, Simd, splat_all};
 use crate::math::robust::gamma;
 use crate::math::{Bounds, Ray};
 use std::ops::Range;
 
 /// Children per node.
-pub(super) const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = LANES;
 
-/// One number per child.
-type Lanes = [f32; WIDTH];
-
-/// The boxes of up to eight children, stored by axis, side and lane so that a loop over lanes becomes vector instructions.
+/// The boxes of up to eight children, stored by axis, side and lane.
 ///
 /// Lanes without a child hold a box that is entered at +∞ and left at −∞, and [`Child::NONE`] for rays that miss no box.
 #[derive(Clone, Copy, Debug)]
@@ -25,22 +22,25 @@ pub(super) struct Node {
 impl Node {
     /// A node without children.
     pub const EMPTY: Self = Self {
-        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+        planes: [[
+            Lanes([f32::INFINITY; WIDTH]),
+            Lanes([f32::NEG_INFINITY; WIDTH]),
+        ]; 3],
         children: [Child::NONE; WIDTH],
     };
 
     /// Sets the child in `lane`.
     pub fn set(&mut self, lane: usize, bounds: &Bounds, child: Child) {
         for axis in 0..3 {
-            self.planes[axis][0][lane] = bounds.min[axis];
-            self.planes[axis][1][lane] = bounds.max[axis];
+            self.planes[axis][0].0[lane] = bounds.min[axis];
+            self.planes[axis][1].0[lane] = bounds.max[axis];
         }
         self.children[lane] = child;
     }
 
     /// The box in `lane`.
     pub fn bounds(&self, lane: usize) -> Bounds {
-        let corner = |side: usize| [0, 1, 2].map(|axis: usize| self.planes[axis][side][lane]);
+        let corner = |side: usize| [0, 1, 2].map(|axis: usize| self.planes[axis][side].0[lane]);
         Bounds {
             min: corner(0).into(),
             max: corner(1).into(),
@@ -124,27 +124,29 @@ pub(super) fn later(t: f32) -> f32 {
 
 /// A ray prepared for tests against the boxes of many nodes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RaySlabs {
-    origin: [f32; 3],
+pub(super) struct RaySlabs<S: Simd> {
+    simd: S,
+    origin: [S::F32x8; 3],
     /// Reciprocals of the direction, smaller by the margin for where a box is entered, larger for where it is left.
-    to_enter: [f32; 3],
-    to_exit: [f32; 3],
+    to_enter: [S::F32x8; 3],
+    to_exit: [S::F32x8; 3],
     /// Which side of a box is entered by: 1 for the upper.
     backward: [usize; 3],
 }
 
-impl RaySlabs {
+impl<S: Simd> RaySlabs<S> {
     /// For boxes whose coordinates are at most `reach` in magnitude.
-    #[inline]
-    pub fn new(ray: &Ray, reach: f32) -> Self {
+    #[inline(always)]
+    pub fn new(simd: S, ray: &Ray, reach: f32) -> Self {
         let direction = ray.direction.to_array();
         // Where the difference between a plane and the origin may overflow, no distance can be trusted.
         let fits = (ray.origin.abs().max_element() + reach).is_finite();
         let inverse = direction.map(|d| if fits { reciprocal(d) } else { f32::NAN });
         Self {
-            origin: ray.origin.to_array(),
-            to_enter: inverse.map(|inverse| inverse * (1.0 - MARGIN)),
-            to_exit: inverse.map(|inverse| inverse * (1.0 + MARGIN)),
+            simd,
+            origin: splat_all(simd, ray.origin.to_array()),
+            to_enter: splat_all(simd, inverse.map(|inverse| inverse * (1.0 - MARGIN))),
+            to_exit: splat_all(simd, inverse.map(|inverse| inverse * (1.0 + MARGIN))),
             backward: direction.map(|d| usize::from(d.is_sign_negative())),
         }
     }
@@ -155,28 +157,21 @@ impl RaySlabs {
     /// NaN, from a ray within a plane (0 · ∞) or from [`reciprocal`], bounds nothing. A distance below 0 is moved in the wrong
     /// direction, but its sign is right, and no more is asked of it.
     #[inline(always)]
-    pub fn enter(&self, node: &Node, limit: f32) -> (Lanes, LaneSet) {
-        let [x, y, z] = [0, 1, 2].map(|axis: usize| {
+    pub fn enter(&self, node: &Node, limit: f32) -> (S::F32x8, LaneSet) {
+        let simd = self.simd;
+        let mut start = simd.splat(0.0);
+        let mut end = simd.splat(limit);
+        for axis in 0..3 {
             let planes = &node.planes[axis];
             let backward = self.backward[axis] & 1;
-            [&planes[backward], &planes[1 - backward]]
-        });
-        let mut enter = [0.0; WIDTH];
-        let mut passed = [0; WIDTH];
-        for i in 0..WIDTH {
-            let mut start = 0.0;
-            start = larger((x[0][i] - self.origin[0]) * self.to_enter[0], start);
-            start = larger((y[0][i] - self.origin[1]) * self.to_enter[1], start);
-            start = larger((z[0][i] - self.origin[2]) * self.to_enter[2], start);
-            let mut end = limit;
-            end = smaller((x[1][i] - self.origin[0]) * self.to_exit[0], end);
-            end = smaller((y[1][i] - self.origin[1]) * self.to_exit[1], end);
-            end = smaller((z[1][i] - self.origin[2]) * self.to_exit[2], end);
-            enter[i] = start;
-            // The products may have lost digits below the smallest normal number.
-            passed[i] = u8::from(start <= end + f32::MIN_POSITIVE);
+            let nearer = simd.sub(simd.load(&planes[backward]), self.origin[axis]);
+            let farther = simd.sub(simd.load(&planes[1 - backward]), self.origin[axis]);
+            start = simd.larger(simd.mul(nearer, self.to_enter[axis]), start);
+            end = simd.smaller(simd.mul(farther, self.to_exit[axis]), end);
         }
-        (enter, LaneSet::from_bytes(passed))
+        // The products may have lost digits below the smallest normal number.
+        let end = simd.add(end, simd.splat(f32::MIN_POSITIVE));
+        (start, simd.less_or_equal(start, end))
     }
 }
 
@@ -190,18 +185,6 @@ fn reciprocal(d: f32) -> f32 {
     } else {
         f32::NAN
     }
-}
-
-/// The smaller number; `old` if `new` is NaN.
-#[inline(always)]
-fn smaller(new: f32, old: f32) -> f32 {
-    if new < old { new } else { old }
-}
-
-/// The larger number; `old` if `new` is NaN.
-#[inline(always)]
-fn larger(new: f32, old: f32) -> f32 {
-    if new > old { new } else { old }
 }
 
 #[cfg(test)]

@@ -1,55 +1,13 @@
-//! Counting what a ray visits, and what the tree is expected to cost.
+//! What the tree is expected to cost.
 
 use super::WideTree;
 use super::build::{BLOCK_COST, NODE_COST};
 use super::node::ChildKind;
-use super::query::{Any, Nearest};
-use super::walk::Visitor;
 use crate::accel::block::TriangleBlock;
-use crate::accel::{StructureQuality, Visits, half_area};
-use crate::math::{Bounds, Ray};
-
-/// A visitor and the account of what it was led to.
-struct Counting<V> {
-    visitor: V,
-    visits: Visits,
-}
-
-impl<V: Visitor> Visitor for Counting<V> {
-    const NEAREST_FIRST: bool = V::NEAREST_FIRST;
-
-    #[inline(always)]
-    fn enter_node(&mut self) {
-        self.visits.nodes += 1;
-    }
-
-    #[inline(always)]
-    fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
-        self.visits.blocks += blocks.len() as u64;
-        self.visitor.visit(blocks)
-    }
-}
+use crate::accel::{StructureQuality, half_area};
+use crate::math::Bounds;
 
 impl WideTree {
-    /// What [`WideTree::intersect`], or [`WideTree::occluded`] where `any_hit`, visits.
-    #[must_use]
-    pub fn visits_along(&self, ray: &Ray, t_max: f32, any_hit: bool) -> Visits {
-        if any_hit {
-            self.count(ray, t_max, Any::new(ray, t_max))
-        } else {
-            self.count(ray, t_max, Nearest::new(ray, t_max))
-        }
-    }
-
-    fn count<V: Visitor>(&self, ray: &Ray, t_max: f32, visitor: V) -> Visits {
-        let mut counting = Counting {
-            visitor,
-            visits: Visits::default(),
-        };
-        self.walk(ray, t_max, &mut counting);
-        counting.visits
-    }
-
     /// Counts references and computes the expected cost, in the unit of the builder's costs.
     #[must_use]
     pub fn quality(&self) -> StructureQuality {

@@ -1,8 +1,8 @@
 //! Where to divide a set of boxes in two.
 
 use super::Item;
-use crate::accel::block::LANES;
 use crate::accel::half_area;
+use crate::accel::simd::LANES;
 use crate::math::Bounds;
 
 /// Sets of up to this many try every division along each axis; larger ones those between [`BINS`] slices.

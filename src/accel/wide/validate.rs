@@ -2,7 +2,8 @@
 
 use super::node::{Child, ChildKind};
 use super::{LARGEST_LEAF, WideTree};
-use crate::accel::block::{LANES, TriangleBlock};
+use crate::accel::block::TriangleBlock;
+use crate::accel::simd::LANES;
 use crate::math::Bounds;
 
 impl WideTree {

@@ -2,99 +2,144 @@
 
 use super::WideTree;
 use super::node::{Child, ChildKind, RaySlabs, WIDTH, later};
-use crate::accel::block::TriangleBlock;
+use crate::accel::leaf::Visitor;
+use crate::accel::query::Tree;
+use crate::accel::simd::Simd;
 use crate::math::Ray;
 
-/// What a walk does with the leaves it meets.
-pub(super) trait Visitor {
-    /// Whether the children of each node are visited in the order in which the ray enters them.
-    const NEAREST_FIRST: bool;
-
-    /// A node is about to be tested; what is done here by those who do not count costs nothing.
+impl Tree for WideTree {
     #[inline(always)]
-    fn enter_node(&mut self) {}
-
-    /// Visits a leaf. Returns the `t` beyond which nothing matters any more, `None` to stop.
-    fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32>;
-}
-
-impl WideTree {
-    /// Visits the leaves whose boxes `ray` may pass in `0 < t < t_max`, except those beyond the `t` of the last visit.
-    #[inline(always)]
-    pub(super) fn walk<V: Visitor>(&self, ray: &Ray, t_max: f32, visitor: &mut V) {
-        let slabs = RaySlabs::new(ray, self.reach);
+    fn walk<S: Simd, V: Visitor>(&self, simd: S, ray: &Ray, t_max: f32, visitor: &mut V) {
+        let slabs = RaySlabs::new(simd, ray, self.reach);
         let mut limit = later(t_max);
-        // All but the deepest trees need this array alone, which is small, as every ray clears one.
-        let mut stack = [Waiting(0); STACK_SIZE];
-        let mut count = 0;
-        // What was in the array when it was full.
-        let mut below = Vec::new();
+        let mut waiting = Stack::new();
         let mut next = self.root;
         loop {
             match next.kind() {
                 ChildKind::Node(index) => {
-                    visitor.enter_node();
                     let node = &self.nodes[index];
-                    if count > STACK_SIZE - WIDTH {
-                        set_aside(&mut below, &stack[..count]);
-                        count = 0;
-                    }
+                    visitor.enter_node();
+                    waiting.make_room();
                     let (enter, passed) = slabs.enter(node, limit);
-                    let first = count;
+                    let mut passed = passed.into_iter();
+                    let first = waiting.count;
+                    let Some(lane) = passed.next() else {
+                        let Some(child) = waiting.pop::<V>(limit) else {
+                            return;
+                        };
+                        next = child;
+                        continue;
+                    };
+                    if passed.is_empty() {
+                        next = node.children[lane];
+                        continue;
+                    }
+                    // Where the order does not matter, no beginning is asked for again.
+                    let enter = if V::NEAREST_FIRST {
+                        simd.store(enter).0
+                    } else {
+                        [0.0; WIDTH]
+                    };
+                    let mut nearest = Waiting::new(enter[lane], node.children[lane]);
                     for lane in passed {
-                        // Where the order does not matter, no beginning is asked for again.
-                        let enter = if V::NEAREST_FIRST { enter[lane] } else { 0.0 };
-                        let waiting = Waiting::new(enter, node.children[lane]);
-                        let mut at = count;
-                        // The nearest is on top.
-                        while V::NEAREST_FIRST && at > first && stack[at - 1] < waiting {
-                            stack[at] = stack[at - 1];
-                            at -= 1;
+                        let mut other = Waiting::new(enter[lane], node.children[lane]);
+                        if V::NEAREST_FIRST && other < nearest {
+                            std::mem::swap(&mut nearest, &mut other);
                         }
-                        stack[at] = waiting;
-                        count += 1;
+                        waiting.push::<V>(first, other);
                     }
+                    next = nearest.child();
                 }
-                ChildKind::Leaf(blocks) => match visitor.visit(&self.blocks[blocks]) {
-                    Some(t) => limit = later(t),
-                    None => return,
-                },
-            }
-            next = loop {
-                if count == 0 {
-                    count = take_back(&mut below, &mut stack);
-                    if count == 0 {
+                ChildKind::Leaf(blocks) => {
+                    match visitor.visit(&self.blocks[blocks]) {
+                        Some(t) => limit = later(t),
+                        None => return,
+                    }
+                    let Some(child) = waiting.pop::<V>(limit) else {
                         return;
-                    }
+                    };
+                    next = child;
                 }
-                count -= 1;
-                let waiting = stack[count];
-                if !V::NEAREST_FIRST || waiting.enter() <= limit {
-                    break waiting.child();
-                }
-            };
+            }
         }
     }
 }
 
-const STACK_SIZE: usize = 64;
+const STACK_SIZE: usize = 48;
 
-#[cold]
-#[inline(never)]
-fn set_aside(below: &mut Vec<Waiting>, stack: &[Waiting]) {
-    below.extend_from_slice(stack);
+/// The children that wait for their turn, the nearest of each node on top.
+struct Stack {
+    /// All but the deepest trees need this array alone, which is small, as every ray clears one.
+    top: [Waiting; STACK_SIZE],
+    count: usize,
+    /// What was in the array when it was full.
+    below: Vec<Waiting>,
 }
 
-/// Moves as much as there is and fits back onto the empty stack; returns how much.
-#[inline(always)]
-fn take_back(below: &mut Vec<Waiting>, stack: &mut [Waiting; STACK_SIZE]) -> usize {
-    if below.is_empty() {
-        return 0;
+impl Stack {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            top: [Waiting(0); STACK_SIZE],
+            count: 0,
+            below: Vec::new(),
+        }
     }
-    let count = below.len().min(STACK_SIZE - WIDTH);
-    stack[..count].copy_from_slice(&below[below.len() - count..]);
-    below.truncate(below.len() - count);
-    count
+
+    /// Makes room for the children of one node.
+    #[inline(always)]
+    fn make_room(&mut self) {
+        if self.count > STACK_SIZE - WIDTH {
+            self.set_aside();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn set_aside(&mut self) {
+        self.below.extend_from_slice(&self.top[..self.count]);
+        self.count = 0;
+    }
+
+    /// Adds a child to those from `first` on, in order where order matters.
+    #[inline(always)]
+    fn push<V: Visitor>(&mut self, first: usize, waiting: Waiting) {
+        let mut at = self.count;
+        while V::NEAREST_FIRST && at > first && self.top[at - 1] < waiting {
+            self.top[at] = self.top[at - 1];
+            at -= 1;
+        }
+        self.top[at] = waiting;
+        self.count += 1;
+    }
+
+    /// The next child that begins before `limit`.
+    #[inline(always)]
+    fn pop<V: Visitor>(&mut self, limit: f32) -> Option<Child> {
+        loop {
+            if self.count == 0 {
+                if self.below.is_empty() {
+                    return None;
+                }
+                self.take_back();
+            }
+            self.count -= 1;
+            let waiting = self.top[self.count];
+            if !V::NEAREST_FIRST || waiting.enter() <= limit {
+                return Some(waiting.child());
+            }
+        }
+    }
+
+    /// Moves as much as fits back onto the empty array.
+    #[cold]
+    #[inline(never)]
+    fn take_back(&mut self) {
+        self.count = self.below.len().min(STACK_SIZE - WIDTH);
+        let rest = self.below.len() - self.count;
+        self.top[..self.count].copy_from_slice(&self.below[rest..]);
+        self.below.truncate(rest);
+    }
 }
 
 /// A child that waits for its turn: where it begins in the upper half, the child in the lower. As no child begins before 0,
