@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::placed::{Place, PlacedTriangle, outward};
-use super::{Accelerator, BoxTree, Hit, Visits, half_area};
+use super::{Accelerator, BoxTree, Fan, Hit, Visits, half_area};
 use crate::geometry::{Triangle, TriangleHit};
 use crate::math::robust::gamma;
 use crate::math::{Bounds, DBounds, DVec3, Ray, ScaledRotation, Vec3};
@@ -196,6 +196,17 @@ impl Assembly {
     #[inline]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {
         self.flat.occluded(ray, t_max) || !self.copies.is_empty() && self.copies_occlude(ray, t_max)
+    }
+
+    /// Which rays of `fan` are occluded, as bits in their order: [`Self::occluded`] of each up to 1, but faster.
+    #[must_use]
+    #[inline]
+    pub fn occluded_fan(&self, fan: &Fan<'_>) -> u64 {
+        let occluded = self.flat.occluded_fan(fan);
+        if self.copies.is_empty() {
+            return occluded;
+        }
+        occluded | fan.each(|ray| self.copies_occlude(ray, 1.0))
     }
 
     fn intersect_copies(&self, ray: &Ray, t_max: f32, flat: Option<Hit>) -> Option<Hit> {

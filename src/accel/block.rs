@@ -10,7 +10,8 @@ use crate::math::{Ray, Vec3};
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct TriangleBlock {
-    corners: [[Lanes; 3]; 3],
+    /// By corner and axis.
+    pub corners: [[Lanes; 3]; 3],
     /// The triangles' ids; [`TriangleBlock::NO_TRIANGLE`] in lanes that hold none.
     pub ids: [u32; LANES],
 }
@@ -37,6 +38,13 @@ impl TriangleBlock {
             }
         }
         block
+    }
+
+    /// The lanes that hold a triangle.
+    #[inline(always)]
+    pub fn occupied<S: Simd>(&self, simd: S) -> LaneSet {
+        let x = simd.load(&self.corners[0][0]);
+        simd.less_or_equal(x, x)
     }
 
     /// The triangle in `lane`.
@@ -110,8 +118,7 @@ impl<S: Simd> BlockFilter<S> {
         let highest = simd.larger(simd.larger(u, v), w);
         let has_negative = simd.less(simd.add(lowest, error), simd.splat(0.0));
         let has_positive = simd.less(error, highest);
-        let is_triangle = simd.less_or_equal(az, az);
-        is_triangle.and_not(has_negative.and(has_positive))
+        block.occupied(simd).and_not(has_negative.and(has_positive))
     }
 
     /// The larger magnitude.

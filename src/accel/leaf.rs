@@ -20,9 +20,9 @@ pub(super) trait Visitor {
 }
 
 /// One ray's tests against triangles.
-struct LeafTest<'a, S: Simd> {
+pub(super) struct LeafTest<'a, S: Simd> {
     ray: &'a Ray,
-    filter: BlockFilter<S>,
+    pub filter: BlockFilter<S>,
     /// Made when the first triangle passes the filter, which many rays never see.
     kernel: Option<RayKernel>,
     t_max: f32,
@@ -40,7 +40,7 @@ impl<'a, S: Simd> LeafTest<'a, S> {
     }
 
     #[inline(always)]
-    fn intersect(&mut self, triangle: &Triangle) -> Option<TriangleHit> {
+    pub fn intersect(&mut self, triangle: &Triangle) -> Option<TriangleHit> {
         let kernel = self.kernel.get_or_insert_with(|| RayKernel::new(self.ray));
         kernel.intersect(triangle, self.t_max)
     }
@@ -80,7 +80,7 @@ impl<S: Simd> Visitor for Nearest<'_, S> {
 
 /// Finds any hit.
 pub(super) struct Any<'a, S: Simd> {
-    test: LeafTest<'a, S>,
+    pub test: LeafTest<'a, S>,
     pub found: bool,
 }
 

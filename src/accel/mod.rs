@@ -14,6 +14,8 @@ mod block;
 mod box_tree;
 mod brute_force;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
+mod fan;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
 mod kd;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod leaf;
@@ -23,6 +25,7 @@ mod quality;
 mod query;
 #[expect(clippy::inline_always, reason = "its documentation says why")]
 mod simd;
+mod slabs;
 #[cfg(test)]
 mod tests;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
@@ -31,6 +34,7 @@ mod wide;
 pub use assembly::{Assembly, Copies, Part};
 pub use box_tree::BoxTree;
 pub use brute_force::BruteForce;
+pub use fan::Fan;
 pub use kd::{KdParameters, KdStatistics, KdTree};
 pub use placed::{AimingError, PlacedTriangle};
 pub use quality::{StructureQuality, Visits};
@@ -95,6 +99,17 @@ impl Accelerator {
             Self::Wide(tree) => tree.occluded(ray, t_max),
             Self::KdTree(tree) => tree.occluded(ray, t_max),
             Self::BruteForce(all) => all.occluded(ray, t_max),
+        }
+    }
+
+    /// Which rays of `fan` are occluded, as bits in their order: [`Self::occluded`] of each up to 1, but faster.
+    #[must_use]
+    #[inline]
+    pub fn occluded_fan(&self, fan: &Fan<'_>) -> u64 {
+        match self {
+            Self::Wide(tree) => tree.occluded_fan(fan),
+            Self::KdTree(tree) => fan.each(|ray| tree.occluded(ray, 1.0)),
+            Self::BruteForce(all) => fan.each(|ray| all.occluded(ray, 1.0)),
         }
     }
 

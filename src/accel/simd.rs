@@ -73,6 +73,13 @@ pub(super) fn answer<Q: Query>(query: &Q) -> Q::Answer {
 pub(super) struct LaneSet(u32);
 
 impl LaneSet {
+    pub const NONE: Self = Self(0);
+
+    #[inline(always)]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
@@ -101,7 +108,7 @@ pub(super) struct LaneIndices(LaneSet);
 impl LaneIndices {
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
-        self.0.0 == 0
+        self.0.is_empty()
     }
 }
 

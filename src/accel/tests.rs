@@ -4,7 +4,7 @@ use super::*;
 use crate::control::CancelToken;
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{RayKernel, TriangleMesh};
-use crate::math::{DVec3, SceneFrame, Vec3, power_of_two};
+use crate::math::{DVec3, SceneFrame, Vec3, power_of_two, robust};
 use block::{BlockFilter, TriangleBlock};
 use simd::{LANES, LaneSet, Portable, Query, Simd};
 use std::time::{Duration, Instant};
@@ -254,6 +254,67 @@ fn the_trees_answer_like_brute_force() {
 }
 
 /// Rays that no margin is relative to: distances overflow and underflow, and planes lie where differences are infinite.
+fn whole(random: &mut Random) -> usize {
+    usize::try_from(random.bits() >> 33).unwrap()
+}
+
+/// Directions from one point: into the hemisphere over `normal`, towards what `aim` spans, along axes, below the surface.
+fn fan_directions(random: &mut Random, kind: usize, normal: Vec3, aim: Vec3) -> Vec<Vec3> {
+    let count = 1 + whole(random) % Fan::MOST_RAYS;
+    let length = 2_f32.powi(i32::try_from(whole(random) % 12).unwrap() - 8);
+    let mut direction = |index: usize| {
+        let any = narrowed(random.in_cube());
+        let above = if any.dot(normal) < 0.0 { -any } else { any };
+        match kind {
+            0 => above * length,
+            1 => aim + any * 0.1 * length,
+            2 => aim,
+            3 if index.is_multiple_of(5) => any * length,
+            3 => above.reject_from_normalized(normal) + normal * 1e-7,
+            _ => Vec3::AXES[index % 3] * length,
+        }
+    };
+    let directions = (0..count).map(&mut direction);
+    directions.filter(|&d| d != Vec3::ZERO).collect()
+}
+
+/// From points on triangles, lifted or not, and from anywhere: every ray of a fan is answered as alone by brute force.
+#[test]
+fn fans_are_answered_as_ray_by_ray() {
+    let (mut occluded, mut free) = (0, 0);
+    for (name, triangles) in scenes() {
+        let all = BruteForce::new(triangles.clone());
+        let trees = trees(&triangles);
+        let mut random = Random::new(31);
+        for turn in 0..if triangles.is_empty() { 5 } else { 120 } {
+            let index = whole(&mut random) % triangles.len().max(1);
+            let from = triangles.get(index).copied().unwrap_or(Triangle {
+                corners: [Vec3::X, Vec3::Y, Vec3::Z],
+            });
+            let [u, v] = [random.unit(), random.unit()].map(|x| DVec3::splat(x).as_vec3().x);
+            let (point, error) = from.point([1.0 - u, u * (1.0 - v), u * v]);
+            let normal = from.normal();
+            let size = from.bounds().size().max_element();
+            let origin = match turn % 3 {
+                0 => point,
+                1 => robust::offset_origin(point, error, normal, normal),
+                _ => point + narrowed(random.in_cube()) * size,
+            };
+            let aim = triangles.get(index / 2).map_or(Vec3::Z, |t| t.corners[0]) - origin;
+            let directions = fan_directions(&mut random, turn % 5, normal, aim);
+            let fan = Fan::new(origin, normal, &directions);
+            let expected = fan.each(|ray| all.occluded(ray, 1.0));
+            occluded += expected.count_ones();
+            free += directions.len() - expected.count_ones() as usize;
+            for tree in &trees {
+                let found = tree.occluded_fan(&fan);
+                assert_eq!(found, expected, "{name}, {}: {fan:?}", tree.name());
+            }
+        }
+    }
+    assert!(occluded > 10_000 && free > 10_000, "{occluded}, {free}");
+}
+
 #[test]
 fn extreme_rays_and_triangles_are_met_as_by_brute_force() {
     let mut random = Random::new(8);

@@ -16,6 +16,7 @@ use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
 use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
+use crate::accel::Fan;
 use crate::math::{Ray, Vec2, Vec3, warp};
 use crate::scene::Shadows;
 
@@ -91,6 +92,10 @@ pub fn gather(
     gathered
 }
 
+/// The most rays that are looked along together.
+const FAN_SIZE: u32 = 64;
+const _: () = assert!(FAN_SIZE as usize == Fan::MOST_RAYS, "full fans");
+
 /// What [`ambient_occlusion`] finds.
 #[derive(Clone, Copy, Debug)]
 pub struct Occlusion {
@@ -112,20 +117,74 @@ pub fn ambient_occlusion(
     let around_normal = warp::Frame::around(point.shading_normal);
     let mut sum = Vec3::ZERO;
     let mut free = 0_u32;
-    for turn in 0..samples {
-        let local = warp::cosine_hemisphere(turns.next_2d(turn));
-        let wi = around_normal.world_from_local(local);
-        rays.ambient_occlusion += 1;
-        let ray = point.ray_above(wi * scene.occlusion_radius());
-        if !scene.occluded(&ray, 1.0, None) {
-            free += 1;
-            sum += radiance(wi);
+    let mut unit = [Vec3::ZERO; Fan::MOST_RAYS];
+    for first in (0..samples).step_by(Fan::MOST_RAYS) {
+        let turns_of_fan = first..samples.min(first + FAN_SIZE);
+        let unit = &mut unit[..turns_of_fan.len()];
+        for (wi, turn) in unit.iter_mut().zip(turns_of_fan) {
+            let local = warp::cosine_hemisphere(turns.next_2d(turn));
+            *wi = around_normal.world_from_local(local);
+        }
+        rays.ambient_occlusion += unit.len() as u64;
+        let occluded = scene.near_things(point, unit);
+        for (index, &wi) in unit.iter().enumerate() {
+            if occluded >> index & 1 == 0 {
+                free += 1;
+                sum += radiance(wi);
+            }
         }
     }
     let samples = samples as f32;
     Occlusion {
         free: free as f32 / samples,
         radiance: sum / samples,
+    }
+}
+
+/// A ray to a light, from where rays from a surface point start, and what it brings where nothing is in the way.
+#[derive(Clone, Copy)]
+struct ShadowRay {
+    /// As far as the light.
+    direction: Vec3,
+    light: ByLobe,
+}
+
+/// Rays from one point to one light that wait to be looked along together.
+struct ShadowRays {
+    directions: [Vec3; Self::MOST],
+    lights: [ByLobe; Self::MOST],
+    count: usize,
+}
+
+impl ShadowRays {
+    /// Few, as room for so many is cleared for every light.
+    const MOST: usize = 18;
+
+    fn new() -> Self {
+        Self {
+            directions: [Vec3::ZERO; Self::MOST],
+            lights: [ByLobe::default(); Self::MOST],
+            count: 0,
+        }
+    }
+
+    /// Whether there may be no room for what aiming once adds.
+    fn is_full(&self) -> bool {
+        self.count + 2 > Self::MOST
+    }
+
+    fn extend(&mut self, ray: Option<ShadowRay>) {
+        if let Some(ShadowRay { direction, light }) = ray {
+            self.directions[self.count] = direction;
+            self.lights[self.count] = light;
+            self.count += 1;
+        }
+    }
+
+    /// All of them, directions and lights; leaves none.
+    fn take(&mut self) -> (&[Vec3], &[ByLobe]) {
+        let count = std::mem::take(&mut self.count);
+        (&self.directions[..count], &self.lights[..count])
     }
 }
 
@@ -197,17 +256,20 @@ impl Shading<'_> {
         let choices = self.turns(Decision::LightChoice, 0, count);
         let emitter_points = self.turns(Decision::EmitterPoint, 0, count);
         let numbers = LightNumbers::new(self, 0, count);
+        let mut shadow_rays = ShadowRays::new();
         for turn in 0..count {
             let Some(chosen) = emitters.choose(&at, choices.next_2d(turn)) else {
                 continue;
             };
             sum += if let Some(index) = chosen.light() {
                 let light = &lights[index as usize];
-                self.light_from_once(index, light, &numbers, turn)
+                self.aim(light, &numbers, turn, &mut shadow_rays);
+                self.light_that_passes(&mut shadow_rays, Some(index))
                     * Vec3::splat(1.0 / chosen.probability)
             } else {
                 let aim = chosen.aim(lights, at.position, emitter_points.next_2d(turn));
-                self.light_from_sample(None, &aim.sample, |_| 1.0)
+                shadow_rays.extend(self.aim_at_sample(&aim.sample, |_| 1.0));
+                self.light_that_passes(&mut shadow_rays, None)
             };
         }
         sum * Vec3::splat(1.0 / count as f32)
@@ -221,9 +283,14 @@ impl Shading<'_> {
         };
         let numbers = LightNumbers::new(self, index, count);
         let mut sum = ByLobe::default();
+        let mut shadow_rays = ShadowRays::new();
         for turn in 0..count {
-            sum += self.light_from_once(index, light, &numbers, turn);
+            if shadow_rays.is_full() {
+                sum += self.light_that_passes(&mut shadow_rays, Some(index));
+            }
+            self.aim(light, &numbers, turn, &mut shadow_rays);
         }
+        sum += self.light_that_passes(&mut shadow_rays, Some(index));
         sum * Vec3::splat(1.0 / count as f32)
     }
 
@@ -232,21 +299,23 @@ impl Shading<'_> {
         !light.has_area() || self.scene.settings().shadows == Shadows::Hard
     }
 
-    /// [`Self::light_from`] by one point of the light, and one direction in which it is looked for where it is near.
-    fn light_from_once(
-        &mut self,
-        index: u32,
+    /// Aims at one point of the light, and where it is near in one direction in which it is looked for.
+    fn aim(
+        &self,
         light: &PreparedLight,
         numbers: &LightNumbers,
         turn: u32,
-    ) -> ByLobe {
+        shadow_rays: &mut ShadowRays,
+    ) {
         let from = self.point.position;
         if self.is_point(light) {
-            return self.light_from_sample(Some(index), &light.center(from), |_| 1.0);
+            shadow_rays.extend(self.aim_at_sample(&light.center(from), |_| 1.0));
+            return;
         }
         let sample = light.sample(from, numbers.points.next_2d(turn));
         if self.scene.settings().shadows == Shadows::Fraction {
-            return self.center_if_seen(index, &light.center(from), sample.position);
+            shadow_rays.extend(self.center_by_place(&light.center(from), sample.position));
+            return;
         }
         match light {
             PreparedLight::Disk(disk) if disk.is_near(from) => {
@@ -255,68 +324,67 @@ impl Shading<'_> {
                     let towards = Ray::new(from, sample.position - from);
                     power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
                 };
-                let mut light = self.light_from_sample(Some(index), &sample, weight);
-                light += self.looking_for_disk(index, disk, numbers.directions.next_2d(turn));
-                light
+                shadow_rays.extend(self.aim_at_sample(&sample, weight));
+                shadow_rays.extend(self.look_for_disk(disk, numbers.directions.next_2d(turn)));
             }
-            _ => self.light_from_sample(Some(index), &sample, |_| 1.0),
+            _ => shadow_rays.extend(self.aim_at_sample(&sample, |_| 1.0)),
         }
     }
 
     /// The rule of 2011: what the light's `center` would give, where `place` on the light is seen. Its mean is the light of the
     /// centre times the share of the light that is seen.
-    fn center_if_seen(&mut self, index: u32, center: &LightSample, place: Vec3) -> ByLobe {
-        let Some(wi) = (center.position - self.point.position).try_normalize() else {
-            return ByLobe::default();
-        };
+    fn center_by_place(&self, center: &LightSample, place: Vec3) -> Option<ShadowRay> {
+        let wi = (center.position - self.point.position).try_normalize()?;
         let reflected = self.reflected_share(wi);
         if reflected.sum() == Vec3::ZERO || center.irradiance == Vec3::ZERO {
-            return ByLobe::default();
+            return None;
         }
-        let seen = self.visible(&self.point.ray_to(place), Some(index));
-        reflected * (center.irradiance * seen)
+        Some(ShadowRay {
+            direction: self.point.ray_to(place).direction,
+            light: reflected * center.irradiance,
+        })
     }
 
     /// Reflected light of one point of a light, times what `weight` says of its direction.
-    fn light_from_sample(
-        &mut self,
-        light: Option<u32>,
+    fn aim_at_sample(
+        &self,
         sample: &LightSample,
         weight: impl Fn(Vec3) -> f32,
-    ) -> ByLobe {
+    ) -> Option<ShadowRay> {
         // No ray where nothing would be reflected anyway.
-        let Some(wi) = (sample.position - self.point.position).try_normalize() else {
-            return ByLobe::default();
-        };
+        let wi = (sample.position - self.point.position).try_normalize()?;
         if sample.irradiance == Vec3::ZERO {
-            return ByLobe::default();
+            return None;
         }
         let reflected = self.reflected_share(wi);
         if reflected.sum() == Vec3::ZERO {
-            return ByLobe::default();
+            return None;
         }
-        let ray = self.point.ray_to(sample.position);
-        reflected * (sample.irradiance * weight(wi) * self.visible(&ray, light))
+        Some(ShadowRay {
+            direction: self.point.ray_to(sample.position).direction,
+            light: reflected * (sample.irradiance * weight(wi)),
+        })
     }
 
     /// Reflected light of a near disk, looked for in a direction of the hemisphere: the other half of
-    /// [`Self::light_from_sample`], which is noisy where the light is near.
-    fn looking_for_disk(&mut self, index: u32, disk: &PreparedDisk, u: Vec2) -> ByLobe {
+    /// [`Self::aim_at_sample`], which is noisy where the light is near.
+    fn look_for_disk(&self, disk: &PreparedDisk, u: Vec2) -> Option<ShadowRay> {
         let normal = self.point.shading_normal;
         let wi = warp::around(normal, warp::cosine_hemisphere(u));
         let reflected = self.reflected_share(wi);
         let ray = self.point.ray_above(wi);
         let emitted = disk.emitted(wi);
-        let Some(t) = disk.intersect(&ray, f32::INFINITY) else {
-            return ByLobe::default();
-        };
+        let t = disk.intersect(&ray, f32::INFINITY)?;
         if reflected.sum() == Vec3::ZERO || emitted == Vec3::ZERO {
-            return ByLobe::default();
+            return None;
         }
         let pdf = cosine_pdf(normal, wi);
         let weight = power_heuristic(pdf, disk.pdf_solid_angle(&ray, t));
         let ray = self.point.ray_to(disk.in_front(ray.at(t)));
-        reflected * (emitted * (weight / pdf) * self.visible(&ray, Some(index)))
+        Some(ShadowRay {
+            direction: ray.direction,
+            light: reflected * (emitted * (weight / pdf)),
+        })
     }
 
     /// What leaves towards `wo` of light from `wi`, per irradiance on a surface that faces it.
@@ -329,24 +397,39 @@ impl Shading<'_> {
         self.phong.reflected(model, self.mirror, wi, cosine)
     }
 
-    /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1.
-    fn visible(&mut self, ray: &Ray, light: Option<u32>) -> Vec3 {
+    /// The light of all `shadow_rays` that nothing is in the way of but the light number `light`; takes them out.
+    fn light_that_passes(&mut self, shadow_rays: &mut ShadowRays, light: Option<u32>) -> ByLobe {
+        let (directions, brought) = shadow_rays.take();
+        let mut sum = ByLobe::default();
         if self.scene.settings().shadows == Shadows::Off {
-            return Vec3::ONE;
+            for &brought in brought {
+                sum += brought;
+            }
+            return sum;
         }
-        self.rays.shadow += 1;
-        let passed = if self.scene.has_glass() {
-            self.through_glass(*ray, light)
-        } else if self.scene.occluded(ray, 1.0, light) {
-            Vec3::ZERO
+        self.rays.shadow += directions.len() as u64;
+        let fan = self.point.fan(directions);
+        let occluded = if self.scene.has_glass() {
+            0
         } else {
-            Vec3::ONE
+            self.scene.occluded_fan(&fan, light)
         };
-        self.gathered.count_shadow_ray(passed);
-        passed
+        for (index, (ray, &brought)) in fan.rays().zip(brought).enumerate() {
+            let passed = if self.scene.has_glass() {
+                self.through_glass(ray, light)
+            } else if occluded >> index & 1 == 0 {
+                Vec3::ONE
+            } else {
+                Vec3::ZERO
+            };
+            self.gathered.count_shadow_ray(passed);
+            sum += brought * passed;
+        }
+        sum
     }
 
-    /// [`Self::visible`] where glass may stand in between: it is passed straight, losing what each face reflects and what
+    /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1, where glass may stand
+    /// in between: it is passed straight, losing what each face reflects and what
     /// the inside absorbs.
     fn through_glass(&self, mut ray: Ray, light: Option<u32>) -> Vec3 {
         let target = ray.at(1.0);

@@ -1,5 +1,5 @@
 use super::light::{PreparedDisk, PreparedLight};
-use crate::accel::BoxTree;
+use crate::accel::{BoxTree, Fan};
 use crate::math::{Bounds, Ray};
 
 /// The most disks that are tried one after the other. A tree is faster over more: over sixteen it takes as long for the nearest and
@@ -11,6 +11,7 @@ const MOST_IN_A_ROW: usize = 12;
 pub struct VisibleDisks {
     /// Each with the number of the light.
     disks: Vec<(u32, PreparedDisk)>,
+    boxes: Vec<Bounds>,
     /// Over their boxes; `None` where there are few.
     tree: Option<BoxTree>,
 }
@@ -29,15 +30,16 @@ impl VisibleDisks {
     pub fn new(lights: &[PreparedLight]) -> Self {
         let visible = |(index, light): (u32, &PreparedLight)| Some((index, *light.visible_disk()?));
         let disks: Vec<_> = (0..).zip(lights).filter_map(visible).collect();
-        let tree = (disks.len() > MOST_IN_A_ROW).then(|| BoxTree::build(&boxes_of(&disks)));
-        Self { disks, tree }
+        let boxes: Vec<_> = disks.iter().map(|(_, disk)| disk.bounds()).collect();
+        let tree = (disks.len() > MOST_IN_A_ROW).then(|| BoxTree::build(&boxes));
+        Self { disks, boxes, tree }
     }
 
     /// Boxes around all of them: each one's where they are few, else a single one.
     pub fn boxes(&self) -> Vec<Bounds> {
         match &self.tree {
             Some(tree) => vec![tree.bounds()],
-            None => boxes_of(&self.disks),
+            None => self.boxes.clone(),
         }
     }
 
@@ -76,6 +78,20 @@ impl VisibleDisks {
         occluded
     }
 
+    /// Along which rays of `fan` a disk other than the light number `except` is in the way, as bits.
+    #[inline]
+    pub fn occlude_fan(&self, fan: &Fan<'_>, except: Option<u32>) -> u64 {
+        let bounds = fan.bounds();
+        let is_in_reach = |((light, _), disk_bounds): (&(u32, PreparedDisk), &Bounds)| {
+            Some(*light) != except && !disk_bounds.intersection(bounds).is_empty()
+        };
+        // The boxes of many disks are in the tree.
+        if self.tree.is_none() && !self.disks.iter().zip(&self.boxes).any(is_in_reach) {
+            return 0;
+        }
+        fan.each(|ray| self.occlude(ray, 1.0, except))
+    }
+
     /// Visits the disks that `ray` may meet until all that is left lies beyond what `visit` returned.
     #[inline]
     fn walk(&self, ray: &Ray, t_max: f32, mut visit: impl FnMut(usize) -> f32) {
@@ -89,10 +105,6 @@ impl VisibleDisks {
             }
         }
     }
-}
-
-fn boxes_of(disks: &[(u32, PreparedDisk)]) -> Vec<Bounds> {
-    disks.iter().map(|(_, disk)| disk.bounds()).collect()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::Specular;
 use super::surface::SurfacePoint;
-use crate::accel::Assembly;
+use crate::accel::{Assembly, Fan};
 use crate::control::CancelToken;
 use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
@@ -265,6 +265,21 @@ impl PreparedScene {
     /// Whether anything but the light number `except` is in the way in `0 < t < t_max`.
     pub(super) fn occluded(&self, ray: &Ray, t_max: f32, except: Option<u32>) -> bool {
         self.disk_occludes(ray, t_max, except) || self.accelerator().occluded(ray, t_max)
+    }
+
+    /// Along which rays of `fan` anything but the light number `except` is in the way, as bits.
+    pub(super) fn occluded_fan(&self, fan: &Fan<'_>, except: Option<u32>) -> u64 {
+        self.disks.occlude_fan(fan, except) | self.accelerator().occluded_fan(fan)
+    }
+
+    /// Along which of the directions from `point` (unit, at most [`Fan::MOST_RAYS`]) anything is within the radius of ambient
+    /// occlusion, as bits.
+    pub(super) fn near_things(&self, point: &SurfacePoint, directions: &[Vec3]) -> u64 {
+        let mut scaled = [Vec3::ZERO; Fan::MOST_RAYS];
+        for (scaled, &direction) in scaled.iter_mut().zip(directions) {
+            *scaled = direction * self.occlusion_radius;
+        }
+        self.occluded_fan(&point.fan(&scaled[..directions.len()]), None)
     }
 
     /// Whether a visible disk other than the light number `except` is in the way in `0 < t < t_max`.

@@ -1,7 +1,7 @@
 use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
 use super::light_tree::Receiver;
-use crate::accel::Hit;
+use crate::accel::{Fan, Hit};
 use crate::math::{Ray, Vec3, robust};
 
 /// The point where a ray meets a surface, as shading needs it.
@@ -152,6 +152,12 @@ impl SurfacePoint {
     #[must_use]
     pub fn ray_to(&self, target: Vec3) -> Ray {
         Ray::new(self.start, target - self.start)
+    }
+
+    /// [`Self::ray_above`] along each of `directions`, as long as they are.
+    #[must_use]
+    pub fn fan<'a>(&self, directions: &'a [Vec3]) -> Fan<'a> {
+        Fan::new(self.start, self.geometric_normal, directions)
     }
 
     /// A ray that goes on behind the surface along `direction`, and cannot meet the triangle it leaves.

@@ -6,6 +6,7 @@
 
 mod build;
 mod collapse;
+mod fan;
 mod node;
 mod quality;
 mod split;
@@ -14,6 +15,7 @@ mod walk;
 
 use super::Hit;
 use super::block::TriangleBlock;
+use super::fan::Fan;
 use super::query::{AnyHit, NearestHit};
 use super::simd::{self, LANES};
 use crate::control::CancelToken;
@@ -126,6 +128,12 @@ impl WideTree {
             ray,
             t_max,
         })
+    }
+
+    /// Which rays of `fan` are occluded, as bits in their order.
+    #[must_use]
+    pub fn occluded_fan(&self, fan: &Fan<'_>) -> u64 {
+        simd::answer(&fan::FanHits { tree: self, fan })
     }
 
     /// Number of triangles.

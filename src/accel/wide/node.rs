@@ -1,7 +1,7 @@
 //! Nodes as they lie in memory, and the test of a ray against the eight boxes of one.
 
 use crate::accel::simd::{LANES, LaneSet, Lanes, Simd, splat_all};
-use crate::math::robust::gamma;
+use crate::accel::slabs::{MARGIN, reciprocal};
 use crate::math::{Bounds, Ray};
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub(super) const WIDTH: usize = LANES;
 #[repr(align(64))]
 pub(super) struct Node {
     /// By axis, then the lower and the upper sides.
-    planes: [[Lanes; 2]; 3],
+    pub planes: [[Lanes; 2]; 3],
     pub children: [Child; WIDTH],
 }
 
@@ -107,21 +107,6 @@ impl Child {
     }
 }
 
-/// By how much the distances to a box's planes are moved outwards, relative to themselves, so that rounding loses no hit.
-///
-/// A computed distance is a difference, a reciprocal and a product, so it is off by a factor of at most 1 ± γ₃, and the
-/// reciprocal is rounded once more when the margin goes into it. Two bounds that are compared each carry that, and a hit's
-/// own distance one rounding.
-/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013; twice his margin.
-const MARGIN: f32 = 4.0 * gamma(3);
-
-/// A bound on distances that no hit at `t` or before it comes after. The smallest normal number stands in for digits lost
-/// below it.
-#[inline]
-pub(super) fn later(t: f32) -> f32 {
-    t * (1.0 + MARGIN) + f32::MIN_POSITIVE
-}
-
 /// A ray prepared for tests against the boxes of many nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RaySlabs<S: Simd> {
@@ -152,7 +137,7 @@ impl<S: Simd> RaySlabs<S> {
     }
 
     /// Where the ray enters each box, not before its start, and which boxes it may pass before `limit`, a distance moved
-    /// outwards by [`later`].
+    /// outwards by [`later`](crate::accel::slabs::later).
     ///
     /// NaN, from a ray within a plane (0 · ∞) or from [`reciprocal`], bounds nothing. A distance below 0 is moved in the wrong
     /// direction, but its sign is right, and no more is asked of it.
@@ -172,18 +157,6 @@ impl<S: Simd> RaySlabs<S> {
         // The products may have lost digits below the smallest normal number.
         let end = simd.add(end, simd.splat(f32::MIN_POSITIVE));
         (start, simd.less_or_equal(start, end))
-    }
-}
-
-/// `1 / d`; infinite for zeros. NaN, which bounds nothing, where the result would lack digits or have no room for the margin.
-#[inline]
-fn reciprocal(d: f32) -> f32 {
-    let inverse = d.recip();
-    let has_room = (inverse * 0.5).is_normal() && (inverse * 2.0).is_normal();
-    if has_room || d == 0.0 {
-        inverse
-    } else {
-        f32::NAN
     }
 }
 

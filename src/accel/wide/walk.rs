@@ -1,10 +1,11 @@
 //! Following a ray through the boxes of the tree.
 
 use super::WideTree;
-use super::node::{Child, ChildKind, RaySlabs, WIDTH, later};
+use super::node::{Child, ChildKind, RaySlabs, WIDTH};
 use crate::accel::leaf::Visitor;
 use crate::accel::query::Tree;
 use crate::accel::simd::Simd;
+use crate::accel::slabs::later;
 use crate::math::Ray;
 
 impl Tree for WideTree {
