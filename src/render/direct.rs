@@ -92,7 +92,8 @@ pub fn gather(
     gathered
 }
 
-/// The most rays that are looked along together.
+/// The fewest and the most rays that are looked along together.
+const FEWEST_TOGETHER: u32 = 3;
 const FAN_SIZE: u32 = 64;
 const _: () = assert!(FAN_SIZE as usize == Fan::MOST_RAYS, "full fans");
 
@@ -173,8 +174,8 @@ impl ShadowRays {
         self.count + 2 > Self::MOST
     }
 
-    fn extend(&mut self, ray: Option<ShadowRay>) {
-        if let Some(ShadowRay { direction, light }) = ray {
+    fn extend(&mut self, rays: [Option<ShadowRay>; 2]) {
+        for ShadowRay { direction, light } in rays.into_iter().flatten() {
             self.directions[self.count] = direction;
             self.lights[self.count] = light;
             self.count += 1;
@@ -256,21 +257,22 @@ impl Shading<'_> {
         let choices = self.turns(Decision::LightChoice, 0, count);
         let emitter_points = self.turns(Decision::EmitterPoint, 0, count);
         let numbers = LightNumbers::new(self, 0, count);
-        let mut shadow_rays = ShadowRays::new();
         for turn in 0..count {
             let Some(chosen) = emitters.choose(&at, choices.next_2d(turn)) else {
                 continue;
             };
-            sum += if let Some(index) = chosen.light() {
+            if let Some(index) = chosen.light() {
                 let light = &lights[index as usize];
-                self.aim(light, &numbers, turn, &mut shadow_rays);
-                self.light_that_passes(&mut shadow_rays, Some(index))
-                    * Vec3::splat(1.0 / chosen.probability)
+                for ray in self.aim(light, &numbers, turn).into_iter().flatten() {
+                    let brought = self.light_along(&ray, Some(index));
+                    sum += brought * Vec3::splat(1.0 / chosen.probability);
+                }
             } else {
                 let aim = chosen.aim(lights, at.position, emitter_points.next_2d(turn));
-                shadow_rays.extend(self.aim_at_sample(&aim.sample, |_| 1.0));
-                self.light_that_passes(&mut shadow_rays, None)
-            };
+                if let Some(ray) = self.aim_at_sample(&aim.sample, |_| 1.0) {
+                    sum += self.light_along(&ray, None);
+                }
+            }
         }
         sum * Vec3::splat(1.0 / count as f32)
     }
@@ -282,15 +284,24 @@ impl Shading<'_> {
             self.scene.settings().shadow_samples
         };
         let numbers = LightNumbers::new(self, index, count);
+        let light_number = Some(index);
         let mut sum = ByLobe::default();
-        let mut shadow_rays = ShadowRays::new();
-        for turn in 0..count {
-            if shadow_rays.is_full() {
-                sum += self.light_that_passes(&mut shadow_rays, Some(index));
+        if count < FEWEST_TOGETHER {
+            for turn in 0..count {
+                for ray in self.aim(light, &numbers, turn).into_iter().flatten() {
+                    sum += self.light_along(&ray, light_number);
+                }
             }
-            self.aim(light, &numbers, turn, &mut shadow_rays);
+        } else {
+            let mut shadow_rays = ShadowRays::new();
+            for turn in 0..count {
+                if shadow_rays.is_full() {
+                    sum += self.light_along_all(&mut shadow_rays, light_number);
+                }
+                shadow_rays.extend(self.aim(light, &numbers, turn));
+            }
+            sum += self.light_along_all(&mut shadow_rays, light_number);
         }
-        sum += self.light_that_passes(&mut shadow_rays, Some(index));
         sum * Vec3::splat(1.0 / count as f32)
     }
 
@@ -305,17 +316,15 @@ impl Shading<'_> {
         light: &PreparedLight,
         numbers: &LightNumbers,
         turn: u32,
-        shadow_rays: &mut ShadowRays,
-    ) {
+    ) -> [Option<ShadowRay>; 2] {
         let from = self.point.position;
         if self.is_point(light) {
-            shadow_rays.extend(self.aim_at_sample(&light.center(from), |_| 1.0));
-            return;
+            return [self.aim_at_sample(&light.center(from), |_| 1.0), None];
         }
         let sample = light.sample(from, numbers.points.next_2d(turn));
         if self.scene.settings().shadows == Shadows::Fraction {
-            shadow_rays.extend(self.center_by_place(&light.center(from), sample.position));
-            return;
+            let ray = self.center_by_place(&light.center(from), sample.position);
+            return [ray, None];
         }
         match light {
             PreparedLight::Disk(disk) if disk.is_near(from) => {
@@ -324,10 +333,10 @@ impl Shading<'_> {
                     let towards = Ray::new(from, sample.position - from);
                     power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
                 };
-                shadow_rays.extend(self.aim_at_sample(&sample, weight));
-                shadow_rays.extend(self.look_for_disk(disk, numbers.directions.next_2d(turn)));
+                let looked_for = self.look_for_disk(disk, numbers.directions.next_2d(turn));
+                [self.aim_at_sample(&sample, weight), looked_for]
             }
-            _ => shadow_rays.extend(self.aim_at_sample(&sample, |_| 1.0)),
+            _ => [self.aim_at_sample(&sample, |_| 1.0), None],
         }
     }
 
@@ -397,27 +406,26 @@ impl Shading<'_> {
         self.phong.reflected(model, self.mirror, wi, cosine)
     }
 
-    /// The light of all `shadow_rays` that nothing is in the way of but the light number `light`; takes them out.
-    fn light_that_passes(&mut self, shadow_rays: &mut ShadowRays, light: Option<u32>) -> ByLobe {
-        let (directions, brought) = shadow_rays.take();
+    /// What `ray` brings, where nothing is in the way but the light number `light`.
+    fn light_along(&mut self, ray: &ShadowRay, light: Option<u32>) -> ByLobe {
+        ray.light * self.visible(&self.point.ray_above(ray.direction), light)
+    }
+
+    /// [`Self::light_along`] all of `shadow_rays`, which it takes out.
+    fn light_along_all(&mut self, shadow_rays: &mut ShadowRays, light: Option<u32>) -> ByLobe {
         let mut sum = ByLobe::default();
-        if self.scene.settings().shadows == Shadows::Off {
-            for &brought in brought {
-                sum += brought;
+        let (directions, lights) = shadow_rays.take();
+        let fan = self.point.fan(directions);
+        if self.scene.settings().shadows == Shadows::Off || self.scene.has_glass() {
+            for (ray, &brought) in fan.rays().zip(lights) {
+                sum += brought * self.visible(&ray, light);
             }
             return sum;
         }
         self.rays.shadow += directions.len() as u64;
-        let fan = self.point.fan(directions);
-        let occluded = if self.scene.has_glass() {
-            0
-        } else {
-            self.scene.occluded_fan(&fan, light)
-        };
-        for (index, (ray, &brought)) in fan.rays().zip(brought).enumerate() {
-            let passed = if self.scene.has_glass() {
-                self.through_glass(ray, light)
-            } else if occluded >> index & 1 == 0 {
+        let occluded = self.scene.occluded_fan(&fan, light);
+        for (index, &brought) in lights.iter().enumerate() {
+            let passed = if occluded >> index & 1 == 0 {
                 Vec3::ONE
             } else {
                 Vec3::ZERO
@@ -428,8 +436,24 @@ impl Shading<'_> {
         sum
     }
 
-    /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1, where glass may stand
-    /// in between: it is passed straight, losing what each face reflects and what
+    /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1.
+    fn visible(&mut self, ray: &Ray, light: Option<u32>) -> Vec3 {
+        if self.scene.settings().shadows == Shadows::Off {
+            return Vec3::ONE;
+        }
+        self.rays.shadow += 1;
+        let passed = if self.scene.has_glass() {
+            self.through_glass(*ray, light)
+        } else if self.scene.occluded(ray, 1.0, light) {
+            Vec3::ZERO
+        } else {
+            Vec3::ONE
+        };
+        self.gathered.count_shadow_ray(passed);
+        passed
+    }
+
+    /// [`Self::visible`] where glass may stand in between: it is passed straight, losing what each face reflects and what
     /// the inside absorbs.
     fn through_glass(&self, mut ray: Ray, light: Option<u32>) -> Vec3 {
         let target = ray.at(1.0);
