@@ -392,12 +392,14 @@ impl Assembly {
 
     /// Number of the part that the triangle `id` belongs to.
     #[must_use]
+    #[inline]
     pub fn part_of(&self, id: u32) -> usize {
         self.parts.partition_point(|part| part.end <= id)
     }
 
     /// The triangle `id`.
     #[must_use]
+    #[inline]
     pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
         let index = self.part_of(id);
         let part = &self.parts[index];

@@ -52,6 +52,7 @@ impl PlacedTriangle<'_> {
     /// The triangle in the prepared scene: counter-clockwise seen from outside, in the order of a hit's weights. Corners of
     /// copies are rounded; see [`PlacedTriangle::point`] for how far from what rays meet.
     #[must_use]
+    #[inline]
     pub fn in_scene(&self) -> Triangle {
         let Some(place) = &self.place else {
             return self.triangle;
@@ -65,6 +66,7 @@ impl PlacedTriangle<'_> {
     /// The point with these weights of the corners, and a bound for each coordinate on how far it may seem to lie off the
     /// triangle. A ray that starts further away, above or below, cannot meet the triangle again.
     #[must_use]
+    #[inline]
     pub fn point(&self, weights: [f32; 3]) -> (Vec3, Vec3) {
         let Some(place) = &self.place else {
             return self.triangle.point(weights);
@@ -102,6 +104,7 @@ impl PlacedTriangle<'_> {
 
     /// The unit normal on the outside; zero for a triangle without area.
     #[must_use]
+    #[inline]
     pub fn normal(&self) -> Vec3 {
         let Some(place) = &self.place else {
             return self.triangle.normal();
@@ -116,6 +119,7 @@ impl PlacedTriangle<'_> {
     /// Unit vectors that belong to the corners of the triangle as it is stored, such as shading normals, turned into the
     /// prepared scene and in the order of its corners there.
     #[must_use]
+    #[inline]
     pub fn directions_in_scene(&self, stored: [Vec3; 3]) -> [Vec3; 3] {
         let Some(Place { turn, .. }) = &self.place else {
             return stored;

@@ -26,6 +26,7 @@ impl Triangle {
 
     /// The unit normal on the side from which the corners turn counter-clockwise; zero for a triangle without area.
     #[must_use]
+    #[inline]
     pub fn normal(&self) -> Vec3 {
         self.doubled_area_normal().normalize_or_zero().as_vec3()
     }
@@ -39,6 +40,7 @@ impl Triangle {
     /// The point with these weights of the corners, and a bound on the rounding error of each of its coordinates. It lies
     /// far closer to the plane than `origin + t · direction` of a ray would.
     #[must_use]
+    #[inline]
     pub fn point(&self, [u, v, w]: [f32; 3]) -> (Vec3, Vec3) {
         let [a, b, c] = self.corners;
         // Each coordinate is rounded four times: its weight, the product, two sums.

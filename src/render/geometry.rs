@@ -140,6 +140,7 @@ impl PreparedGeometry {
 
     /// The prepared triangle with number `id`: its corners in the prepared scene, its points, its normal.
     #[must_use]
+    #[inline]
     pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
         self.accelerator.triangle(id)
     }
@@ -159,6 +160,7 @@ impl PreparedGeometry {
     /// The shading normals of the corners of `triangle` in world orientation, in the order of its corners; `None` for flat
     /// shading.
     #[must_use]
+    #[inline]
     pub fn corner_normals(&self, triangle: &PlacedTriangle<'_>) -> Option<[Vec3; 3]> {
         let object = &self.objects[triangle.part];
         let normals = object.normals.as_ref()?;
