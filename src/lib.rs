@@ -11,7 +11,7 @@
 //!
 //! - [`math`]: vectors, boxes, frames, colour, error bounds
 //! - [`geometry`]: triangle meshes, watertight intersection, polygons, shading normals; knows no material
-//! - [`accel`]: the kd-tree and brute force, its reference
+//! - [`accel`]: the wide tree, the kd-tree, and brute force as their reference
 //! - [`scene`]: the description, plain data in the units of the file
 //! - [`io`]: bytes to meshes, scenes and pictures, and back
 //! - [`render`]: the prepared scene, samplers, shading, tiles and passes, film
