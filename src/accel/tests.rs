@@ -315,6 +315,33 @@ fn fans_are_answered_as_ray_by_ray() {
     assert!(occluded > 10_000 && free > 10_000, "{occluded}, {free}");
 }
 
+/// The heights of its corners are lost in rounding, but it is in the way.
+#[test]
+fn fans_meet_large_triangles_close_above_where_they_start() {
+    let mut random = Random::new(32);
+    let mut occluded = 0;
+    for _ in 0..3000 {
+        let origin = narrowed(random.in_cube());
+        let normal = narrowed(random.in_cube().normalize());
+        let (along, across) = normal.any_orthonormal_pair();
+        let above = origin.as_dvec3() + normal.as_dvec3() * (random.unit() * 1e-7);
+        let corner = |x: f64, y: f64| {
+            narrowed(above + along.as_dvec3() * x * 4.0 + across.as_dvec3() * y * 4.0)
+        };
+        let corners = [corner(1.0, 0.1), corner(-0.6, 0.8), corner(-0.5, -0.9)];
+        let triangles = [Triangle { corners }];
+        let directions = [normal, normal + along * 0.2, normal - across * 0.3];
+        let fan = Fan::new(origin, normal, &directions);
+        let expected = BruteForce::new(triangles.to_vec());
+        let expected = fan.each(|ray| expected.occluded(ray, 1.0));
+        occluded += expected.count_ones();
+        for tree in trees(&triangles) {
+            assert_eq!(tree.occluded_fan(&fan), expected, "{fan:?} {triangles:?}");
+        }
+    }
+    assert!(occluded > 1000, "only {occluded}");
+}
+
 #[test]
 fn extreme_rays_and_triangles_are_met_as_by_brute_force() {
     let mut random = Random::new(8);
