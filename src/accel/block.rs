@@ -64,7 +64,8 @@ impl TriangleBlock {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockFilter<S: Simd> {
     simd: S,
-    axes: [usize; 3],
+    /// As the ray's [`RayKernel`] renames them.
+    pub axes: [usize; 3],
     origin: [S::F32x8; 3],
     /// Its negative, so that shearing is one multiplication with addition.
     unshear: [S::F32x8; 2],

@@ -1,9 +1,10 @@
 //! What rays do with the leaves of a tree: look for the nearest hit, or for any.
 
 use super::block::{BlockFilter, TriangleBlock};
-use super::simd::Simd;
+use super::four::FourTests;
+use super::simd::{Half, LaneSet, Simd};
 use super::{Hit, Visits};
-use crate::geometry::{RayKernel, Triangle, TriangleHit};
+use crate::geometry::{RayKernel, TriangleHit};
 use crate::math::Ray;
 
 /// What a walk through a tree does on its way.
@@ -21,6 +22,7 @@ pub(super) trait Visitor {
 
 /// One ray's tests against triangles.
 pub(super) struct LeafTest<'a, S: Simd> {
+    simd: S,
     ray: &'a Ray,
     pub filter: BlockFilter<S>,
     /// Made when the first triangle passes the filter, which many rays never see.
@@ -30,8 +32,9 @@ pub(super) struct LeafTest<'a, S: Simd> {
 
 impl<'a, S: Simd> LeafTest<'a, S> {
     #[inline(always)]
-    fn new(simd: S, ray: &'a Ray, t_max: f32) -> Self {
+    pub fn new(simd: S, ray: &'a Ray, t_max: f32) -> Self {
         Self {
+            simd,
             ray,
             filter: BlockFilter::new(simd, ray),
             kernel: None,
@@ -39,11 +42,41 @@ impl<'a, S: Simd> LeafTest<'a, S> {
         }
     }
 
+    /// Tests half of a block, of which `lanes` count.
     #[inline(always)]
-    pub fn intersect(&mut self, triangle: &Triangle) -> Option<TriangleHit> {
-        let kernel = self.kernel.get_or_insert_with(|| RayKernel::new(self.ray));
-        kernel.intersect(triangle, self.t_max)
+    fn four(&mut self, block: &TriangleBlock, half: Half, lanes: LaneSet) -> FourTests<S> {
+        let kernel = match self.kernel {
+            Some(kernel) => kernel,
+            None => RayKernel::with_axes(self.ray, self.filter.axes),
+        };
+        self.kernel = Some(kernel);
+        FourTests::new(self.simd, &kernel, block, half, lanes)
     }
+
+    /// Whether one of the triangles in these lanes is hit.
+    #[inline(always)]
+    pub fn is_hit(&mut self, block: &TriangleBlock, lanes: LaneSet) -> bool {
+        for (half, lanes) in lanes.halves() {
+            let four = self.four(block, half, lanes);
+            for lane in four.met {
+                if four.hit(lane).is_some_and(|hit| hit.t < self.t_max) {
+                    return true;
+                }
+            }
+            for lane in four.undecided {
+                if decide(self.ray, self.t_max, block, half.first() + lane).is_some() {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}
+
+/// The test of a triangle that [`FourTests`] do not decide.
+#[cold]
+fn decide(ray: &Ray, t_max: f32, block: &TriangleBlock, lane: usize) -> Option<TriangleHit> {
+    RayKernel::new(ray).intersect(&block.triangle(lane), t_max)
 }
 
 /// Finds the nearest hit.
@@ -60,6 +93,13 @@ impl<'a, S: Simd> Nearest<'a, S> {
             best: None,
         }
     }
+
+    #[inline(always)]
+    fn consider(&mut self, id: u32, new: Option<TriangleHit>) {
+        if let Some(new) = new.filter(|new| new.t < self.test.t_max) {
+            self.best = Some(Hit::nearer(self.best, id, new));
+        }
+    }
 }
 
 impl<S: Simd> Visitor for Nearest<'_, S> {
@@ -68,9 +108,15 @@ impl<S: Simd> Visitor for Nearest<'_, S> {
     #[inline(always)]
     fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
         for block in blocks {
-            for lane in self.test.filter.may_hit(block) {
-                if let Some(new) = self.test.intersect(&block.triangle(lane)) {
-                    self.best = Some(Hit::nearer(self.best, block.ids[lane], new));
+            for (half, lanes) in self.test.filter.may_hit(block).halves() {
+                let four = self.test.four(block, half, lanes);
+                for lane in four.met {
+                    self.consider(block.ids[half.first() + lane], four.hit(lane));
+                }
+                for lane in four.undecided {
+                    let lane = half.first() + lane;
+                    let hit = decide(self.test.ray, self.test.t_max, block, lane);
+                    self.consider(block.ids[lane], hit);
                 }
             }
         }
@@ -100,11 +146,10 @@ impl<S: Simd> Visitor for Any<'_, S> {
     #[inline(always)]
     fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
         for block in blocks {
-            for lane in self.test.filter.may_hit(block) {
-                if self.test.intersect(&block.triangle(lane)).is_some() {
-                    self.found = true;
-                    return None;
-                }
+            let passed = self.test.filter.may_hit(block);
+            if self.test.is_hit(block, passed) {
+                self.found = true;
+                return None;
             }
         }
         Some(self.test.t_max)

@@ -16,6 +16,8 @@ mod brute_force;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod fan;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
+mod four;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
 mod kd;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod leaf;

@@ -18,30 +18,60 @@ pub(super) const LANES: usize = 8;
 #[repr(align(32))]
 pub(super) struct Lanes(pub [f32; LANES]);
 
-/// Instructions on eight numbers at once.
-pub(super) trait Simd: Copy {
+/// Arithmetic on registers of several numbers.
+pub(super) trait Arithmetic<Register>: Copy {
+    fn add(self, a: Register, b: Register) -> Register;
+    fn sub(self, a: Register, b: Register) -> Register;
+    fn mul(self, a: Register, b: Register) -> Register;
+    fn div(self, a: Register, b: Register) -> Register;
+    fn abs(self, x: Register) -> Register;
+    /// The smaller number; `old` if either is NaN.
+    fn smaller(self, new: Register, old: Register) -> Register;
+    /// The larger number; `old` if either is NaN.
+    fn larger(self, new: Register, old: Register) -> Register;
+    /// Where `a < b`; nowhere NaN.
+    fn less(self, a: Register, b: Register) -> LaneSet;
+    /// Where `a ≤ b`; nowhere NaN.
+    fn less_or_equal(self, a: Register, b: Register) -> LaneSet;
+}
+
+/// Instructions on eight numbers at once, or on four of twice the length.
+pub(super) trait Simd: Arithmetic<Self::F32x8> + Arithmetic<Self::F64x4> {
     /// Eight numbers in registers.
     type F32x8: Copy;
+    /// Four numbers in registers.
+    type F64x4: Copy;
 
     fn load(self, lanes: &Lanes) -> Self::F32x8;
     fn store(self, x: Self::F32x8) -> Lanes;
     fn splat(self, x: f32) -> Self::F32x8;
-    fn add(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
-    fn sub(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
-    fn mul(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     /// `a · b + c`, the product rounded or not.
     fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
     /// `a · b − c`, the product rounded or not.
     fn mul_sub(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
-    fn abs(self, x: Self::F32x8) -> Self::F32x8;
-    /// The smaller number; `old` if either is NaN.
-    fn smaller(self, new: Self::F32x8, old: Self::F32x8) -> Self::F32x8;
-    /// The larger number; `old` if either is NaN.
-    fn larger(self, new: Self::F32x8, old: Self::F32x8) -> Self::F32x8;
-    /// Where `a < b`; nowhere NaN.
-    fn less(self, a: Self::F32x8, b: Self::F32x8) -> LaneSet;
-    /// Where `a ≤ b`; nowhere NaN.
-    fn less_or_equal(self, a: Self::F32x8, b: Self::F32x8) -> LaneSet;
+
+    /// The lanes of one half.
+    fn load_half(self, lanes: &Lanes, half: Half) -> Self::F64x4;
+    fn store_double(self, x: Self::F64x4) -> [f64; LANES / 2];
+    fn splat_double(self, x: f64) -> Self::F64x4;
+}
+
+/// One half of eight lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Half {
+    Lower,
+    Upper,
+}
+
+impl Half {
+    /// Its first lane.
+    #[inline(always)]
+    pub fn first(self) -> usize {
+        match self {
+            Self::Lower => 0,
+            Self::Upper => LANES / 2,
+        }
+    }
 }
 
 /// Three numbers, each in all lanes.
@@ -86,8 +116,19 @@ impl LaneSet {
     }
 
     #[inline(always)]
+    pub fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    #[inline(always)]
     pub fn and_not(self, other: Self) -> Self {
         Self(self.0 & !other.0)
+    }
+
+    /// The halves that hold any of these lanes, with them, counted from the half's first.
+    #[inline(always)]
+    pub fn halves(self) -> Halves {
+        Halves(self)
     }
 }
 
@@ -125,96 +166,157 @@ impl Iterator for LaneIndices {
     }
 }
 
+/// The halves of a set that are left to visit.
+#[derive(Debug)]
+pub(super) struct Halves(LaneSet);
+
+impl Iterator for Halves {
+    type Item = (Half, LaneSet);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<(Half, LaneSet)> {
+        const LOWER: u32 = (1 << (LANES / 2)) - 1;
+        let LaneSet(bits) = self.0;
+        if bits & LOWER != 0 {
+            self.0 = LaneSet(bits & !LOWER);
+            Some((Half::Lower, LaneSet(bits & LOWER)))
+        } else if bits != 0 {
+            self.0 = LaneSet::NONE;
+            Some((Half::Upper, LaneSet(bits >> (LANES / 2))))
+        } else {
+            None
+        }
+    }
+}
+
 /// The instructions that every machine has: loops over lanes, which compilers turn into what vectors there are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Portable;
 
 impl Portable {
     #[inline(always)]
-    fn each(a: Lanes, b: Lanes, f: impl Fn(f32, f32) -> f32) -> Lanes {
-        let mut result = Lanes([0.0; LANES]);
-        for (result, (&a, &b)) in result.0.iter_mut().zip(a.0.iter().zip(&b.0)) {
-            *result = f(a, b);
+    fn each<T: Copy, const N: usize>(a: [T; N], b: [T; N], f: impl Fn(T, T) -> T) -> [T; N] {
+        let mut result = a;
+        for (result, b) in result.iter_mut().zip(b) {
+            *result = f(*result, b);
         }
         result
     }
 
     #[inline(always)]
-    fn each_bit(a: Lanes, b: Lanes, f: impl Fn(f32, f32) -> bool) -> LaneSet {
+    fn each_bit<T: Copy, const N: usize>(
+        a: [T; N],
+        b: [T; N],
+        f: impl Fn(T, T) -> bool,
+    ) -> LaneSet {
         let mut bits = 0;
-        for i in 0..LANES {
-            bits |= u32::from(f(a.0[i], b.0[i])) << i;
+        for i in 0..N {
+            bits |= u32::from(f(a[i], b[i])) << i;
         }
         LaneSet(bits)
     }
 }
 
+macro_rules! portable_arithmetic {
+    ($number:ty, $count:expr) => {
+        impl Arithmetic<[$number; $count]> for Portable {
+            #[inline(always)]
+            fn add(self, a: [$number; $count], b: [$number; $count]) -> [$number; $count] {
+                Self::each(a, b, |a, b| a + b)
+            }
+
+            #[inline(always)]
+            fn sub(self, a: [$number; $count], b: [$number; $count]) -> [$number; $count] {
+                Self::each(a, b, |a, b| a - b)
+            }
+
+            #[inline(always)]
+            fn mul(self, a: [$number; $count], b: [$number; $count]) -> [$number; $count] {
+                Self::each(a, b, |a, b| a * b)
+            }
+
+            #[inline(always)]
+            fn div(self, a: [$number; $count], b: [$number; $count]) -> [$number; $count] {
+                Self::each(a, b, |a, b| a / b)
+            }
+
+            #[inline(always)]
+            fn abs(self, x: [$number; $count]) -> [$number; $count] {
+                Self::each(x, x, |x, _| x.abs())
+            }
+
+            #[inline(always)]
+            fn smaller(self, new: [$number; $count], old: [$number; $count]) -> [$number; $count] {
+                Self::each(new, old, |new, old| if new < old { new } else { old })
+            }
+
+            #[inline(always)]
+            fn larger(self, new: [$number; $count], old: [$number; $count]) -> [$number; $count] {
+                Self::each(new, old, |new, old| if new > old { new } else { old })
+            }
+
+            #[inline(always)]
+            fn less(self, a: [$number; $count], b: [$number; $count]) -> LaneSet {
+                Self::each_bit(a, b, |a, b| a < b)
+            }
+
+            #[inline(always)]
+            fn less_or_equal(self, a: [$number; $count], b: [$number; $count]) -> LaneSet {
+                Self::each_bit(a, b, |a, b| a <= b)
+            }
+        }
+    };
+}
+
+portable_arithmetic!(f32, LANES);
+portable_arithmetic!(f64, LANES / 2);
+
 impl Simd for Portable {
-    type F32x8 = Lanes;
+    type F32x8 = [f32; LANES];
+    type F64x4 = [f64; LANES / 2];
 
     #[inline(always)]
-    fn load(self, lanes: &Lanes) -> Lanes {
-        *lanes
+    fn load(self, lanes: &Lanes) -> [f32; LANES] {
+        lanes.0
     }
 
     #[inline(always)]
-    fn store(self, x: Lanes) -> Lanes {
-        x
+    fn store(self, x: [f32; LANES]) -> Lanes {
+        Lanes(x)
     }
 
     #[inline(always)]
-    fn splat(self, x: f32) -> Lanes {
-        Lanes([x; LANES])
+    fn splat(self, x: f32) -> [f32; LANES] {
+        [x; LANES]
     }
 
     #[inline(always)]
-    fn add(self, a: Lanes, b: Lanes) -> Lanes {
-        Self::each(a, b, |a, b| a + b)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: Lanes, b: Lanes) -> Lanes {
-        Self::each(a, b, |a, b| a - b)
-    }
-
-    #[inline(always)]
-    fn mul(self, a: Lanes, b: Lanes) -> Lanes {
-        Self::each(a, b, |a, b| a * b)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    fn mul_add(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
         self.add(self.mul(a, b), c)
     }
 
     #[inline(always)]
-    fn mul_sub(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    fn mul_sub(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
         self.sub(self.mul(a, b), c)
     }
 
     #[inline(always)]
-    fn abs(self, x: Lanes) -> Lanes {
-        Self::each(x, x, |x, _| x.abs())
+    fn load_half(self, lanes: &Lanes, half: Half) -> [f64; LANES / 2] {
+        let mut result = [0.0; LANES / 2];
+        for (result, &lane) in result.iter_mut().zip(&lanes.0[half.first()..]) {
+            *result = f64::from(lane);
+        }
+        result
     }
 
     #[inline(always)]
-    fn smaller(self, new: Lanes, old: Lanes) -> Lanes {
-        Self::each(new, old, |new, old| if new < old { new } else { old })
+    fn store_double(self, x: [f64; LANES / 2]) -> [f64; LANES / 2] {
+        x
     }
 
     #[inline(always)]
-    fn larger(self, new: Lanes, old: Lanes) -> Lanes {
-        Self::each(new, old, |new, old| if new > old { new } else { old })
-    }
-
-    #[inline(always)]
-    fn less(self, a: Lanes, b: Lanes) -> LaneSet {
-        Self::each_bit(a, b, |a, b| a < b)
-    }
-
-    #[inline(always)]
-    fn less_or_equal(self, a: Lanes, b: Lanes) -> LaneSet {
-        Self::each_bit(a, b, |a, b| a <= b)
+    fn splat_double(self, x: f64) -> [f64; LANES / 2] {
+        [x; LANES / 2]
     }
 }
 
@@ -226,11 +328,14 @@ impl Simd for Portable {
     reason = "instructions that not every machine has; `Portable` is the twin that tests compare with"
 )]
 mod avx2 {
-    use super::{LaneSet, Lanes, Query, Simd};
+    use super::{Arithmetic, Half, LANES, LaneSet, Lanes, Query, Simd};
     use std::arch::x86_64::{
-        __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_andnot_ps, _mm256_cmp_ps,
-        _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps,
-        _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_store_ps, _mm256_sub_ps,
+        __m256, __m256d, _CMP_LE_OQ, _CMP_LT_OQ, _mm_load_ps, _mm256_add_pd, _mm256_add_ps,
+        _mm256_andnot_pd, _mm256_andnot_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtps_pd,
+        _mm256_div_pd, _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_load_ps,
+        _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_movemask_pd,
+        _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_set1_pd, _mm256_set1_ps,
+        _mm256_store_ps, _mm256_storeu_pd, _mm256_sub_pd, _mm256_sub_ps,
     };
 
     /// Proof that the machine has the instructions: [`Avx2::detect`] alone makes one.
@@ -265,13 +370,95 @@ mod avx2 {
     macro_rules! instruction {
         ($call:expr) => {{
             // SAFETY: the only condition is that the machine has the instruction, which the `Avx2` at hand proves; pointers
-            // come from references to eight aligned numbers.
+            // come from references to as many numbers as are moved, aligned where the instruction asks for it.
             unsafe { $call }
         }};
     }
 
+    /// [`Arithmetic`] by the instructions of these names.
+    macro_rules! arithmetic {
+        ($register:ty, $add:ident, $sub:ident, $mul:ident, $div:ident, $and_not:ident, $splat:ident, $min:ident, $max:ident,
+         $compare:ident, $mask:ident) => {
+            impl Arithmetic<$register> for Avx2 {
+                #[inline(always)]
+                fn add(self, a: $register, b: $register) -> $register {
+                    instruction!($add(a, b))
+                }
+
+                #[inline(always)]
+                fn sub(self, a: $register, b: $register) -> $register {
+                    instruction!($sub(a, b))
+                }
+
+                #[inline(always)]
+                fn mul(self, a: $register, b: $register) -> $register {
+                    instruction!($mul(a, b))
+                }
+
+                #[inline(always)]
+                fn div(self, a: $register, b: $register) -> $register {
+                    instruction!($div(a, b))
+                }
+
+                #[inline(always)]
+                fn abs(self, x: $register) -> $register {
+                    instruction!($and_not($splat(-0.0), x))
+                }
+
+                #[inline(always)]
+                fn smaller(self, new: $register, old: $register) -> $register {
+                    // The second operand is the result where either is NaN.
+                    instruction!($min(new, old))
+                }
+
+                #[inline(always)]
+                fn larger(self, new: $register, old: $register) -> $register {
+                    instruction!($max(new, old))
+                }
+
+                #[inline(always)]
+                fn less(self, a: $register, b: $register) -> LaneSet {
+                    LaneSet(instruction!($mask($compare::<_CMP_LT_OQ>(a, b))).cast_unsigned())
+                }
+
+                #[inline(always)]
+                fn less_or_equal(self, a: $register, b: $register) -> LaneSet {
+                    LaneSet(instruction!($mask($compare::<_CMP_LE_OQ>(a, b))).cast_unsigned())
+                }
+            }
+        };
+    }
+
+    arithmetic!(
+        __m256,
+        _mm256_add_ps,
+        _mm256_sub_ps,
+        _mm256_mul_ps,
+        _mm256_div_ps,
+        _mm256_andnot_ps,
+        _mm256_set1_ps,
+        _mm256_min_ps,
+        _mm256_max_ps,
+        _mm256_cmp_ps,
+        _mm256_movemask_ps
+    );
+    arithmetic!(
+        __m256d,
+        _mm256_add_pd,
+        _mm256_sub_pd,
+        _mm256_mul_pd,
+        _mm256_div_pd,
+        _mm256_andnot_pd,
+        _mm256_set1_pd,
+        _mm256_min_pd,
+        _mm256_max_pd,
+        _mm256_cmp_pd,
+        _mm256_movemask_pd
+    );
+
     impl Simd for Avx2 {
         type F32x8 = __m256;
+        type F64x4 = __m256d;
 
         #[inline(always)]
         fn load(self, lanes: &Lanes) -> __m256 {
@@ -280,7 +467,7 @@ mod avx2 {
 
         #[inline(always)]
         fn store(self, x: __m256) -> Lanes {
-            let mut lanes = Lanes([0.0; super::LANES]);
+            let mut lanes = Lanes([0.0; LANES]);
             instruction!(_mm256_store_ps(lanes.0.as_mut_ptr(), x));
             lanes
         }
@@ -288,21 +475,6 @@ mod avx2 {
         #[inline(always)]
         fn splat(self, x: f32) -> __m256 {
             instruction!(_mm256_set1_ps(x))
-        }
-
-        #[inline(always)]
-        fn add(self, a: __m256, b: __m256) -> __m256 {
-            instruction!(_mm256_add_ps(a, b))
-        }
-
-        #[inline(always)]
-        fn sub(self, a: __m256, b: __m256) -> __m256 {
-            instruction!(_mm256_sub_ps(a, b))
-        }
-
-        #[inline(always)]
-        fn mul(self, a: __m256, b: __m256) -> __m256 {
-            instruction!(_mm256_mul_ps(a, b))
         }
 
         #[inline(always)]
@@ -316,31 +488,21 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn abs(self, x: __m256) -> __m256 {
-            instruction!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), x))
+        fn load_half(self, lanes: &Lanes, half: Half) -> __m256d {
+            let lanes = &lanes.0[half.first()..][..LANES / 2];
+            instruction!(_mm256_cvtps_pd(_mm_load_ps(lanes.as_ptr())))
         }
 
         #[inline(always)]
-        fn smaller(self, new: __m256, old: __m256) -> __m256 {
-            // The second operand is the result where either is NaN.
-            instruction!(_mm256_min_ps(new, old))
+        fn store_double(self, x: __m256d) -> [f64; LANES / 2] {
+            let mut numbers = [0.0; LANES / 2];
+            instruction!(_mm256_storeu_pd(numbers.as_mut_ptr(), x));
+            numbers
         }
 
         #[inline(always)]
-        fn larger(self, new: __m256, old: __m256) -> __m256 {
-            instruction!(_mm256_max_ps(new, old))
-        }
-
-        #[inline(always)]
-        fn less(self, a: __m256, b: __m256) -> LaneSet {
-            let bits = instruction!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)));
-            LaneSet(bits.cast_unsigned())
-        }
-
-        #[inline(always)]
-        fn less_or_equal(self, a: __m256, b: __m256) -> LaneSet {
-            let bits = instruction!(_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)));
-            LaneSet(bits.cast_unsigned())
+        fn splat_double(self, x: f64) -> __m256d {
+            instruction!(_mm256_set1_pd(x))
         }
     }
 }
@@ -356,27 +518,58 @@ mod tests {
         c: Lanes,
     }
 
-    impl Query for Everything {
-        /// Results that must agree in every bit, sets, and products that may be rounded once or twice.
-        type Answer = (Vec<[f32; LANES]>, Vec<LaneSet>, Vec<[f32; LANES]>);
+    /// What [`Everything`] gives.
+    #[derive(Default)]
+    struct Results {
+        /// Numbers that must agree in every bit, `f32` as the `f64` that they are.
+        exact: Vec<f64>,
+        sets: Vec<LaneSet>,
+        /// Products with sums that may be rounded once or twice.
+        fused: Vec<[f32; LANES]>,
+    }
 
-        fn answer<S: Simd>(&self, simd: S) -> Self::Answer {
+    impl Query for Everything {
+        type Answer = Results;
+
+        fn answer<S: Simd>(&self, simd: S) -> Results {
+            let mut results = Results::default();
             let [a, b, c] = [&self.a, &self.b, &self.c].map(|lanes| simd.load(lanes));
             let exact = [
                 simd.add(a, b),
                 simd.sub(a, b),
                 simd.mul(a, b),
+                simd.div(a, b),
                 simd.abs(a),
                 simd.smaller(a, b),
                 simd.larger(a, b),
                 simd.splat(self.a.0[0]),
             ];
+            for register in exact {
+                results.exact.extend(simd.store(register).0.map(f64::from));
+            }
+            results.sets = vec![simd.less(a, b), simd.less_or_equal(a, b)];
             let fused = [simd.mul_add(a, b, c), simd.mul_sub(a, b, c)];
-            (
-                exact.map(|x| simd.store(x).0).to_vec(),
-                vec![simd.less(a, b), simd.less_or_equal(a, b)],
-                fused.map(|x| simd.store(x).0).to_vec(),
-            )
+            results.fused = fused.map(|x| simd.store(x).0).to_vec();
+            for half in [Half::Lower, Half::Upper] {
+                let [a, b] = [&self.a, &self.b].map(|lanes| simd.load_half(lanes, half));
+                let exact = [
+                    simd.add(a, b),
+                    simd.sub(a, b),
+                    simd.mul(a, b),
+                    simd.div(a, b),
+                    simd.abs(a),
+                    simd.smaller(a, b),
+                    simd.larger(a, b),
+                    simd.splat_double(f64::from(self.a.0[0]) * 1e100),
+                ];
+                for register in exact {
+                    results.exact.extend(simd.store_double(register));
+                }
+                results
+                    .sets
+                    .extend([simd.less(a, b), simd.less_or_equal(a, b)]);
+            }
+            results
         }
     }
 
@@ -406,16 +599,16 @@ mod tests {
                 c: lanes(turn / 100, 7),
             };
             let (wide, portable) = (answer(&query), query.answer(Portable));
-            let bits = |rows: &[[f32; LANES]]| -> Vec<_> {
+            let bits = |numbers: &[f64]| -> Vec<_> {
                 // Which NaN it is does not matter.
-                let bits = |x: f32| if x.is_nan() { None } else { Some(x.to_bits()) };
-                rows.iter().map(|row| row.map(bits)).collect()
+                let bits = |x: &f64| if x.is_nan() { None } else { Some(x.to_bits()) };
+                numbers.iter().map(bits).collect()
             };
-            assert_eq!(bits(&wide.0), bits(&portable.0));
-            assert_eq!(wide.1, portable.1);
+            assert_eq!(bits(&wide.exact), bits(&portable.exact));
+            assert_eq!(wide.sets, portable.sets);
             // The product is rounded, or not, and the sum is rounded.
-            let product = Portable.mul(query.a, query.b).0;
-            for (wide, portable) in wide.2.iter().zip(&portable.2) {
+            let product = Portable.mul(query.a.0, query.b.0);
+            for (wide, portable) in wide.fused.iter().zip(&portable.fused) {
                 for (lane, product) in product.iter().enumerate() {
                     let (wide, portable) = (wide[lane], portable[lane]);
                     let most = (product.abs() + portable.abs()) * f32::EPSILON;
@@ -431,6 +624,13 @@ mod tests {
         let set = LaneSet(0b100_0010);
         let lanes: Vec<_> = set.into_iter().collect();
         assert_eq!(lanes, [1, 6]);
+        let halves: Vec<_> = set.halves().collect();
+        assert_eq!(
+            halves,
+            [(Half::Lower, LaneSet(2)), (Half::Upper, LaneSet(4))]
+        );
+        let upper: Vec<_> = LaneSet(0b1000_0000).halves().collect();
+        assert_eq!(upper, [(Half::Upper, LaneSet(8))]);
         let one = LaneSet(2);
         assert_eq!((set.and(one), set.and_not(one)), (one, LaneSet(64)));
         assert!(set.and_not(set).into_iter().is_empty());

@@ -1,5 +1,6 @@
 //! Bounds on distances along rays, moved outwards so that rounding loses no hit.
 
+use crate::math::Vec3;
 use crate::math::robust::gamma;
 
 /// By how much the distances to a box's planes are moved outwards, relative to themselves, so that rounding loses no hit.
@@ -17,8 +18,24 @@ pub(super) fn later(t: f32) -> f32 {
     t * (1.0 + MARGIN) + f32::MIN_POSITIVE
 }
 
-/// `1 / d`; infinite for zeros. NaN, which bounds nothing, where the result would lack digits or have no room for the margin.
+/// [`reciprocal`] of each number.
 #[inline]
+pub(super) fn reciprocals(direction: Vec3) -> [f32; 3] {
+    // Far within the range of numbers nothing can go wrong.
+    const LEAST: f32 = 1e-30;
+    const MOST: f32 = 1e30;
+    let [x, y, z] = direction.abs().to_array();
+    let are_ordinary =
+        x >= LEAST && y >= LEAST && z >= LEAST && x <= MOST && y <= MOST && z <= MOST;
+    if are_ordinary {
+        direction.recip().to_array()
+    } else {
+        direction.to_array().map(reciprocal)
+    }
+}
+
+/// `1 / d`; infinite for zeros. NaN, which bounds nothing, where the result would lack digits or have no room for the margin.
+#[cold]
 pub(super) fn reciprocal(d: f32) -> f32 {
     let inverse = d.recip();
     let has_room = (inverse * 0.5).is_normal() && (inverse * 2.0).is_normal();

@@ -64,6 +64,18 @@ pub struct TriangleHit {
     pub barycentrics: [f32; 3],
 }
 
+impl TriangleHit {
+    /// Every number rounded once; none where `t` rounds to 0 or is negative.
+    #[inline]
+    pub(crate) fn rounded(t: f64, weights: [f64; 3]) -> Option<Self> {
+        let t = narrowed(t);
+        (0.0 < t).then(|| Self {
+            t,
+            barycentrics: weights.map(narrowed),
+        })
+    }
+}
+
 /// A ray prepared for tests against many triangles.
 ///
 /// The axes are renamed so that z is the one the direction is longest along, then space is moved and sheared so that
@@ -79,21 +91,14 @@ pub struct TriangleHit {
 pub struct RayKernel {
     ray: Ray,
     /// Which axis of space is called x, y and z; a cyclic permutation.
-    axes: [usize; 3],
+    pub(crate) axes: [usize; 3],
     /// The ray's origin, axes renamed.
-    origin: [f64; 3],
+    pub(crate) origin: [f64; 3],
     /// Change of x and y per z along the ray; at most 1 in magnitude.
-    shear: [f64; 2],
+    pub(crate) shear: [f64; 2],
     /// The direction's z component, axes renamed.
-    direction_z: f64,
+    pub(crate) direction_z: f64,
 }
-
-/// `h / (P + Z)` of the bound at [`RayKernel::EDGE_ERROR_PER_ROUNDOFF`] for `f64` arithmetic.
-const EDGE_ERROR: f64 = RayKernel::EDGE_ERROR_PER_ROUNDOFF * (f64::EPSILON * 0.5);
-
-/// How much larger than its error bound the numerator of `t` must be for `t`, rounded to `f32`, to be off by less than one
-/// unit in the last place: the quotient is then right to 2⁻²⁵ of itself, at most half a unit, and rounding adds half.
-const CERTAIN_T: f64 = (1_u32 << 26) as f64;
 
 impl RayKernel {
     /// Bounds the distance between an edge function as computed and its exact value.
@@ -106,11 +111,23 @@ impl RayKernel {
     /// at most 4 h (P + h). The factor 4.01 in place of 4 pays for the terms in u² and for rounding in the bound itself.
     pub(crate) const EDGE_ERROR_PER_ROUNDOFF: f64 = 4.01;
 
+    /// `h / (P + Z)` of that bound for `f64` arithmetic.
+    pub(crate) const EDGE_ERROR: f64 = Self::EDGE_ERROR_PER_ROUNDOFF * (f64::EPSILON * 0.5);
+
+    /// How much larger than its error bound the numerator of `t` must be for `t`, rounded to `f32`, to be off by less than one
+    /// unit in the last place: the quotient is then right to 2⁻²⁵ of itself, at most half a unit, and rounding adds half.
+    pub(crate) const CERTAIN_T: f64 = (1_u32 << 26) as f64;
+
     /// Prepares `ray`, whose direction must not be zero.
     #[must_use]
     #[inline]
     pub fn new(ray: &Ray) -> Self {
-        let axes = Self::axes_of(ray);
+        Self::with_axes(ray, Self::axes_of(ray))
+    }
+
+    /// [`Self::new`], given what [`Self::axes_of`] says of the ray.
+    #[inline]
+    pub(crate) fn with_axes(ray: &Ray, axes: [usize; 3]) -> Self {
         let [x, y, z] = axes;
         let renamed = |v: [f32; 3]| [f64::from(v[x]), f64::from(v[y]), f64::from(v[z])];
         let direction = renamed(ray.direction.to_array());
@@ -126,11 +143,7 @@ impl RayKernel {
     /// The hit with `triangle` if its `t`, rounded to `f32`, lies in `0 < t < t_max`.
     ///
     /// Both sides count. A triangle without area is never hit.
-    ///
-    /// Always inlined, so that it is compiled with the instructions of its caller.
     #[must_use]
-    #[expect(clippy::inline_always, reason = "see above")]
-    #[inline(always)]
     pub fn intersect(&self, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
         let [a, b, c] = triangle.corners;
         let (a, b, c) = (self.sheared(a), self.sheared(b), self.sheared(c));
@@ -142,7 +155,7 @@ impl RayKernel {
         let w = b[0] * a[1] - b[1] * a[0];
         let extent = largest([a[0], a[1], b[0], b[1], c[0], c[1]]);
         let depth = largest([a[2], b[2], c[2]]);
-        let h = EDGE_ERROR * (extent + depth);
+        let h = Self::EDGE_ERROR * (extent + depth);
         let edge_error = 4.0 * h * (extent + h) + f64::MIN_POSITIVE;
         let (lowest, highest) = (u.min(v).min(w), u.max(v).max(w));
         if lowest < -edge_error && highest > edge_error {
@@ -160,23 +173,14 @@ impl RayKernel {
         }
 
         let inside = lowest > edge_error || highest < -edge_error;
-        let (t, weights) = if inside && weighted_z.abs() > CERTAIN_T * z_error {
+        let (t, weights) = if inside && weighted_z.abs() > Self::CERTAIN_T * z_error {
             let share = determinant.recip();
             (weighted_z / denominator, [u * share, v * share, w * share])
         } else {
             exact::intersect(&self.ray, triangle)?
         };
 
-        // Rounded once; what rounds to 0 or to t_max is out.
-        let t = narrowed(t);
-        (0.0 < t && t < t_max).then(|| TriangleHit {
-            t,
-            barycentrics: [
-                narrowed(weights[0]),
-                narrowed(weights[1]),
-                narrowed(weights[2]),
-            ],
-        })
+        TriangleHit::rounded(t, weights).filter(|hit| hit.t < t_max)
     }
 
     /// Which axis of space the kernel of `ray` calls x, y and z; z is the one its direction is longest along.
@@ -186,12 +190,15 @@ impl RayKernel {
         const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
         let length = ray.direction.abs();
         let x_or_y = usize::from(length.y > length.x);
-        let is_z = length.z > length.x.max(length.y);
+        let longer = if length.y > length.x {
+            length.y
+        } else {
+            length.x
+        };
+        let is_z = length.z > longer;
         AXES[if is_z { 2 } else { x_or_y }]
     }
 
-    #[expect(clippy::inline_always, reason = "as `intersect`")]
-    #[inline(always)]
     fn sheared(&self, corner: Vec3) -> [f64; 3] {
         let corner = corner.to_array();
         let [x, y, z] = self.axes;

@@ -2,12 +2,11 @@
 
 use super::WideTree;
 use super::node::{Child, ChildKind, WIDTH};
-use crate::accel::block::{BlockFilter, TriangleBlock};
+use crate::accel::block::TriangleBlock;
 use crate::accel::fan::{Fan, FanCull};
-use crate::accel::leaf::{Any, Visitor};
+use crate::accel::leaf::{Any, LeafTest, Visitor};
 use crate::accel::query::Tree;
 use crate::accel::simd::{LaneSet, Query, Simd};
-use crate::geometry::RayKernel;
 use crate::math::Ray;
 
 /// The most blocks that each ray of a fan is tested with. Where more are in reach, every ray walks the tree by itself.
@@ -86,11 +85,10 @@ impl<S: Simd> Visitor for AnyRising<'_, S> {
             if lanes.is_empty() {
                 continue;
             }
-            for lane in lanes.and(self.cull.may_meet_triangles(block)) {
-                if self.any.test.intersect(&block.triangle(lane)).is_some() {
-                    self.any.found = true;
-                    return None;
-                }
+            let lanes = lanes.and(self.cull.may_meet_triangles(block));
+            if self.any.test.is_hit(block, lanes) {
+                self.any.found = true;
+                return None;
             }
         }
         Some(1.0)
@@ -155,14 +153,12 @@ impl Reached {
         if self.count == 0 {
             return false;
         }
-        let filter = BlockFilter::new(simd, ray);
+        let mut test = LeafTest::new(simd, ray, 1.0);
         for &(index, lanes) in &self.blocks[..self.count] {
             let block: &TriangleBlock = &tree.blocks[index];
-            for lane in filter.may_hit(block).and(lanes) {
-                let kernel = RayKernel::new(ray);
-                if kernel.intersect(&block.triangle(lane), 1.0).is_some() {
-                    return true;
-                }
+            let lanes = test.filter.may_hit(block).and(lanes);
+            if test.is_hit(block, lanes) {
+                return true;
             }
         }
         false

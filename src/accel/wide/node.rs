@@ -1,7 +1,7 @@
 //! Nodes as they lie in memory, and the test of a ray against the eight boxes of one.
 
 use crate::accel::simd::{LANES, LaneSet, Lanes, Simd, splat_all};
-use crate::accel::slabs::{MARGIN, reciprocal};
+use crate::accel::slabs::{MARGIN, reciprocals};
 use crate::math::{Bounds, Ray};
 use std::ops::Range;
 
@@ -112,9 +112,8 @@ impl Child {
 pub(super) struct RaySlabs<S: Simd> {
     simd: S,
     origin: [S::F32x8; 3],
-    /// Reciprocals of the direction, smaller by the margin for where a box is entered, larger for where it is left.
-    to_enter: [S::F32x8; 3],
-    to_exit: [S::F32x8; 3],
+    /// Reciprocals of the direction.
+    inverse: [S::F32x8; 3],
     /// Which side of a box is entered by: 1 for the upper.
     backward: [usize; 3],
 }
@@ -125,22 +124,27 @@ impl<S: Simd> RaySlabs<S> {
     pub fn new(simd: S, ray: &Ray, reach: f32) -> Self {
         let direction = ray.direction.to_array();
         // Where the difference between a plane and the origin may overflow, no distance can be trusted.
-        let fits = (ray.origin.abs().max_element() + reach).is_finite();
-        let inverse = direction.map(|d| if fits { reciprocal(d) } else { f32::NAN });
+        let [x, y, z] = ray.origin.abs().to_array();
+        let fits = (x + y + z + reach).is_finite();
+        let inverse = if fits {
+            reciprocals(ray.direction)
+        } else {
+            [f32::NAN; 3]
+        };
         Self {
             simd,
             origin: splat_all(simd, ray.origin.to_array()),
-            to_enter: splat_all(simd, inverse.map(|inverse| inverse * (1.0 - MARGIN))),
-            to_exit: splat_all(simd, inverse.map(|inverse| inverse * (1.0 + MARGIN))),
+            inverse: splat_all(simd, inverse),
             backward: direction.map(|d| usize::from(d.is_sign_negative())),
         }
     }
 
-    /// Where the ray enters each box, not before its start, and which boxes it may pass before `limit`, a distance moved
-    /// outwards by [`later`](crate::accel::slabs::later).
+    /// Where the ray enters each box, as rounded, not before its start, and which boxes it may pass before `limit`, a distance
+    /// moved outwards by [`later`](crate::accel::slabs::later).
     ///
-    /// NaN, from a ray within a plane (0 · ∞) or from [`reciprocal`], bounds nothing. A distance below 0 is moved in the wrong
-    /// direction, but its sign is right, and no more is asked of it.
+    /// Of where a box is entered and where it is left, the second alone carries the margin for both. NaN, from a ray within a
+    /// plane (0 · ∞) or from [`reciprocals`], bounds nothing. A distance below 0 is moved in the wrong direction, but its sign is
+    /// right, and no more is asked of it.
     #[inline(always)]
     pub fn enter(&self, node: &Node, limit: f32) -> (S::F32x8, LaneSet) {
         let simd = self.simd;
@@ -151,11 +155,11 @@ impl<S: Simd> RaySlabs<S> {
             let backward = self.backward[axis] & 1;
             let nearer = simd.sub(simd.load(&planes[backward]), self.origin[axis]);
             let farther = simd.sub(simd.load(&planes[1 - backward]), self.origin[axis]);
-            start = simd.larger(simd.mul(nearer, self.to_enter[axis]), start);
-            end = simd.smaller(simd.mul(farther, self.to_exit[axis]), end);
+            start = simd.larger(simd.mul(nearer, self.inverse[axis]), start);
+            end = simd.smaller(simd.mul(farther, self.inverse[axis]), end);
         }
         // The products may have lost digits below the smallest normal number.
-        let end = simd.add(end, simd.splat(f32::MIN_POSITIVE));
+        let end = simd.mul_add(end, simd.splat(1.0 + MARGIN), simd.splat(f32::MIN_POSITIVE));
         (start, simd.less_or_equal(start, end))
     }
 }

@@ -66,7 +66,7 @@ impl Tree for WideTree {
     }
 }
 
-const STACK_SIZE: usize = 48;
+const STACK_SIZE: usize = 32;
 
 /// The children that wait for their turn, the nearest of each node on top.
 struct Stack {

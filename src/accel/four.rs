@@ -1,0 +1,204 @@
+//! The full test of four triangles side by side.
+
+use super::block::TriangleBlock;
+use super::simd::{Half, LaneSet, Lanes, Simd};
+use crate::geometry::{RayKernel, TriangleHit};
+
+/// What [`RayKernel::intersect`] says of four triangles, for any `t_max`.
+///
+/// Lane by lane the same arithmetic, so the same bits, but for triangles that need exact sums: those are told to ask the kernel.
+pub(super) struct FourTests<S: Simd> {
+    simd: S,
+    /// Lanes of triangles that the ray, or the line it is part of, meets for certain.
+    pub met: LaneSet,
+    /// Lanes of triangles that it may meet.
+    pub undecided: LaneSet,
+    t: S::F64x4,
+    edges: [S::F64x4; 3],
+    determinant: S::F64x4,
+}
+
+impl<S: Simd> FourTests<S> {
+    /// Tests half of a block, of which `lanes` count.
+    #[inline(always)]
+    pub fn new(
+        simd: S,
+        kernel: &RayKernel,
+        block: &TriangleBlock,
+        half: Half,
+        lanes: LaneSet,
+    ) -> Self {
+        let [ax, ay, az] = sheared(simd, kernel, &block.corners[0], half);
+        let [bx, by, bz] = sheared(simd, kernel, &block.corners[1], half);
+        let [cx, cy, cz] = sheared(simd, kernel, &block.corners[2], half);
+        let u = simd.sub(simd.mul(cx, by), simd.mul(cy, bx));
+        let v = simd.sub(simd.mul(ax, cy), simd.mul(ay, cx));
+        let w = simd.sub(simd.mul(bx, ay), simd.mul(by, ax));
+
+        let zero = simd.splat_double(0.0);
+        let four = simd.splat_double(4.0);
+        let extent_of_two = simd.larger(larger(simd, ax, ay), larger(simd, bx, by));
+        let extent = simd.larger(extent_of_two, larger(simd, cx, cy));
+        let depth = simd.larger(larger(simd, az, bz), simd.abs(cz));
+        let h = simd.mul(
+            simd.splat_double(RayKernel::EDGE_ERROR),
+            simd.add(extent, depth),
+        );
+        let edge_error = simd.add(
+            simd.mul(simd.mul(four, h), simd.add(extent, h)),
+            simd.splat_double(f64::MIN_POSITIVE),
+        );
+        let minus_edge_error = simd.sub(zero, edge_error);
+        let lowest = simd.smaller(simd.smaller(u, v), w);
+        let highest = simd.larger(simd.larger(u, v), w);
+        let is_beside = simd
+            .less(lowest, minus_edge_error)
+            .and(simd.less(edge_error, highest));
+
+        let determinant = simd.add(simd.add(u, v), w);
+        let weighted_z = simd.add(simd.add(simd.mul(u, az), simd.mul(v, bz)), simd.mul(w, cz));
+        let size = simd.abs(determinant);
+        let four_edge_errors = simd.mul(four, edge_error);
+        let z_error = simd.mul(
+            depth,
+            simd.add(
+                four_edge_errors,
+                simd.mul(simd.splat_double(4.0 * f64::EPSILON), size),
+            ),
+        );
+        let denominator = simd.mul(determinant, simd.splat_double(kernel.direction_z));
+        let size_of_z = simd.abs(weighted_z);
+        let is_behind = simd
+            .less(simd.mul(weighted_z, denominator), zero)
+            .and(simd.less(four_edge_errors, size))
+            .and(simd.less(z_error, size_of_z));
+
+        let is_inside = simd
+            .less(edge_error, lowest)
+            .or(simd.less(highest, minus_edge_error));
+        let certain_z = simd.mul(simd.splat_double(RayKernel::CERTAIN_T), z_error);
+        let is_certain = is_inside.and(simd.less(certain_z, size_of_z));
+        let left = lanes.and_not(is_beside).and_not(is_behind);
+        Self {
+            simd,
+            met: left.and(is_certain),
+            undecided: left.and_not(is_certain),
+            t: simd.div(weighted_z, denominator),
+            edges: [u, v, w],
+            determinant,
+        }
+    }
+
+    /// The hit in a lane of those in [`Self::met`], if it lies on the ray.
+    #[inline(always)]
+    pub fn hit(&self, lane: usize) -> Option<TriangleHit> {
+        let simd = self.simd;
+        let share = simd.store_double(self.determinant)[lane].recip();
+        let [u, v, w] = self.edges;
+        let weights = [
+            simd.store_double(u)[lane] * share,
+            simd.store_double(v)[lane] * share,
+            simd.store_double(w)[lane] * share,
+        ];
+        TriangleHit::rounded(simd.store_double(self.t)[lane], weights)
+    }
+}
+
+/// Four corners as [`RayKernel`] sees them: axes renamed, moved and sheared.
+#[inline(always)]
+fn sheared<S: Simd>(simd: S, kernel: &RayKernel, corner: &[Lanes; 3], half: Half) -> [S::F64x4; 3] {
+    let [x, y, z] = kernel.axes;
+    let [origin_x, origin_y, origin_z] = kernel.origin;
+    let [shear_x, shear_y] = kernel.shear;
+    let x = simd.sub(
+        simd.load_half(&corner[x], half),
+        simd.splat_double(origin_x),
+    );
+    let y = simd.sub(
+        simd.load_half(&corner[y], half),
+        simd.splat_double(origin_y),
+    );
+    let z = simd.sub(
+        simd.load_half(&corner[z], half),
+        simd.splat_double(origin_z),
+    );
+    [
+        simd.sub(x, simd.mul(simd.splat_double(shear_x), z)),
+        simd.sub(y, simd.mul(simd.splat_double(shear_y), z)),
+        z,
+    ]
+}
+
+/// The larger magnitude.
+#[inline(always)]
+fn larger<S: Simd>(simd: S, a: S::F64x4, b: S::F64x4) -> S::F64x4 {
+    simd.larger(simd.abs(a), simd.abs(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::simd::{self, LANES, Query};
+    use crate::accel::tests::{rays, scenes};
+    use crate::geometry::Triangle;
+    use crate::math::Ray;
+
+    /// The hit with each triangle of a block, and how many lanes decided for themselves.
+    struct EachHit<'a> {
+        ray: &'a Ray,
+        triangles: &'a [Triangle],
+        block: &'a TriangleBlock,
+    }
+
+    impl Query for EachHit<'_> {
+        type Answer = (Vec<Option<TriangleHit>>, usize);
+
+        #[inline(always)]
+        fn answer<S: Simd>(&self, simd: S) -> Self::Answer {
+            let kernel = RayKernel::new(self.ray);
+            let mut hits = vec![None; LANES];
+            let mut decided = 0;
+            for (half, lanes) in self.block.occupied(simd).halves() {
+                let four = FourTests::new(simd, &kernel, self.block, half, lanes);
+                for lane in four.met {
+                    hits[half.first() + lane] = four.hit(lane);
+                }
+                for lane in four.undecided {
+                    let lane = half.first() + lane;
+                    hits[lane] = kernel.intersect(&self.triangles[lane], f32::INFINITY);
+                }
+                decided += lanes.and_not(four.undecided).into_iter().count();
+            }
+            (hits, decided)
+        }
+    }
+
+    #[test]
+    fn four_tests_are_the_kernels() {
+        let (mut met, mut decided, mut all) = (0, 0, 0);
+        for (name, triangles) in scenes() {
+            for (chunk, rays) in triangles.chunks(LANES).zip(rays(&triangles, 21).chunks(50)) {
+                let ids: Vec<_> = (0..).take(chunk.len()).collect();
+                let block = &TriangleBlock::new(&ids, chunk);
+                for ray in rays {
+                    let triangles = chunk;
+                    let kernel = RayKernel::new(ray);
+                    let (hits, by_lanes) = simd::answer(&EachHit {
+                        ray,
+                        triangles,
+                        block,
+                    });
+                    for (triangle, hit) in chunk.iter().zip(hits) {
+                        let expected = kernel.intersect(triangle, f32::INFINITY);
+                        assert_eq!(hit, expected, "{name}: {ray:?} {triangle:?}");
+                        met += usize::from(hit.is_some());
+                    }
+                    decided += by_lanes;
+                    all += chunk.len();
+                }
+            }
+        }
+        assert!(met > 100, "only {met} hits");
+        assert!(decided * 10 > all * 9, "{decided} of {all} tests decided");
+    }
+}
