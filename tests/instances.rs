@@ -185,7 +185,7 @@ fn structures_and_threads_give_the_same_bits() {
             ..RunConfig::default()
         };
         let progress = RenderProgress::default();
-        let outcome = render(&prepare(&scene, None), None, &run, &progress, &|_| ());
+        let outcome = render(&prepare(&scene, None), None, &run, &progress, None);
         outcome.expect("nobody cancels").image.hash()
     };
     let expected = hash(AcceleratorChoice::KdTree, 1);
@@ -242,7 +242,7 @@ fn moving_an_object_keeps_the_structures_of_shared_meshes() {
     }
     let picture = |prepared: &PreparedScene| {
         let (run, progress) = (RunConfig::default(), RenderProgress::default());
-        let outcome = render(prepared, None, &run, &progress, &|_| ());
+        let outcome = render(prepared, None, &run, &progress, None);
         outcome.expect("nobody cancels").image.hash()
     };
     assert_eq!(picture(&after), picture(&prepare(&scene, None)));

@@ -25,7 +25,7 @@ fn render_layers(scene: &Scene) -> RenderOutcome {
         None,
         &config,
         &RenderProgress::default(),
-        &|_| (),
+        None,
     );
     outcome.expect("nobody cancels")
 }

@@ -352,7 +352,7 @@ fn all_effects_together_give_the_same_bits() {
                 threads,
                 ..RunConfig::default()
             };
-            let outcome = render(&prepared, None, &run, &RenderProgress::default(), &|_| ());
+            let outcome = render(&prepared, None, &run, &RenderProgress::default(), None);
             outcome.expect("nobody cancels").image.hash()
         };
         let expected = hash(&scene, 1);

@@ -7,7 +7,7 @@ use raymini::control::CancelToken;
 use raymini::geometry::TriangleMesh;
 use raymini::math::{DVec3, Degrees, power_of_two};
 use raymini::render::{
-    Image, PreparedScene, Region, RenderOutcome, RenderProgress, RunConfig, render,
+    Image, PreparedScene, Region, RenderOutcome, RenderProgress, RunConfig, TilePixels, render,
 };
 use raymini::scene::{
     AcceleratorChoice, Background, Camera, Light, Material, Mode, Object, PhongModel,
@@ -131,7 +131,7 @@ fn run(scene: &Scene, threads: usize) -> RenderOutcome {
         None,
         &config,
         &RenderProgress::default(),
-        &|_| (),
+        None,
     )
     .expect("nobody cancels")
 }
@@ -393,7 +393,7 @@ fn a_region_is_a_piece_of_the_whole() {
         Some(region),
         &RunConfig::default(),
         &RenderProgress::default(),
-        &|_| (),
+        None,
     );
     let part = part.expect("nobody cancels").image;
     for y in 0..region.height {
@@ -603,7 +603,7 @@ fn cancelling_gives_no_picture() {
     };
     let progress = RenderProgress::default();
     let outcome = std::thread::scope(|scope| {
-        let render = scope.spawn(|| render(&prepared, None, &config, &progress, &|_| ()));
+        let render = scope.spawn(|| render(&prepared, None, &config, &progress, None));
         while progress.rays() == 0 {
             std::thread::yield_now();
         }
@@ -620,10 +620,12 @@ fn tiles_deliver_the_whole_picture() {
     scene.render.samples_per_pixel = 20;
     let (prepared, progress) = (prepare(&scene), RenderProgress::default());
     let streamed = std::sync::Mutex::new(Image::black(48, 32));
-    let outcome = render(&prepared, None, &RunConfig::default(), &progress, &|tile| {
+    let on_tile = |tile: &TilePixels<'_>| {
         tile.region
             .copy_into(tile.rgb, &mut streamed.lock().expect("no panic"));
-    });
+    };
+    let config = RunConfig::default();
+    let outcome = render(&prepared, None, &config, &progress, Some(&on_tile));
     assert_eq!(
         streamed.into_inner().expect("no panic"),
         outcome.expect("nobody cancels").image
@@ -643,7 +645,7 @@ fn a_coarse_picture_comes_first_where_asked_for() {
         coarse_first: true,
         ..RunConfig::default()
     };
-    let outcome = render(&prepared, None, &config, &progress, &|tile| {
+    let on_tile = |tile: &TilePixels<'_>| {
         let mut covered = covered.lock().expect("no panic");
         if *covered < 48 * 32 {
             assert_eq!(progress.samples.done(), 0);
@@ -651,7 +653,8 @@ fn a_coarse_picture_comes_first_where_asked_for() {
             tile.region.copy_into(tile.rgb, &mut coarse);
         }
         *covered += tile.region.pixel_count();
-    });
+    };
+    let outcome = render(&prepared, None, &config, &progress, Some(&on_tile));
     let outcome = outcome.expect("nobody cancels");
     let coarse = coarse.into_inner().expect("no panic");
     for y in 0..32 {
@@ -660,7 +663,7 @@ fn a_coarse_picture_comes_first_where_asked_for() {
         }
     }
     assert_ne!(coarse, Image::black(48, 32));
-    let plain = render(&prepared, None, &RunConfig::default(), &progress, &|_| ());
+    let plain = render(&prepared, None, &RunConfig::default(), &progress, None);
     let plain = plain.expect("nobody cancels");
     assert_eq!(outcome.image.hash(), plain.image.hash());
     assert_eq!(outcome.stats.rays, plain.stats.rays);

@@ -236,7 +236,7 @@ fn library_hash(scene: &Scene) -> String {
         threads: 1,
         ..RunConfig::default()
     };
-    let outcome = render(&prepared, None, &run, &RenderProgress::default(), &|_| {});
+    let outcome = render(&prepared, None, &run, &RenderProgress::default(), None);
     outcome.unwrap().image.hash()
 }
 
@@ -420,7 +420,7 @@ fn display_settings_need_no_new_render() {
         None,
         &RunConfig::default(),
         &RenderProgress::default(),
-        &|_| {},
+        None,
     );
     let display = window.scene().display;
     let expected: Vec<u8> = outcome

@@ -312,7 +312,7 @@ fn assert_same_colors(scene: &Scene) {
         None,
         &RunConfig::default(),
         &RenderProgress::default(),
-        &|_| {},
+        None,
     )
     .expect("nobody cancels");
 
@@ -362,7 +362,7 @@ fn sky_pictures(scene: &Scene) -> (Vec<[u8; 4]>, Vec<[u8; 3]>, Drawn) {
     let shown = drawn.preview.read_color().unwrap();
     let progress = RenderProgress::default();
     let run = RunConfig::default();
-    let outcome = render::render(&drawn.prepared, None, &run, &progress, &|_| {});
+    let outcome = render::render(&drawn.prepared, None, &run, &progress, None);
     let image = outcome.expect("nobody cancels").image;
     let encode = |&pixel: &[f32; 3]| display::encode_8(pixel, &scene.display);
     (shown, image.pixels.iter().map(encode).collect(), drawn)

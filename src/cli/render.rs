@@ -168,7 +168,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         image,
         layers,
         stats,
-    } = with_progress_bar(|progress| render(&prepared, arguments.region, &run, progress, &|_| ()))
+    } = with_progress_bar(|progress| render(&prepared, arguments.region, &run, progress, None))
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
     io::write_image(
         &image,

@@ -19,7 +19,7 @@ use super::preview::sky::GpuSky;
 use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
-use crate::render::{self, PreparedScene, RenderOutcome, RenderProgress, RunConfig};
+use crate::render::{self, PreparedScene, RenderOutcome, RenderProgress, RunConfig, TilePixels};
 use crate::scene::{Object, Output, Scene};
 
 /// What a job tells the window. Failures are sentences for the user.
@@ -217,7 +217,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         coarse_first: true,
     };
     let is_first = AtomicBool::new(true);
-    let outcome = render::render(&prepared, None, &run, &request.progress, &|tile| {
+    let on_tile = |tile: &TilePixels<'_>| {
         if let Some(tile) = request.buffer.accept(tile) {
             // The first tile is what the user waits for.
             let delay = if is_first.swap(false, Ordering::Relaxed) {
@@ -227,7 +227,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
             };
             job.send_within(Event::Tile(tile), delay);
         }
-    });
+    };
+    let outcome = render::render(&prepared, None, &run, &request.progress, Some(&on_tile));
     if let Some(RenderOutcome { image, stats, .. }) = outcome {
         let hash = image.hash();
         job.send(Event::Rendered { hash, stats });

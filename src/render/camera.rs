@@ -73,7 +73,10 @@ impl PreparedCamera {
                 holds && (inner != outer || other < index)
             })
         };
-        let outermost = boxes.iter().enumerate().filter(|b| !is_within_another(*b));
+        let outermost = boxes
+            .iter()
+            .enumerate()
+            .filter(|&(index, bounds)| !bounds.is_empty() && !is_within_another((index, bounds)));
         Some(Self {
             eye: frame.prepared_from_world(camera.eye),
             axes: camera.axes()?,
@@ -149,30 +152,26 @@ impl PreparedCamera {
 impl MetBox {
     /// Where on the ray from `eye` along the unit vector `direction` to begin looking for what lies in the box; `None` when the
     /// ray misses it. One diagonal before the box: near enough to keep the digits, and clear of everything in it.
+    #[inline]
     fn start_before(&self, eye: DVec3, direction: DVec3) -> Option<f64> {
         let (enter, exit) = crossing(&self.bounds, eye, direction);
-        // Also false for NaN, which an empty box gives.
         (enter <= exit && exit >= 0.0).then(|| (enter - self.diagonal).max(0.0))
     }
 }
 
 /// Where the line from `eye` along `direction` enters and leaves the box.
+#[inline]
 fn crossing(bounds: &DBounds, eye: DVec3, direction: DVec3) -> (f64, f64) {
-    let (mut enter, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
-    for axis in 0..3 {
-        let (low, high) = (bounds.min[axis] - eye[axis], bounds.max[axis] - eye[axis]);
-        if direction[axis] == 0.0 {
-            if low > 0.0 || high < 0.0 {
-                return (f64::INFINITY, f64::NEG_INFINITY);
-            }
-        } else {
-            let per_direction = direction[axis].recip();
-            let (a, b) = (low * per_direction, high * per_direction);
-            enter = enter.max(a.min(b));
-            exit = exit.min(a.max(b));
-        }
-    }
-    (enter, exit)
+    // Along an axis that the line keeps its place on, it crosses planes far away, or never leaves a plane it lies in.
+    let direction = DVec3::select(
+        direction.cmpeq(DVec3::ZERO),
+        DVec3::splat(f64::MIN_POSITIVE),
+        direction,
+    );
+    let per_direction = direction.recip();
+    let low = (bounds.min - eye) * per_direction;
+    let high = (bounds.max - eye) * per_direction;
+    (low.min(high).max_element(), low.max(high).min_element())
 }
 
 #[cfg(test)]

@@ -40,7 +40,9 @@ pub use geometry::{PreparedGeometry, PreparedObject, ShadingNormals, build_struc
 pub use image::Image;
 pub use layers::Layer;
 pub use prepare::PreparedScene;
-pub use run::{Clamped, RayCounts, RenderOutcome, RenderProgress, RenderStats, RunConfig, render};
+pub use run::{
+    Clamped, OnTile, RayCounts, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+};
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;
 pub use tiles::{Region, TilePixels};

@@ -128,8 +128,10 @@ pub struct Clamped {
     pub energy_share: f64,
 }
 
-/// Renders `region` of the picture, or all of it, calling `on_tile` with each tile as it is done, from any thread. `None` when
-/// cancelled.
+/// Who is shown each tile as it is done, from any thread.
+pub type OnTile<'a> = &'a (dyn Fn(&TilePixels<'_>) + Sync);
+
+/// Renders `region` of the picture, or all of it, and shows the tiles to `on_tile`, if anybody watches. `None` when cancelled.
 ///
 /// The pixels of a region are those of the full picture, bit for bit.
 ///
@@ -140,7 +142,7 @@ pub fn render(
     region: Option<Region>,
     run: &RunConfig,
     progress: &RenderProgress,
-    on_tile: &(dyn Fn(&TilePixels<'_>) + Sync),
+    on_tile: Option<OnTile<'_>>,
 ) -> Option<RenderOutcome> {
     let settings = scene.settings();
     let region = region.unwrap_or(Region::full(settings.width, settings.height));
@@ -178,7 +180,9 @@ pub fn render(
         !run.cancel.is_cancelled()
     };
 
-    if run.coarse_first {
+    if let Some(on_tile) = on_tile
+        && run.coarse_first
+    {
         for_each_tile(&|tile| {
             let rgb = coarse_tile(scene, tile, &run.cancel)?;
             on_tile(&TilePixels {
@@ -193,13 +197,16 @@ pub fn render(
         let completed = for_each_tile(&|tile| {
             let block = sample_tile(scene, tile, samples.clone(), layers, run, progress)?;
             let mut shared = shared.lock().expect("no thread panicked");
-            let means = shared.add(tile, &block, samples.len(), started);
-            drop(shared);
-            on_tile(&TilePixels {
-                region: tile,
-                rgb: &means[0],
-                layers: &means[1..],
-            });
+            shared.add(tile, &block, samples.len(), started);
+            if let Some(on_tile) = on_tile {
+                let means = shared.film.means(tile);
+                drop(shared);
+                on_tile(&TilePixels {
+                    region: tile,
+                    rgb: &means[0],
+                    layers: &means[1..],
+                });
+            }
             Some(())
         });
         if !completed {
@@ -245,20 +252,13 @@ struct Shared {
 }
 
 impl Shared {
-    /// Takes in a tile and returns what it and its layers show now.
-    fn add(
-        &mut self,
-        tile: Region,
-        block: &TileBlock,
-        samples: usize,
-        started: Instant,
-    ) -> Vec<Vec<[f32; 3]>> {
+    /// Takes in a tile.
+    fn add(&mut self, tile: Region, block: &TileBlock, samples: usize, started: Instant) {
         let samples = u32::try_from(samples).expect("a pass is short");
         self.film.add(tile, &block.sums, samples);
         self.counts.add(&block.counts);
         self.first_tile_seconds
             .get_or_insert_with(|| started.elapsed().as_secs_f64());
-        self.film.means(tile)
     }
 }
 

@@ -79,7 +79,7 @@ pub fn run(scene: &Scene) -> RenderOutcome {
         None,
         &RunConfig::default(),
         &RenderProgress::default(),
-        &|_| (),
+        None,
     );
     let outcome = outcome.expect("nobody cancels");
     assert_eq!(outcome.stats.non_finite_samples, 0);
