@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::placed::{Place, PlacedTriangle, outward};
-use super::{Accelerator, BoxTree, Fan, Hit, Visits, half_area};
+use super::{Accelerator, BoxTree, Fan, Hit, Packet, PacketHits, Visits, half_area};
 use crate::geometry::{Triangle, TriangleHit};
 use crate::math::robust::gamma;
 use crate::math::{Bounds, DBounds, DVec3, Ray, ScaledRotation, Vec3};
@@ -189,6 +189,18 @@ impl Assembly {
         } else {
             self.intersect_copies(ray, t_max, flat)
         }
+    }
+
+    /// The nearest hit of each ray of `packet`, in their order: [`Self::intersect`] of each, but faster.
+    #[must_use]
+    pub fn intersect_packet(&self, packet: &Packet<'_>) -> PacketHits {
+        let mut hits = self.flat.intersect_packet(packet);
+        if !self.copies.is_empty() {
+            for ((ray, t_max), hit) in packet.rays().iter().zip(&mut hits) {
+                *hit = self.intersect_copies(ray, *t_max, *hit);
+            }
+        }
+        hits
     }
 
     /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.

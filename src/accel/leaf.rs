@@ -21,6 +21,7 @@ pub(super) trait Visitor {
 }
 
 /// One ray's tests against triangles.
+#[derive(Clone, Copy)]
 pub(super) struct LeafTest<'a, S: Simd> {
     simd: S,
     ray: &'a Ray,
@@ -80,6 +81,7 @@ fn decide(ray: &Ray, t_max: f32, block: &TriangleBlock, lane: usize) -> Option<T
 }
 
 /// Finds the nearest hit.
+#[derive(Clone, Copy)]
 pub(super) struct Nearest<'a, S: Simd> {
     test: LeafTest<'a, S>,
     pub best: Option<Hit>,

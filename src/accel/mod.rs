@@ -21,6 +21,7 @@ mod four;
 mod kd;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod leaf;
+mod packet;
 mod placed;
 mod quality;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
@@ -38,6 +39,7 @@ pub use box_tree::BoxTree;
 pub use brute_force::BruteForce;
 pub use fan::Fan;
 pub use kd::{KdParameters, KdStatistics, KdTree};
+pub use packet::{Packet, PacketHits};
 pub use placed::{AimingError, PlacedTriangle};
 pub use quality::{StructureQuality, Visits};
 pub use wide::WideTree;
@@ -90,6 +92,17 @@ impl Accelerator {
             Self::Wide(tree) => tree.intersect(ray, t_max),
             Self::KdTree(tree) => tree.intersect(ray, t_max),
             Self::BruteForce(all) => all.intersect(ray, t_max),
+        }
+    }
+
+    /// The nearest hit of each ray of `packet`, in their order: [`Self::intersect`] of each, but faster.
+    #[must_use]
+    #[inline]
+    pub fn intersect_packet(&self, packet: &Packet<'_>) -> PacketHits {
+        match self {
+            Self::Wide(tree) => tree.intersect_packet(packet),
+            Self::KdTree(tree) => packet.each(|ray, t_max| tree.intersect(ray, t_max)),
+            Self::BruteForce(all) => packet.each(|ray, t_max| all.intersect(ray, t_max)),
         }
     }
 

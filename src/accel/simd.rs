@@ -125,6 +125,12 @@ impl LaneSet {
         Self(self.0 & !other.0)
     }
 
+    /// The same lanes after so many others.
+    #[inline(always)]
+    pub fn beyond(self, others: usize) -> Self {
+        Self(self.0 << others)
+    }
+
     /// The halves that hold any of these lanes, with them, counted from the half's first.
     #[inline(always)]
     pub fn halves(self) -> Halves {

@@ -21,17 +21,20 @@ pub(super) fn later(t: f32) -> f32 {
 /// [`reciprocal`] of each number.
 #[inline]
 pub(super) fn reciprocals(direction: Vec3) -> [f32; 3] {
-    // Far within the range of numbers nothing can go wrong.
-    const LEAST: f32 = 1e-30;
-    const MOST: f32 = 1e30;
-    let [x, y, z] = direction.abs().to_array();
-    let are_ordinary =
-        x >= LEAST && y >= LEAST && z >= LEAST && x <= MOST && y <= MOST && z <= MOST;
-    if are_ordinary {
+    if are_ordinary(direction) {
         direction.recip().to_array()
     } else {
         direction.to_array().map(reciprocal)
     }
+}
+
+/// Whether all numbers are so far within the range of `f32` that nothing can go wrong with their reciprocals.
+#[inline]
+pub(super) fn are_ordinary(direction: Vec3) -> bool {
+    const LEAST: f32 = 1e-30;
+    const MOST: f32 = 1e30;
+    let [x, y, z] = direction.abs().to_array();
+    x >= LEAST && y >= LEAST && z >= LEAST && x <= MOST && y <= MOST && z <= MOST
 }
 
 /// `1 / d`; infinite for zeros. NaN, which bounds nothing, where the result would lack digits or have no room for the margin.

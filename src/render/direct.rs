@@ -16,7 +16,7 @@ use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
 use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
-use crate::accel::Fan;
+use crate::accel::{Fan, Hit};
 use crate::math::{Ray, Vec2, Vec3, warp};
 use crate::scene::Shadows;
 
@@ -26,10 +26,11 @@ pub const MOST_SUMMED: usize = 32;
 /// many calls for more than one.
 const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 
-/// The light that arrives against `ray`, a camera ray.
+/// The light that arrives against `ray`, a camera ray that makes that `hit`.
 pub fn gather(
     scene: &PreparedScene,
     CameraRay { mut ray, mut start }: CameraRay,
+    mut hit: Option<Hit>,
     sampler: Sampler,
     rays: &mut RayCounts,
 ) -> Gathered {
@@ -37,7 +38,7 @@ pub fn gather(
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     for bounce in 0.. {
-        let point = match scene.nearest(&ray) {
+        let point = match scene.seen(&ray, hit) {
             Seen::Background => {
                 let radiance = scene.background().radiance(ray.direction.normalize());
                 gathered.add_background(beginning, throughput * radiance);
@@ -88,6 +89,7 @@ pub fn gather(
         }
         rays.bounce += 1;
         start = 0.0;
+        hit = scene.hit(&ray);
     }
     gathered
 }

@@ -2,9 +2,9 @@
 
 use super::camera::CameraRay;
 use super::direct::ambient_occlusion;
-use super::prepare::PreparedScene;
+use super::prepare::{CameraSample, PreparedScene};
 use super::run::RayCounts;
-use super::sampler::{Decision, Dimension, Sampler};
+use super::sampler::{Decision, Dimension};
 use crate::math::Vec3;
 
 /// Which property of the surface a pixel shows.
@@ -23,13 +23,13 @@ pub fn color(
     scene: &PreparedScene,
     which: FalseColor,
     camera_ray: &CameraRay,
-    sampler: Sampler,
+    &CameraSample { sampler, hit, .. }: &CameraSample,
     rays: &mut RayCounts,
 ) -> Vec3 {
-    let ray = &camera_ray.ray;
-    let Some(point) = scene.surface_along(ray, f32::INFINITY) else {
+    let Some(hit) = hit else {
         return Vec3::ZERO;
     };
+    let point = scene.surface(&camera_ray.ray, &hit);
     match which {
         FalseColor::AmbientOcclusion => {
             let samples = scene.settings().ambient_occlusion.samples;

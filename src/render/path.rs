@@ -15,6 +15,7 @@ use super::prepare::{PreparedScene, Seen};
 use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
+use crate::accel::Hit;
 use crate::math::Vec3;
 use crate::scene::{LightSampling, RenderSettings};
 
@@ -26,10 +27,11 @@ const ENOUGH: f32 = 0.5;
 /// The most likely a path goes on under roulette, so that it ends even where nothing is absorbed.
 const MOST_SURVIVAL: f32 = 0.95;
 
-/// The light that arrives against `ray`, a camera ray.
+/// The light that arrives against `ray`, a camera ray that makes that `hit`.
 pub fn gather(
     scene: &PreparedScene,
     CameraRay { mut ray, mut start }: CameraRay,
+    mut hit: Option<Hit>,
     sampler: Sampler,
     rays: &mut RayCounts,
 ) -> Gathered {
@@ -45,7 +47,7 @@ pub fn gather(
 
     for bounce in 0.. {
         // Emission met along the way.
-        let point = match scene.nearest(&ray) {
+        let point = match scene.seen(&ray, hit) {
             Seen::Background => {
                 let (radiance, pdf) = aim::background_along(scene, ray.direction.normalize());
                 let weight =
@@ -132,6 +134,7 @@ pub fn gather(
         }
         rays.bounce += 1;
         start = 0.0;
+        hit = scene.hit(&ray);
     }
     gathered
 }

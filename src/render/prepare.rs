@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::aim::AimShares;
 use super::background::PreparedBackground;
-use super::camera::PreparedCamera;
+use super::camera::{CameraRay, PreparedCamera};
 use super::direct;
 use super::disks::{DiskHit, VisibleDisks};
 use super::emitters::Emitters;
@@ -17,7 +17,7 @@ use super::run::RayCounts;
 use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::Specular;
 use super::surface::SurfacePoint;
-use crate::accel::{Assembly, Fan};
+use crate::accel::{Assembly, Fan, Hit, Packet};
 use crate::control::CancelToken;
 use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
@@ -54,6 +54,18 @@ pub(super) enum Seen<'a> {
     Surface(SurfacePoint),
     Disk(DiskHit<'a>),
     Background,
+}
+
+/// Where a sample of a pixel begins: everything up to what it sees first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CameraSample {
+    pub sampler: Sampler,
+    /// Unit.
+    direction: Vec3,
+    /// `None` where it misses everything.
+    ray: Option<CameraRay>,
+    /// What the ray hits first, lights aside.
+    pub hit: Option<Hit>,
 }
 
 impl PreparedScene {
@@ -194,8 +206,35 @@ impl PreparedScene {
         Some(self.geometry.object_of(hit.triangle))
     }
 
-    /// What sample `index` of pixel `(x, y)` brings: linear radiance, or a false colour.
-    pub(super) fn sample(&self, x: u32, y: u32, index: u32, rays: &mut RayCounts) -> Gathered {
+    /// Where sample `index` of each of `pixels`, at most [`Packet::MOST_RAYS`] near each other, begins, in their order.
+    pub(super) fn camera_samples(
+        &self,
+        pixels: &[(u32, u32)],
+        index: u32,
+    ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
+        let mut samples = [None; Packet::MOST_RAYS];
+        let mut rays = [(Ray::new(Vec3::ZERO, Vec3::X), f32::INFINITY); Packet::MOST_RAYS];
+        let mut count = 0;
+        for (sample, &pixel) in samples.iter_mut().zip(pixels) {
+            let begun = self.begun(pixel, index);
+            if let Some(CameraRay { ray, .. }) = begun.ray {
+                rays[count].0 = ray;
+                count += 1;
+            }
+            *sample = Some(begun);
+        }
+        let hits = self
+            .accelerator()
+            .intersect_packet(&Packet::new(&rays[..count]));
+        let begun = samples.iter_mut().flatten();
+        for (sample, hit) in begun.filter(|sample| sample.ray.is_some()).zip(hits) {
+            sample.hit = hit;
+        }
+        samples
+    }
+
+    /// Sample `index` of a pixel, before it is known what it hits.
+    fn begun(&self, (x, y): (u32, u32), index: u32) -> CameraSample {
         let sampler = Sampler::new(self.settings.seed, x, y, index);
         let offset = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
             filter::offset(
@@ -215,15 +254,26 @@ impl PreparedScene {
             Vec2::ZERO
         };
         let (eye, direction) = self.camera.through_lens(x, y, on_lens);
+        CameraSample {
+            sampler,
+            direction: direction.as_vec3(),
+            ray: self.camera.ray_from(eye, direction),
+            hit: None,
+        }
+    }
+
+    /// What `sample` brings: linear radiance, or a false colour.
+    pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut RayCounts) -> Gathered {
+        let &CameraSample { sampler, hit, .. } = sample;
         rays.camera += 1;
-        let Some(camera_ray) = self.camera.ray_from(eye, direction) else {
+        let Some(camera_ray) = sample.ray else {
             return Gathered::seen(match self.settings.mode {
-                Mode::Direct | Mode::Path => self.background.radiance(direction.as_vec3()),
+                Mode::Direct | Mode::Path => self.background.radiance(sample.direction),
                 _ => Vec3::ZERO,
             });
         };
         let mut false_color =
-            |which| Gathered::seen(false_color::color(self, which, &camera_ray, sampler, rays));
+            |which| Gathered::seen(false_color::color(self, which, &camera_ray, sample, rays));
         match self.settings.mode {
             Mode::Ao => false_color(FalseColor::AmbientOcclusion),
             Mode::Normals => false_color(FalseColor::Normals),
@@ -231,23 +281,34 @@ impl PreparedScene {
             Mode::Albedo => false_color(FalseColor::Albedo),
             Mode::Facing => false_color(FalseColor::Facing),
             Mode::Object => false_color(FalseColor::Object),
-            Mode::Direct => direct::gather(self, camera_ray, sampler, rays),
-            Mode::Path => path::gather(self, camera_ray, sampler, rays),
+            Mode::Direct => direct::gather(self, camera_ray, hit, sampler, rays),
+            Mode::Path => path::gather(self, camera_ray, hit, sampler, rays),
         }
     }
 
-    /// What `ray` meets first.
+    /// What `ray` hits first, lights aside.
     #[inline]
-    pub(super) fn nearest(&self, ray: &Ray) -> Seen<'_> {
-        let hit = self.accelerator().intersect(ray, f32::INFINITY);
+    pub(super) fn hit(&self, ray: &Ray) -> Option<Hit> {
+        self.accelerator().intersect(ray, f32::INFINITY)
+    }
+
+    /// What `ray`, which makes that [`Self::hit`], meets first.
+    #[inline]
+    pub(super) fn seen(&self, ray: &Ray, hit: Option<Hit>) -> Seen<'_> {
         let disk = self
             .disks
             .nearest(ray, hit.map_or(f32::INFINITY, |hit| hit.t));
         match (disk, hit) {
             (Some(disk), _) => Seen::Disk(disk),
-            (None, Some(hit)) => Seen::Surface(SurfacePoint::new(&self.geometry, ray, &hit)),
+            (None, Some(hit)) => Seen::Surface(self.surface(ray, &hit)),
             (None, None) => Seen::Background,
         }
+    }
+
+    /// The point where `ray` makes `hit`.
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        SurfacePoint::new(&self.geometry, ray, hit)
     }
 
     /// Whether `ray`, far as it goes, may end at something that shines: `false` is certain, and asks for no surface.
@@ -259,7 +320,7 @@ impl PreparedScene {
     #[must_use]
     pub fn surface_along(&self, ray: &Ray, t_max: f32) -> Option<SurfacePoint> {
         let hit = self.accelerator().intersect(ray, t_max)?;
-        Some(SurfacePoint::new(&self.geometry, ray, &hit))
+        Some(self.surface(ray, &hit))
     }
 
     /// Whether anything but the light number `except` is in the way in `0 < t < t_max`.

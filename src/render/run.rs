@@ -10,6 +10,7 @@ use super::film::{Film, TileSums};
 use super::layers::{Gathered, Layer};
 use super::prepare::PreparedScene;
 use super::tiles::{Region, TilePixels};
+use crate::accel::Packet;
 use crate::control::{CancelToken, Progress};
 use crate::math::color::luminance;
 
@@ -19,6 +20,13 @@ const TILE_SIDE: u32 = 32;
 /// Most samples of a pixel that are summed before they meet the film: one pass over the picture. Passes grow to this size, so
 /// that a whole picture is soon there. Their sizes are part of the picture's definition: they fix the order of additions.
 const MOST_SAMPLES_PER_PASS: u32 = 16;
+
+/// Side of the blocks of pixels whose rays are traced together.
+const PACKET_SIDE: u32 = 4;
+const _: () = assert!(
+    (PACKET_SIDE * PACKET_SIDE) as usize == Packet::MOST_RAYS,
+    "full packets"
+);
 
 /// Side of the blocks of the coarse picture, in pixels.
 const COARSE_BLOCK: u32 = 8;
@@ -137,6 +145,7 @@ pub type OnTile<'a> = &'a (dyn Fn(&TilePixels<'_>) + Sync);
 ///
 /// # Panics
 /// When the region does not lie in the picture.
+#[must_use]
 pub fn render(
     scene: &PreparedScene,
     region: Option<Region>,
@@ -323,26 +332,35 @@ fn sample_tile(
 ) -> Option<TileBlock> {
     let mut sums = TileSums::new(layers, tile.pixel_count());
     let mut counts = SampleCounts::default();
-    let mut pixel = 0;
-    for y in tile.y..tile.y + tile.height {
+    for block in tile.cut(PACKET_SIDE) {
         let traced_before = counts.rays.total();
-        for x in tile.x..tile.x + tile.width {
-            for index in samples.clone() {
+        let mut pixels = [(0, 0); Packet::MOST_RAYS];
+        let count = block.pixel_count();
+        for (pixel, number) in pixels.iter_mut().zip(0..) {
+            *pixel = (
+                block.x + number % block.width,
+                block.y + number / block.width,
+            );
+        }
+        let pixels = &pixels[..count];
+        for index in samples.clone() {
+            let begun = scene.camera_samples(pixels, index);
+            for (&(x, y), begun) in pixels.iter().zip(begun.iter().flatten()) {
                 if run.cancel.is_cancelled() {
                     return None;
                 }
-                let mut sample = scene.sample(x, y, index, &mut counts.rays);
+                let mut sample = scene.gathered(begun, &mut counts.rays);
                 counts.non_finite += u64::from(!sample.radiance.is_finite());
                 if let Some(most) = scene.clamp() {
                     counts.clamp(&mut sample, most);
                 }
-                sums.add(pixel, layers, &sample);
+                let place = (y - tile.y) * tile.width + x - tile.x;
+                sums.add(place as usize, layers, &sample);
             }
-            pixel += 1;
         }
         progress
             .samples
-            .advance(u64::from(tile.width) * samples.len() as u64);
+            .advance(count as u64 * samples.len() as u64);
         progress
             .rays
             .fetch_add(counts.rays.total() - traced_before, Ordering::Relaxed);
@@ -367,7 +385,9 @@ fn coarse_tile(scene: &PreparedScene, tile: Region, cancel: &CancelToken) -> Opt
                 tile.x + u32::midpoint(left, right - 1),
                 tile.y + u32::midpoint(top, bottom - 1),
             );
-            let sample = scene.sample(x, y, 0, &mut RayCounts::default());
+            let [begun, ..] = scene.camera_samples(&[(x, y)], 0);
+            let begun = begun.expect("there is one pixel");
+            let sample = scene.gathered(&begun, &mut RayCounts::default());
             for row in top..bottom {
                 let start = row as usize * width;
                 rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());

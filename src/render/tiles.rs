@@ -51,19 +51,23 @@ impl Region {
         }
     }
 
-    /// Cuts the region into tiles of at most `side` × `side` pixels, those nearest its middle first: what people look at.
+    /// Cuts the region into tiles of at most `side` × `side` pixels, row by row.
+    pub(super) fn cut(&self, side: u32) -> impl Iterator<Item = Region> {
+        let whole = *self;
+        let starts = move |length: u32| (0..length).step_by(side as usize);
+        let corners =
+            starts(whole.height).flat_map(move |y| starts(whole.width).map(move |x| (x, y)));
+        corners.map(move |(x, y)| Region {
+            x: whole.x + x,
+            y: whole.y + y,
+            width: side.min(whole.width - x),
+            height: side.min(whole.height - y),
+        })
+    }
+
+    /// Those of [`Self::cut`], those nearest its middle first: what people look at.
     pub(super) fn tiles(&self, side: u32) -> Vec<Region> {
-        let mut tiles = Vec::new();
-        for y in (0..self.height).step_by(side as usize) {
-            for x in (0..self.width).step_by(side as usize) {
-                tiles.push(Region {
-                    x: self.x + x,
-                    y: self.y + y,
-                    width: side.min(self.width - x),
-                    height: side.min(self.height - y),
-                });
-            }
-        }
+        let mut tiles: Vec<_> = self.cut(side).collect();
         // Twice the middle, so that it is a whole number. The sort is stable: equal distances keep their order.
         let middle = |region: &Region| {
             let twice = |start: u32, length: u32| 2 * i64::from(start) + i64::from(length);

@@ -126,6 +126,10 @@ fn the_tree_of_boxes_answers_like_all_copies_in_turn() {
         for tree in &trees {
             assert_eq!(tree.intersect(&ray, f32::INFINITY), expected, "{ray:?}");
         }
+        let beside = Ray::new(ray.origin, ray.direction * 1.001);
+        let rays = [(ray, f32::INFINITY), (beside, f32::INFINITY)].repeat(3);
+        let hits = trees[1].intersect_packet(&Packet::new(&rays));
+        assert_eq!((hits[0], hits[4]), (expected, expected), "{ray:?}");
         let Some(hit) = expected else {
             let occluded = |tree: &Assembly| tree.occluded(&ray, f32::INFINITY);
             assert!(!trees.iter().any(occluded), "{ray:?}");

@@ -8,14 +8,17 @@ mod build;
 mod collapse;
 mod fan;
 mod node;
+mod packet;
 mod quality;
 mod split;
+mod stack;
 mod validate;
 mod walk;
 
 use super::Hit;
 use super::block::TriangleBlock;
 use super::fan::Fan;
+use super::packet::{Packet, PacketHits};
 use super::query::{AnyHit, NearestHit};
 use super::simd::{self, LANES};
 use crate::control::CancelToken;
@@ -118,6 +121,12 @@ impl WideTree {
             ray,
             t_max,
         })
+    }
+
+    /// The nearest hit of each ray of `packet`, in their order.
+    #[must_use]
+    pub fn intersect_packet(&self, packet: &Packet<'_>) -> PacketHits {
+        simd::answer(&packet::NearestHits { tree: self, packet })
     }
 
     /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
