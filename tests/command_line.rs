@@ -440,6 +440,8 @@ fn bench_measures_every_structure_on_the_same_rays() {
             let values = by_set(structure, key);
             assert!(sets.iter().all(|set| values[*set].is_f64()), "{values:?}");
         }
+        let packets = by_set(structure, "mrays_per_second_packets");
+        assert!(packets["camera"].is_f64() && packets["shadow"].is_null());
         for key in ["mrays_per_second", "mrays_per_second_all_threads"] {
             let ranges = by_set(structure, &format!("{key}_range"));
             for (set, value) in by_set(structure, key) {

@@ -12,7 +12,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use super::{RaySet, Spread};
-use crate::accel::{Assembly, StructureQuality, Visits};
+use crate::accel::{Assembly, Packet, StructureQuality, Visits};
 use crate::control::CancelToken;
 use crate::math::Ray;
 use crate::render::build_structure;
@@ -61,6 +61,8 @@ pub struct SetReport {
     pub mrays_per_second: Option<Spread>,
     /// The same on all threads, by the clock on the wall.
     pub mrays_per_second_all_threads: Option<Spread>,
+    /// One thread, rays that follow each other traced as [`Packet`]s; `None` for a set without rays, and where any hit counts.
+    pub mrays_per_second_packets: Option<Spread>,
 }
 
 /// Means over the rays of a set; 0 for none.
@@ -119,6 +121,13 @@ pub fn measure(
                 let alone = seconds_per_pass::<ThreadClock, _>(|| answer(&built.assembly, set));
                 seconds[index].one_thread.push(alone);
             }
+            if !set.any_hit() {
+                for (built, seconds) in built.iter().zip(&mut seconds) {
+                    let packets =
+                        seconds_per_pass::<ThreadClock, _>(|| answer_packets(&built.assembly, set));
+                    seconds[index].packets.push(packets);
+                }
+            }
             for (built, seconds) in built.iter().zip(&mut seconds) {
                 let together = all_threads.install(|| {
                     seconds_per_pass::<WallClock, _>(|| answer_together(&built.assembly, set))
@@ -144,6 +153,7 @@ pub fn measure(
                 visits: all_threads.install(|| mean_visits(&built.assembly, set)),
                 mrays_per_second: rates(set, seconds.one_thread),
                 mrays_per_second_all_threads: rates(set, seconds.all_threads),
+                mrays_per_second_packets: rates(set, seconds.packets),
             };
             let sets = sets.iter().zip(seconds).zip(answers).map(of_set).collect();
             StructureReport {
@@ -171,6 +181,7 @@ struct Built {
 struct SetSeconds {
     one_thread: Vec<f64>,
     all_threads: Vec<f64>,
+    packets: Vec<f64>,
 }
 
 fn build_in_turns(
@@ -260,6 +271,20 @@ fn answer_rays(assembly: &Assembly, rays: &[(Ray, f32)], any_hit: bool) -> Answe
                     triangles: hit.triangle.into(),
                 };
             }
+        }
+    }
+    answers
+}
+
+fn answer_packets(assembly: &Assembly, set: &RaySet) -> Answers {
+    let mut answers = Answers::default();
+    for rays in set.rays().chunks(Packet::MOST_RAYS) {
+        let hits = assembly.intersect_packet(&Packet::new(rays));
+        for hit in hits.into_iter().flatten() {
+            answers += Answers {
+                hits: 1,
+                triangles: hit.triangle.into(),
+            };
         }
     }
     answers

@@ -12,6 +12,9 @@ const SEED: u64 = 0;
 /// Side of the tiles whose camera rays follow each other, in pixels.
 const TILE_SIDE: u32 = 16;
 
+/// Side of the blocks within a tile, whose rays make a packet.
+const BLOCK_SIDE: u32 = 4;
+
 /// Why a ray is traced, of those that are generated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
@@ -84,8 +87,8 @@ pub fn with_lamp(scene: &Scene) -> Scene {
     lit
 }
 
-/// The rays of every kind, in the order of [`RayKind::ALL`]: camera rays in tiles of 16 × 16 pixels, and from each of their
-/// hits one ray of every other kind, in the same order. Shadow rays take the lights in turns, pixel after pixel, and
+/// The rays of every kind, in the order of [`RayKind::ALL`]: camera rays in tiles of 16 × 16 pixels, block by block
+/// of 4 × 4, and from each of their hits one ray of every other kind, in the same order. Shadow rays take the lights in turns, pixel after pixel, and
 /// go to a random point of those with area; there are none in a scene without lights, see [`with_lamp`].
 ///
 /// Rays start where the renderer's would, rounded away from the surface to what a file in world units holds. Shadow
@@ -99,9 +102,14 @@ pub fn generate(scene: &PreparedScene) -> Result<[RaySet; 4], RayError> {
     let (width, height) = (scene.settings().width, scene.settings().height);
     for top in (0..height).step_by(TILE_SIDE as usize) {
         for left in (0..width).step_by(TILE_SIDE as usize) {
-            for y in top..height.min(top + TILE_SIDE) {
-                for x in left..width.min(left + TILE_SIDE) {
-                    add_pixel(scene, (x, y), &mut rows)?;
+            let (right, bottom) = (width.min(left + TILE_SIDE), height.min(top + TILE_SIDE));
+            for block_top in (top..bottom).step_by(BLOCK_SIDE as usize) {
+                for block_left in (left..right).step_by(BLOCK_SIDE as usize) {
+                    for y in block_top..bottom.min(block_top + BLOCK_SIDE) {
+                        for x in block_left..right.min(block_left + BLOCK_SIDE) {
+                            add_pixel(scene, (x, y), &mut rows)?;
+                        }
+                    }
                 }
             }
         }

@@ -47,6 +47,9 @@ pub struct StructureFacts {
     pub mrays_per_second_range: BySet<Option<Range>>,
     pub mrays_per_second_all_threads: BySet<Option<f64>>,
     pub mrays_per_second_all_threads_range: BySet<Option<Range>>,
+    /// One thread, sixteen rays at a time; null where any hit counts.
+    pub mrays_per_second_packets: BySet<Option<f64>>,
+    pub mrays_per_second_packets_range: BySet<Option<Range>>,
 }
 
 /// The ends of repeated measurements.
@@ -130,6 +133,12 @@ impl StructureFacts {
             }),
             mrays_per_second_all_threads_range: by_set(report, sets, |set| {
                 set.mrays_per_second_all_threads.map(Range::from)
+            }),
+            mrays_per_second_packets: by_set(report, sets, |set| {
+                set.mrays_per_second_packets.map(|spread| spread.median)
+            }),
+            mrays_per_second_packets_range: by_set(report, sets, |set| {
+                set.mrays_per_second_packets.map(Range::from)
             }),
         }
     }

@@ -29,6 +29,16 @@ pub fn describe(facts: &BenchFacts) -> String {
         )
     }));
     sections.push(rates(
+        "Mrays/s, one thread, packets of 16",
+        facts,
+        |structure| {
+            (
+                &structure.mrays_per_second_packets,
+                &structure.mrays_per_second_packets_range,
+            )
+        },
+    ));
+    sections.push(rates(
         &format!("Mrays/s, {}", threads_of(*threads)),
         facts,
         |structure| {
