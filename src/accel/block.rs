@@ -80,15 +80,27 @@ impl<S: Simd> BlockFilter<S> {
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = RayKernel::axes_of(ray);
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let [x, y, z] = axes.map(|axis| direction[axis]);
-        let moved = axes.map(|axis| origin[axis]);
+        Self::with_shear(simd, ray.origin, axes, Self::unshear_of(ray, axes))
+    }
+
+    /// The filter of a ray from `origin` with these [`RayKernel::axes_of`] and [`Self::unshear_of`].
+    #[inline(always)]
+    pub fn with_shear(simd: S, origin: Vec3, axes: [usize; 3], unshear: [f32; 2]) -> Self {
+        let origin = origin.to_array();
         Self {
             simd,
             axes,
-            origin: splat_all(simd, moved),
-            unshear: [simd.splat(-x / z), simd.splat(-y / z)],
+            origin: splat_all(simd, [origin[axes[0]], origin[axes[1]], origin[axes[2]]]),
+            unshear: [simd.splat(unshear[0]), simd.splat(unshear[1])],
         }
+    }
+
+    /// What moves the ray's x and y per z to 0, by its axes.
+    #[inline(always)]
+    pub fn unshear_of(ray: &Ray, axes: [usize; 3]) -> [f32; 2] {
+        let direction = ray.direction.to_array();
+        let [x, y, z] = axes;
+        [-direction[x] / direction[z], -direction[y] / direction[z]]
     }
 
     /// The lanes whose triangle may be hit; never one without a triangle.

@@ -37,6 +37,18 @@ impl<'a> Fan<'a> {
         }
     }
 
+    /// Where all rays start.
+    #[inline(always)]
+    pub(super) fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Ray number `index`.
+    #[inline(always)]
+    pub(super) fn ray(&self, index: usize) -> Ray {
+        Ray::new(self.origin, self.directions[index])
+    }
+
     /// The rays, in the order of the directions.
     #[must_use]
     pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray> {

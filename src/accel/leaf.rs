@@ -34,10 +34,16 @@ pub(super) struct LeafTest<'a, S: Simd> {
 impl<'a, S: Simd> LeafTest<'a, S> {
     #[inline(always)]
     pub fn new(simd: S, ray: &'a Ray, t_max: f32) -> Self {
+        Self::with_filter(simd, ray, t_max, BlockFilter::new(simd, ray))
+    }
+
+    /// [`Self::new`], given the ray's filter.
+    #[inline(always)]
+    pub fn with_filter(simd: S, ray: &'a Ray, t_max: f32, filter: BlockFilter<S>) -> Self {
         Self {
             simd,
             ray,
-            filter: BlockFilter::new(simd, ray),
+            filter,
             kernel: None,
             t_max,
         }

@@ -110,6 +110,12 @@ impl LaneSet {
         self.0 == 0
     }
 
+    /// A bit per lane.
+    #[inline(always)]
+    pub fn bits(self) -> u64 {
+        self.0.into()
+    }
+
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)

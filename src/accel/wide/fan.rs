@@ -1,16 +1,18 @@
 //! The walk for a whole fan of rays.
+//!
+//! Nodes are tested once for all rays, by what any of them can meet; of the boxes that are left, one at a time is tested with all
+//! rays side by side, and only those that meet it go on to what is inside.
 
 use super::WideTree;
-use super::node::{Child, ChildKind, WIDTH};
-use crate::accel::block::TriangleBlock;
+use super::node::{ChildKind, Node};
+use super::stack::{Stack, Waiting};
+use crate::accel::block::{BlockFilter, TriangleBlock};
 use crate::accel::fan::{Fan, FanCull};
-use crate::accel::leaf::{Any, LeafTest, Visitor};
-use crate::accel::query::Tree;
-use crate::accel::simd::{LaneSet, Query, Simd};
-use crate::math::Ray;
-
-/// The most blocks that each ray of a fan is tested with. Where more are in reach, every ray walks the tree by itself.
-const MOST_BLOCKS: usize = 12;
+use crate::accel::leaf::{Any, LeafTest};
+use crate::accel::query::AnyHit;
+use crate::accel::simd::{LANES, LaneSet, Lanes, Query, Simd};
+use crate::accel::slabs::{MARGIN, are_ordinary, later};
+use crate::geometry::RayKernel;
 
 /// Fewer rays walk by themselves.
 const FEWEST_RAYS: u32 = 3;
@@ -28,140 +30,197 @@ impl Query for FanHits<'_> {
     fn answer<S: Simd>(&self, simd: S) -> u64 {
         let Self { tree, fan } = *self;
         let rising = fan.rising();
-        let mut cull = None;
-        if rising.count_ones() >= FEWEST_RAYS {
-            cull = FanCull::new(simd, fan, rising, tree.reach);
-        }
-        let mut reached = Reached::new();
-        let is_complete = match &cull {
-            Some(cull) => reached.collect(tree, cull),
-            None => false,
-        };
         let mut occluded = 0;
-        for (index, ray) in (0..).zip(fan.rays()) {
-            let is_hit = match &cull {
-                Some(cull) if rising >> index & 1 != 0 => {
-                    if is_complete {
-                        reached.is_hit(tree, simd, &ray)
-                    } else {
-                        let mut any = AnyRising::new(simd, &ray, cull);
-                        tree.walk(simd, &ray, 1.0, &mut any);
-                        any.any.found
-                    }
-                }
-                _ => {
-                    let mut any = Any::new(simd, &ray, 1.0);
-                    tree.walk(simd, &ray, 1.0, &mut any);
-                    any.found
-                }
-            };
-            occluded |= u64::from(is_hit) << index;
+        let mut alone = rising;
+        if rising.count_ones() >= FEWEST_RAYS
+            && let Some(mut walk) = FanWalk::new(simd, tree, fan, rising)
+        {
+            occluded = walk.run();
+            alone = 0;
+        }
+        alone |= !rising;
+        for (index, ray) in fan.rays().enumerate() {
+            if alone >> index & 1 != 0 {
+                let t_max = 1.0;
+                let ray = &ray;
+                let is_hit = AnyHit { tree, ray, t_max }.answer(simd);
+                occluded |= u64::from(is_hit) << index;
+            }
         }
         occluded
     }
 }
 
-/// [`Any`] for a ray of a fan: spares the full test what is behind the surface that the ray leaves, above all that itself.
-struct AnyRising<'a, S: Simd> {
-    any: Any<'a, S>,
-    cull: &'a FanCull<S>,
+/// What the filter of triangles needs of a ray of a fan beside the origin.
+#[derive(Clone, Copy)]
+struct Shear {
+    /// In few bytes, as room for the most rays is cleared for every fan.
+    axes: [u8; 3],
+    unshear: [f32; 2],
 }
 
-impl<'a, S: Simd> AnyRising<'a, S> {
+const GROUPS: usize = Fan::MOST_RAYS / LANES;
+
+/// The rising rays of a fan side by side.
+struct FanWalk<'a, S: Simd> {
+    simd: S,
+    tree: &'a WideTree,
+    cull: FanCull<S>,
+    fan: &'a Fan<'a>,
+    /// Rays that nothing is known to be in the way of, as bits.
+    free: u64,
+    /// How many groups of lanes hold rays.
+    groups: usize,
+    /// By axis, reciprocals of the directions, NaN where they bound nothing.
+    inverses: [[Lanes; GROUPS]; 3],
+    shears: [Shear; Fan::MOST_RAYS],
+}
+
+impl<'a, S: Simd> FanWalk<'a, S> {
+    /// `None` where differences between coordinates may overflow.
     #[inline(always)]
-    fn new(simd: S, ray: &'a Ray, cull: &'a FanCull<S>) -> Self {
-        let any = Any::new(simd, ray, 1.0);
-        Self { any, cull }
+    fn new(simd: S, tree: &'a WideTree, fan: &'a Fan<'a>, rising: u64) -> Option<Self> {
+        let cull = FanCull::new(simd, fan, rising, tree.reach)?;
+        let mut inverses = [[Lanes([f32::NAN; LANES]); GROUPS]; 3];
+        let no_shear = Shear {
+            axes: [0; 3],
+            unshear: [0.0; 2],
+        };
+        let mut shears = [no_shear; Fan::MOST_RAYS];
+        for (index, ray) in fan.rays().enumerate() {
+            let axes = RayKernel::axes_of(&ray);
+            let [x, y, z] = axes;
+            #[expect(clippy::cast_possible_truncation, reason = "0, 1 or 2")]
+            let short = [x as u8, y as u8, z as u8];
+            shears[index] = Shear {
+                axes: short,
+                unshear: BlockFilter::<S>::unshear_of(&ray, axes),
+            };
+            if are_ordinary(ray.direction) {
+                let inverse = ray.direction.recip().to_array();
+                for axis in 0..3 {
+                    inverses[axis][index / LANES].0[index % LANES] = inverse[axis];
+                }
+            }
+        }
+        Some(Self {
+            simd,
+            tree,
+            cull,
+            fan,
+            free: rising,
+            groups: fan.rays().len().div_ceil(LANES).min(GROUPS),
+            inverses,
+            shears,
+        })
     }
-}
 
-impl<S: Simd> Visitor for AnyRising<'_, S> {
-    const NEAREST_FIRST: bool = false;
-
+    /// Which rays are occluded, as bits.
     #[inline(always)]
-    fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
+    fn run(&mut self) -> u64 {
+        let tree = self.tree;
+        let rising = self.free;
+        let mut waiting = Stack::new();
+        let mut node = match tree.root.kind() {
+            ChildKind::Node(index) => index,
+            ChildKind::Leaf(blocks) => {
+                self.visit(rising, &tree.blocks[blocks]);
+                return rising & !self.free;
+            }
+        };
+        loop {
+            waiting.make_room();
+            for lane in self.cull.may_meet(&tree.nodes[node].planes) {
+                let place = node * LANES + lane;
+                #[expect(clippy::cast_possible_truncation, reason = "less than 2^32 lanes")]
+                waiting.push::<Any<'_, S>>(0, Waiting::new(0.0, place as u32));
+            }
+            node = loop {
+                let Some(next) = waiting.pop::<Any<'_, S>>(f32::INFINITY) else {
+                    return rising & !self.free;
+                };
+                let place = next.what() as usize;
+                let (parent, lane) = (&tree.nodes[place / LANES], place % LANES);
+                let meeting = self.meeting(parent, lane);
+                if meeting == 0 {
+                    continue;
+                }
+                match parent.children[lane].kind() {
+                    ChildKind::Node(index) => break index,
+                    ChildKind::Leaf(blocks) => {
+                        self.visit(meeting, &tree.blocks[blocks]);
+                        if self.free == 0 {
+                            return rising;
+                        }
+                    }
+                }
+            };
+        }
+    }
+
+    /// Which of the free rays meet the box in a lane of a node.
+    #[inline(always)]
+    fn meeting(&self, node: &Node, lane: usize) -> u64 {
+        let simd = self.simd;
+        let origin = self.fan.origin().to_array();
+        let mut offsets = [[0.0; 2]; 3];
+        for (axis, [lower, upper]) in offsets.iter_mut().enumerate() {
+            *lower = node.planes[axis][0].0[lane] - origin[axis];
+            *upper = node.planes[axis][1].0[lane] - origin[axis];
+        }
+        let mut meeting = 0;
+        for group in 0..self.groups {
+            let free = self.free >> (group * LANES) & ((1 << LANES) - 1);
+            if free == 0 {
+                continue;
+            }
+            let mut start = simd.splat(0.0);
+            let mut end = simd.splat(later(1.0));
+            for (offsets, inverses) in offsets.iter().zip(&self.inverses) {
+                let inverse = simd.load(&inverses[group]);
+                let lower = simd.mul(simd.splat(offsets[0]), inverse);
+                let upper = simd.mul(simd.splat(offsets[1]), inverse);
+                start = simd.larger(simd.smaller(lower, upper), start);
+                end = simd.smaller(simd.larger(lower, upper), end);
+            }
+            // As for one ray.
+            let margin = simd.splat(1.0 + MARGIN);
+            let end = simd.mul_add(end, margin, simd.splat(f32::MIN_POSITIVE));
+            meeting |= simd.less_or_equal(start, end).bits() << (group * LANES);
+        }
+        meeting & self.free
+    }
+
+    /// Looks for what is in the way of these rays.
+    #[inline(always)]
+    fn visit(&mut self, rays: u64, blocks: &[TriangleBlock]) {
         for block in blocks {
-            let lanes = self.any.test.filter.may_hit(block);
+            let lanes = self.cull.may_meet_triangles(block);
             if lanes.is_empty() {
                 continue;
             }
-            let lanes = lanes.and(self.cull.may_meet_triangles(block));
-            if self.any.test.is_hit(block, lanes) {
-                self.any.found = true;
-                return None;
-            }
-        }
-        Some(1.0)
-    }
-}
-
-/// The triangles in reach of the rays of a fan.
-struct Reached {
-    /// Blocks, and which of their triangles.
-    blocks: [(usize, LaneSet); MOST_BLOCKS],
-    count: usize,
-}
-
-impl Reached {
-    fn new() -> Self {
-        Self {
-            blocks: [(0, LaneSet::NONE); MOST_BLOCKS],
-            count: 0,
-        }
-    }
-
-    /// Collects all of `tree`; whether there was room.
-    #[inline(always)]
-    fn collect<S: Simd>(&mut self, tree: &WideTree, cull: &FanCull<S>) -> bool {
-        const STACK_SIZE: usize = 64;
-        let mut waiting = [Child::NONE; STACK_SIZE];
-        waiting[0] = tree.root;
-        let mut count = 1;
-        while count > 0 {
-            count -= 1;
-            match waiting[count].kind() {
-                ChildKind::Node(index) => {
-                    if count > STACK_SIZE - WIDTH {
-                        return false;
-                    }
-                    let node = &tree.nodes[index];
-                    for lane in cull.may_meet(&node.planes) {
-                        waiting[count] = node.children[lane];
-                        count += 1;
-                    }
-                }
-                ChildKind::Leaf(blocks) => {
-                    for index in blocks {
-                        let lanes = cull.may_meet_triangles(&tree.blocks[index]);
-                        if lanes.is_empty() {
-                            continue;
-                        }
-                        if self.count == MOST_BLOCKS {
-                            return false;
-                        }
-                        self.blocks[self.count] = (index, lanes);
-                        self.count += 1;
-                    }
+            let mut left = rays & self.free;
+            while left != 0 {
+                let index = left.trailing_zeros() as usize;
+                left &= left - 1;
+                if self.is_hit(index, block, lanes) {
+                    self.free &= !(1 << index);
                 }
             }
         }
-        true
     }
 
     #[inline(always)]
-    fn is_hit<S: Simd>(&self, tree: &WideTree, simd: S, ray: &Ray) -> bool {
-        if self.count == 0 {
-            return false;
+    fn is_hit(&self, index: usize, block: &TriangleBlock, lanes: LaneSet) -> bool {
+        let Shear { axes, unshear } = self.shears[index];
+        let [x, y, z] = axes;
+        let axes = [usize::from(x), usize::from(y), usize::from(z)];
+        let filter = BlockFilter::with_shear(self.simd, self.fan.origin(), axes, unshear);
+        let lanes = filter.may_hit(block).and(lanes);
+        !lanes.is_empty() && {
+            let ray = self.fan.ray(index);
+            LeafTest::with_filter(self.simd, &ray, 1.0, filter).is_hit(block, lanes)
         }
-        let mut test = LeafTest::new(simd, ray, 1.0);
-        for &(index, lanes) in &self.blocks[..self.count] {
-            let block: &TriangleBlock = &tree.blocks[index];
-            let lanes = test.filter.may_hit(block).and(lanes);
-            if test.is_hit(block, lanes) {
-                return true;
-            }
-        }
-        false
     }
 }
 
