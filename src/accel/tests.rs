@@ -181,7 +181,7 @@ pub(super) fn rays(triangles: &[Triangle], seed: u64) -> Vec<Ray> {
     rays
 }
 
-fn bits(hit: Option<Hit>) -> Option<(u32, u32, [u32; 3])> {
+pub(super) fn bits(hit: Option<Hit>) -> Option<(u32, u32, [u32; 3])> {
     hit.map(|hit| {
         (
             hit.triangle,
@@ -650,15 +650,17 @@ fn hostile_scenes_cost_less_than_one_leaf() {
     }
 }
 
-/// The wide tree divides them in the middle, where no heuristic tells them apart, and no triangle is there twice.
+/// The wide tree divides them in the middle, where no heuristic tells them apart, and cuts no more triangles than it may.
 #[test]
 fn hostile_scenes_fill_the_blocks_of_the_wide_tree() {
     for (name, triangles) in hostile(2000) {
         let tree = wide_tree(&triangles);
         tree.validate()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let references = tree.quality().references as f64 / triangles.len() as f64;
+        assert!(references <= 1.6, "{name}: {references} references");
         let bytes = tree.bytes() / triangles.len();
-        assert!(bytes < 75, "{name}: {bytes} bytes per triangle");
+        assert!(bytes < 100, "{name}: {bytes} bytes per triangle");
     }
 }
 

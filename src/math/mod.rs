@@ -15,6 +15,6 @@ pub mod warp;
 pub use angle::Degrees;
 pub use bounds::{Bounds, DBounds};
 pub use frame::{SceneFrame, power_of_two};
-pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};
 pub use ray::Ray;
 pub use scaled_rotation::ScaledRotation;

@@ -1,15 +1,22 @@
-//! Growing a binary tree over the triangles' boxes, and choosing how it folds into wide nodes.
+//! Growing a binary tree over triangles, and choosing how it folds into wide nodes.
 //!
-//! Large subtrees grow in parallel. Each has slots of its own, as many as its triangles can need, so the tree is the same
-//! for any number of threads.
+//! Large sets are divided in parallel; small ones grow into subtrees of one thread each. How the work is divided depends on
+//! the triangles alone, so the tree is the same for any number of threads.
+//!
+//! A set that is divided by a plane gains references. How many there may be is limited from the start, and what is left of that
+//! is shared by both parts as they have triangles.
 
+use super::forest::{Binary, Forest, ForestCosts, Link, Slot, Subtree, cheapest_forests};
+use super::item::{Extent, Item};
 use super::node::WIDTH;
-use super::split::divide;
-use super::{Item, LARGEST_LEAF, number};
+use super::split::{Divided, divide, halved};
+use super::sweep::{self, Sorted};
+use super::{LARGEST_LEAF, number, spatial};
 use crate::accel::half_area;
 use crate::accel::simd::LANES;
 use crate::control::CancelToken;
-use crate::math::Bounds;
+use crate::geometry::Triangle;
+use std::ops::Range;
 
 /// Costs of the surface area heuristic: testing the boxes of one node, and testing one block of up to eight triangles.
 pub(super) const NODE_COST: f64 = 1.0;
@@ -21,174 +28,269 @@ const SMALLEST: usize = 4;
 /// From this depth on sets are halved, so that no tree is much deeper.
 const HALVED_FROM: u32 = 40;
 
-/// Sets with fewer triangles grow on one thread.
+/// Sets with fewer items grow on one thread.
 const PARALLEL_FROM: usize = 1 << 12;
 
-/// A node of the binary tree: the items `first..first + count`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Binary {
-    pub bounds: Bounds,
-    pub first: u32,
-    pub count: u32,
-    /// Slot of the second child; the first one follows its parent. 0 in sets that are not divided.
-    second: u32,
-    /// How the cheapest forest of at most `i + 1` trees looks. For the first, 0 for a leaf and 1 for a node; for the others,
-    /// how many of the trees stand for the first child, or 0 for the forest with one tree less.
-    choices: [u8; WIDTH],
+/// What all sets of a build have in common.
+pub(super) struct Job<'a> {
+    pub triangles: &'a [Triangle],
+    pub cancel: &'a CancelToken,
 }
 
-impl Binary {
-    pub const NONE: Self = Self {
-        bounds: Bounds::EMPTY,
-        first: 0,
-        count: 0,
-        second: 0,
-        choices: [0; WIDTH],
-    };
-
-    /// Whether the subtree is a leaf of the wide tree; a node otherwise.
-    pub fn is_leaf(&self) -> bool {
-        self.choices[0] == 0
-    }
-}
-
-/// Expected costs of the cheapest forests of at most 1 to 7 trees over a set, in the unit of [`NODE_COST`] times area.
-type ForestCosts = [f64; WIDTH - 1];
-
-/// Grows the tree over the items, the root first, and rearranges them. Not meaningful when cancelled.
-pub(super) fn grow(items: &mut [Item], cancel: &CancelToken) -> Vec<Binary> {
-    let mut nodes = vec![Binary::NONE; (2 * items.len()).max(2) - 1];
-    let place = Place {
-        slot: 0,
-        first: 0,
+/// Grows the tree over the items, to which at most `spare` are added. Not meaningful when cancelled.
+pub(super) fn grow(job: &Job, items: Vec<Item>, spare: usize) -> Forest {
+    let set = Set {
+        start: 0,
+        extent: Extent::around(&items),
         depth: 0,
+        spare,
     };
-    grow_subtree(items, &mut nodes, place, cancel);
-    nodes
+    let (grown, _) = grow_large(job, items, &set);
+    let mut pieces = vec![Subtree::default()];
+    let root = flatten(grown, &mut pieces);
+    Forest { pieces, root }
 }
 
-/// The subtrees that the wide node at `slot` has as children.
-pub(super) fn children(nodes: &[Binary], slot: usize) -> ([usize; WIDTH], usize) {
-    let mut children = ([0; WIDTH], 0);
-    gather(nodes, slot, WIDTH, &mut children);
-    children
-}
-
-/// Adds the trees of the cheapest forest of at most `trees` over the set at `slot`; of exactly that choice where it is a node's.
-fn gather(nodes: &[Binary], slot: usize, mut trees: usize, found: &mut ([usize; WIDTH], usize)) {
-    let node = &nodes[slot];
-    while trees > 1 && node.choices[trees - 1] == 0 {
-        trees -= 1;
-    }
-    if trees == 1 {
-        found.0[found.1] = slot;
-        found.1 += 1;
-    } else {
-        let first = usize::from(node.choices[trees - 1]);
-        gather(nodes, slot + 1, first, found);
-        gather(nodes, node.second as usize, trees - first, found);
-    }
-}
-
-/// Where a subtree belongs.
+/// Items to grow a tree over: all from `start` on.
 #[derive(Clone, Copy)]
-struct Place {
-    /// Its first slot in the whole tree.
-    slot: usize,
-    /// Its first item among all.
-    first: usize,
+struct Set {
+    start: usize,
+    extent: Extent,
     depth: u32,
+    /// How many items may come about.
+    spare: usize,
 }
 
-fn grow_subtree(
-    items: &mut [Item],
-    nodes: &mut [Binary],
-    place: Place,
-    cancel: &CancelToken,
-) -> ForestCosts {
-    let count = items.len();
-    let boxes = items.iter().map(|item| item.bounds);
-    let bounds = boxes.fold(Bounds::EMPTY, Bounds::union);
-    let mut node = Binary {
-        bounds,
-        first: number(place.first),
-        count: number(count),
-        ..Binary::NONE
-    };
-    let area = half_area(&bounds);
-    let leaf = if count <= LARGEST_LEAF {
+impl Set {
+    fn divide(&self, job: &Job, items: &mut Vec<Item>) -> Divided {
+        if self.depth >= HALVED_FROM {
+            halved(&mut items[self.start..], self.start, &self.extent)
+        } else {
+            divide(job.triangles, items, self.start, &self.extent, self.spare)
+        }
+    }
+
+    /// Both parts, in the order of the items.
+    fn parts(&self, divided: &Divided, end: usize) -> [Self; 2] {
+        let (count, left) = (end - self.start, divided.middle - self.start);
+        let spare = self.spare.saturating_sub(divided.added);
+        let spare_of_left = ((spare as u64 * left as u64) / count as u64) as usize;
+        [0, 1].map(|side| Self {
+            start: [self.start, divided.middle][side],
+            extent: divided.sides[side],
+            depth: self.depth + 1,
+            spare: [spare_of_left, spare - spare_of_left][side],
+        })
+    }
+}
+
+/// A set's expected cost as one leaf.
+fn leaf_cost(area: f64, count: usize) -> f64 {
+    if count <= LARGEST_LEAF {
         area * BLOCK_COST * count.div_ceil(LANES) as f64
     } else {
         f64::INFINITY
-    };
-    if count <= SMALLEST || cancel.is_cancelled() {
-        nodes[0] = node;
-        return [leaf; WIDTH - 1];
     }
-
-    let middle = divide(items, place.depth >= HALVED_FROM);
-    let (left, right) = items.split_at_mut(middle);
-    let (parent, rest) = nodes.split_at_mut(1);
-    let (left_nodes, right_nodes) = rest.split_at_mut(2 * middle - 1);
-    let at_left = Place {
-        slot: place.slot + 1,
-        depth: place.depth + 1,
-        ..place
-    };
-    let at_right = Place {
-        slot: place.slot + 2 * middle,
-        first: place.first + middle,
-        depth: place.depth + 1,
-    };
-    node.second = number(at_right.slot);
-    let mut grow_left = || grow_subtree(left, left_nodes, at_left, cancel);
-    let mut grow_right = || grow_subtree(right, right_nodes, at_right, cancel);
-    let (left, right) = if count >= PARALLEL_FROM {
-        rayon::join(grow_left, grow_right)
-    } else {
-        (grow_left(), grow_right())
-    };
-
-    let (costs, choices) = cheapest_forests(leaf, area * NODE_COST, &left, &right);
-    node.choices = choices;
-    parent[0] = node;
-    costs
 }
 
-/// The forests over a set with two children, by what the forests over those cost.
-///
-/// Source: Ylitie, Karras, Laine, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, HPG 2017, 3.1.
-fn cheapest_forests(
-    leaf: f64,
-    node: f64,
-    left: &ForestCosts,
-    right: &ForestCosts,
-) -> (ForestCosts, [u8; WIDTH]) {
-    let mut choices = [0; WIDTH];
-    // For at least two trees: so many for the first child, the others for the second.
-    let mut split = |trees: usize| {
-        let mut best = f64::INFINITY;
-        for of_left in 1..trees {
-            let cost = left[of_left - 1] + right[trees - of_left - 1];
-            if cost < best || of_left == 1 {
-                best = cost;
-                choices[trees - 1] = u8::try_from(of_left).expect("at most eight");
+/// A tree that was grown.
+enum Grown {
+    Fork(Binary, Box<[Grown; 2]>),
+    Subtree(Subtree),
+}
+
+fn grow_large(job: &Job, mut items: Vec<Item>, set: &Set) -> (Grown, ForestCosts) {
+    let count = items.len();
+    if count < PARALLEL_FROM || job.cancel.is_cancelled() {
+        let mut growing = Growing {
+            job,
+            items,
+            subtree: Subtree::default(),
+        };
+        let costs = growing.grow(set);
+        return (Grown::Subtree(growing.subtree), costs);
+    }
+    let divided = set.divide(job, &mut items);
+    let [left, right] = set.parts(&divided, items.len());
+    let right_items = items.split_off(divided.middle);
+    items.shrink_to_fit();
+    let right = Set { start: 0, ..right };
+    let ((left, left_costs), (right, right_costs)) = rayon::join(
+        || grow_large(job, items, &left),
+        || grow_large(job, right_items, &right),
+    );
+    let bounds = set.extent.bounds();
+    let area = half_area(&bounds);
+    let children = [left_costs, right_costs];
+    let (costs, choices) = cheapest_forests(leaf_cost(area, count), area * NODE_COST, &children);
+    let fork = Binary {
+        bounds,
+        first: 0,
+        count: number(count),
+        second: 0,
+        choices,
+    };
+    (Grown::Fork(fork, Box::new([left, right])), costs)
+}
+
+/// Adds a tree to the pieces, of which the first is the top.
+fn flatten(grown: Grown, pieces: &mut Vec<Subtree>) -> Slot {
+    match grown {
+        Grown::Subtree(subtree) => {
+            pieces.push(subtree);
+            Slot {
+                piece: number(pieces.len() - 1),
+                index: 0,
             }
         }
-        best
-    };
-    let mut costs = [0.0; WIDTH - 1];
-    for trees in 2..WIDTH {
-        costs[trees - 1] = split(trees);
-    }
-    let node = node + split(WIDTH);
-    costs[0] = leaf.min(node);
-    choices[0] = u8::from(leaf > node || leaf == f64::INFINITY);
-    for trees in 2..WIDTH {
-        if costs[trees - 1] >= costs[trees - 2] {
-            costs[trees - 1] = costs[trees - 2];
-            choices[trees - 1] = 0;
+        Grown::Fork(fork, children) => {
+            let index = pieces[0].nodes.len();
+            pieces[0].nodes.push(fork);
+            let [first, second] = children.map(|child| Link::of(flatten(child, pieces)));
+            pieces[0].nodes[index].first = first;
+            pieces[0].nodes[index].second = second;
+            Slot {
+                piece: 0,
+                index: number(index),
+            }
         }
     }
-    (costs, choices)
+}
+
+/// A subtree that one thread grows.
+struct Growing<'a> {
+    job: &'a Job<'a>,
+    /// The sets that wait, and the one being worked on last.
+    items: Vec<Item>,
+    subtree: Subtree,
+}
+
+impl Growing<'_> {
+    /// Grows a tree over the set, which is taken from the items.
+    fn grow(&mut self, set: &Set) -> ForestCosts {
+        let count = self.items.len() - set.start;
+        if count <= SMALLEST || self.job.cancel.is_cancelled() {
+            let taken = self.items.drain(set.start..);
+            self.subtree.ids.extend(taken.map(|item| item.triangle()));
+            return self.leaf(set, count);
+        }
+        if count <= sweep::LIMIT && set.depth < HALVED_FROM {
+            let mut sorted = Sorted::new(&self.items[set.start..]);
+            let costs = self.grow_sorted(set, &mut sorted, 0..count);
+            self.items.truncate(set.start);
+            return costs;
+        }
+        let divided = set.divide(self.job, &mut self.items);
+        self.grow_parts(set, count, &divided)
+    }
+
+    /// Grows a tree over a set of `count` items that was divided.
+    fn grow_parts(&mut self, set: &Set, count: usize, divided: &Divided) -> ForestCosts {
+        let [left, right] = set.parts(divided, self.items.len());
+        self.fork(set, count, |growing| {
+            // The last one first, as it is taken off the end.
+            let of_right = growing.grow(&right);
+            let second = growing.subtree.nodes.len();
+            ([of_right, growing.grow(&left)], second)
+        })
+    }
+
+    /// Grows a tree over those of the set's items that `sorted` has in `range`.
+    fn grow_sorted(&mut self, set: &Set, sorted: &mut Sorted, range: Range<usize>) -> ForestCosts {
+        let count = range.len();
+        let Set { start, .. } = *set;
+        if count <= SMALLEST {
+            let numbers = sorted.numbers(range).iter();
+            let items = numbers.map(|&number| &self.items[start + usize::from(number)]);
+            self.subtree.ids.extend(items.map(Item::triangle));
+            return self.leaf(set, count);
+        }
+        let sweep = sorted.cheapest(&self.items[start..], range.clone());
+        if set.spare > 0
+            && count > LARGEST_LEAF
+            && sweep.split.overlaps(
+                &set.extent,
+                sorted
+                    .numbers(range.clone())
+                    .iter()
+                    .map(|&n| &self.items[start + usize::from(n)]),
+            )
+        {
+            let first = self.items.len();
+            let apart = Set {
+                start: first,
+                ..*set
+            };
+            let numbers = sorted.numbers(range.clone()).iter();
+            let numbers = numbers.map(|&number| start + usize::from(number));
+            numbers.for_each(|index| self.items.push(self.items[index]));
+            let objects = sweep.split.cost;
+            if let Some(divided) = self.divide_by_plane(&apart, objects) {
+                return self.grow_parts(&apart, count, &divided);
+            }
+            self.items.truncate(first);
+        }
+        sorted.divide(range.clone(), &sweep);
+        let divided = Divided {
+            middle: start + sweep.middle,
+            sides: sweep.split.sides,
+            added: 0,
+        };
+        let parts = set
+            .parts(&divided, start + count)
+            .map(|part| Set { start, ..part });
+        let middle = range.start + sweep.middle;
+        self.fork(set, count, |growing| {
+            let first = growing.grow_sorted(&parts[0], sorted, range.start..middle);
+            let second = growing.subtree.nodes.len();
+            let costs = growing.grow_sorted(&parts[1], sorted, middle..range.end);
+            ([first, costs], second)
+        })
+    }
+
+    fn divide_by_plane(&mut self, set: &Set, objects: f32) -> Option<Divided> {
+        let Self { job, items, .. } = self;
+        let Set { start, spare, .. } = *set;
+        let plane = spatial::cheapest(&items[start..], &set.extent, spare, objects)?;
+        plane.divide(job.triangles, items, start, spare)
+    }
+
+    /// A set whose ids were just added, without children.
+    fn leaf(&mut self, set: &Set, count: usize) -> ForestCosts {
+        let bounds = set.extent.bounds();
+        self.subtree.nodes.push(Binary {
+            bounds,
+            first: number(self.subtree.ids.len() - count),
+            count: number(count),
+            second: 0,
+            choices: [0; WIDTH],
+        });
+        [leaf_cost(half_area(&bounds), count); WIDTH - 1]
+    }
+
+    /// A set with two children that `grow` adds; it returns their costs and where the second one is.
+    fn fork(
+        &mut self,
+        set: &Set,
+        count: usize,
+        grow: impl FnOnce(&mut Self) -> ([ForestCosts; 2], usize),
+    ) -> ForestCosts {
+        let bounds = set.extent.bounds();
+        let index = self.subtree.nodes.len();
+        self.subtree.nodes.push(Binary {
+            bounds,
+            first: number(self.subtree.ids.len()),
+            count: number(count),
+            second: 0,
+            choices: [0; WIDTH],
+        });
+        let (children, second) = grow(self);
+        let area = half_area(&bounds);
+        let (costs, choices) =
+            cheapest_forests(leaf_cost(area, count), area * NODE_COST, &children);
+        let node = &mut self.subtree.nodes[index];
+        node.second = number(second);
+        node.choices = choices;
+        costs
+    }
 }

@@ -1,159 +1,130 @@
-//! Where to divide a set of boxes in two.
+//! Where to divide a set in two, and doing so.
 
-use super::Item;
-use crate::accel::half_area;
+use super::item::{Extent, Item};
+use super::{bins, spatial};
 use crate::accel::simd::LANES;
-use crate::math::Bounds;
+use crate::geometry::Triangle;
+use rayon::prelude::*;
 
-/// Sets of up to this many try every division along each axis; larger ones those between [`BINS`] slices.
-const EXACT_LIMIT: usize = 256;
+/// Items handled at a time by one thread, and between two looks at the cancel token.
+pub(super) const CHUNK: usize = 1 << 14;
 
-const BINS: usize = 64;
+/// Space is divided only where the boxes on both sides of the best division by objects share at least this part of the set's
+/// box along every axis,
+const SHARE_FROM: f32 = 0.02;
 
-/// Rearranges at least two items and returns where to divide them: where the surface area heuristic, with what the blocks
-/// cost that the triangles fill, is least among divisions by the boxes' centres. In the middle where all centres coincide
-/// or `halve` asks for it.
-#[inline(never)]
-pub(super) fn divide(items: &mut [Item], halve: bool) -> usize {
-    if halve {
-        let centers = Bounds::of_points(items.iter().map(Item::center));
-        let (axis, middle) = (centers.size().max_position(), items.len() / 2);
-        items.select_nth_unstable_by(middle, |a, b| a.order(b, axis));
-        middle
-    } else if items.len() <= EXACT_LIMIT {
-        divide_sorted(items)
-    } else {
-        divide_binned(items).unwrap_or(items.len() / 2)
-    }
+/// and where that part, times how many items' boxes a ray through the set's box is expected to meet, is at least this. On
+/// smooth meshes it is about 2 of them, on soups hundreds.
+const SHARE_OF_BOXES_FROM: f32 = 1.0;
+
+/// A division of a set, and what the surface area heuristic expects of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split {
+    /// In half areas times blocks.
+    pub cost: f32,
+    /// The boxes of both parts.
+    pub sides: [Extent; 2],
 }
 
-/// What a set of `count` triangles in `bounds` costs by the heuristic, up to a factor: blocks are tested as a whole.
-fn cost(bounds: &Bounds, count: usize) -> f64 {
-    half_area(bounds) * count.div_ceil(LANES) as f64
-}
-
-fn divide_sorted(items: &mut [Item]) -> usize {
-    let count = items.len();
-    let mut best = (f64::INFINITY, 2, count / 2);
-    let mut after = [0.0; EXACT_LIMIT];
-    for axis in 0..3 {
-        items.sort_unstable_by(|a, b| a.order(b, axis));
-        let mut right = Bounds::EMPTY;
-        for (index, item) in items.iter().enumerate().rev() {
-            right = right.union(item.bounds);
-            after[index] = cost(&right, count - index);
+impl Split {
+    /// Whether dividing space may be better: where the boxes of both parts share much, and a ray through the set meets the
+    /// boxes of many items.
+    pub fn overlaps<'a>(&self, whole: &Extent, items: impl Iterator<Item = &'a Item>) -> bool {
+        let [left, right] = &self.sides;
+        let shared = left.intersection(right);
+        let shares = (shared.high - shared.low) / (whole.high - whole.low);
+        // NaN along an axis across which all is flat.
+        let share = shares.truncate().to_array().into_iter().fold(1.0, f32::min);
+        if share < SHARE_FROM {
+            return false;
         }
-        let mut left = Bounds::EMPTY;
-        for (index, item) in items[..count - 1].iter().enumerate() {
-            left = left.union(item.bounds);
-            let sum = cost(&left, index + 1) + after[index + 1];
-            if sum < best.0 {
-                best = (sum, axis, index + 1);
-            }
-        }
+        let areas: f32 = items.map(|item| item.extent().half_area()).sum();
+        share * areas > SHARE_OF_BOXES_FROM * whole.half_area()
     }
-    let (_, axis, middle) = best;
-    if axis != 2 {
-        items.sort_unstable_by(|a, b| a.order(b, axis));
-    }
-    middle
 }
 
-#[derive(Clone, Copy)]
-struct Bin {
-    bounds: Bounds,
-    count: usize,
+/// What a set of `count` items in `extent` costs by the heuristic, up to a factor: blocks are tested as a whole.
+#[inline]
+pub(super) fn cost(extent: &Extent, count: usize) -> f32 {
+    extent.half_area() * count.div_ceil(LANES) as f32
 }
 
-impl Bin {
-    const EMPTY: Self = Self {
-        bounds: Bounds::EMPTY,
-        count: 0,
+/// Folds large sets in parallel, always in the same order.
+pub(super) fn folded<T: Send>(
+    items: &[Item],
+    fold: impl Fn(&[Item]) -> T + Send + Sync,
+    join: impl Fn(&mut T, &T),
+) -> T {
+    if items.len() <= CHUNK {
+        return fold(items);
+    }
+    let parts: Vec<T> = items.par_chunks(CHUNK).map(fold).collect();
+    let mut parts = parts.into_iter();
+    let mut all = parts.next().expect("there are items");
+    parts.for_each(|part| join(&mut all, &part));
+    all
+}
+
+/// A set that was divided: where its second part begins, both boxes, and how many items came to it.
+pub(super) struct Divided {
+    pub middle: usize,
+    pub sides: [Extent; 2],
+    pub added: usize,
+}
+
+/// Divides the items from `start` on, of which `spare` more may come about.
+pub(super) fn divide(
+    triangles: &[Triangle],
+    items: &mut Vec<Item>,
+    start: usize,
+    extent: &Extent,
+    spare: usize,
+) -> Divided {
+    let set = &mut items[start..];
+    let Some((split, is_left)) = bins::cheapest(set) else {
+        return halved(set, start, extent);
     };
-
-    fn union(self, other: Self) -> Self {
-        Self {
-            bounds: self.bounds.union(other.bounds),
-            count: self.count + other.count,
+    if spare > 0 && split.overlaps(extent, set.iter()) {
+        let plane = spatial::cheapest(set, extent, spare, split.cost);
+        if let Some(divided) = plane.and_then(|plane| plane.divide(triangles, items, start, spare))
+        {
+            return divided;
         }
     }
-
-    fn cost(&self) -> f64 {
-        cost(&self.bounds, self.count)
+    Divided {
+        middle: start + partition(&mut items[start..], is_left),
+        sides: split.sides,
+        added: 0,
     }
 }
 
-/// Which slice along an axis a box's centre lies in.
-struct Slices {
-    start: f32,
-    per_length: f32,
-}
-
-impl Slices {
-    fn bin(&self, center: f32) -> usize {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "saturates, and the centre is not before the start"
-        )]
-        let bin = ((center - self.start) * self.per_length) as usize;
-        bin.min(BINS - 1)
-    }
-}
-
-/// `None` where no axis tells the centres apart.
-fn divide_binned(items: &mut [Item]) -> Option<usize> {
-    let centers = Bounds::of_points(items.iter().map(Item::center));
-    let slices = [0, 1, 2].map(|axis: usize| Slices {
-        start: centers.min[axis],
-        // Infinite for centres that coincide: 0 · ∞ is NaN, which is in the first slice.
-        per_length: BINS as f32 / (centers.max[axis] - centers.min[axis]),
+/// Divides a set into two equally large ones, by the boxes' centres along the set's longest side.
+pub(super) fn halved(set: &mut [Item], start: usize, extent: &Extent) -> Divided {
+    let middle = set.len() / 2;
+    let axis = extent.bounds().size().max_position();
+    set.select_nth_unstable_by(middle, |a, b| {
+        let [a_center, b_center] = [a, b].map(|item| item.doubled_center()[axis]);
+        a_center
+            .total_cmp(&b_center)
+            .then(a.triangle().cmp(&b.triangle()))
     });
-    let mut bins = [[Bin::EMPTY; BINS]; 3];
-    for item in &*items {
-        let center = item.center();
-        for axis in 0..3 {
-            let bin = &mut bins[axis][slices[axis].bin(center[axis])];
-            bin.bounds = bin.bounds.union(item.bounds);
-            bin.count += 1;
-        }
+    let (left, right) = set.split_at(middle);
+    Divided {
+        middle: start + middle,
+        sides: [Extent::around(left), Extent::around(right)],
+        added: 0,
     }
-
-    let mut best = (f64::INFINITY, None);
-    for (axis, bins) in bins.iter().enumerate() {
-        let mut after = [Bin::EMPTY; BINS];
-        let mut right = Bin::EMPTY;
-        for (index, bin) in bins.iter().enumerate().rev() {
-            right = right.union(*bin);
-            after[index] = right;
-        }
-        let mut left = Bin::EMPTY;
-        for (index, bin) in bins[..BINS - 1].iter().enumerate() {
-            left = left.union(*bin);
-            let right = &after[index + 1];
-            if left.count == 0 || right.count == 0 {
-                continue;
-            }
-            let sum = left.cost() + right.cost();
-            if sum < best.0 {
-                best = (sum, Some((axis, index)));
-            }
-        }
-    }
-    let (axis, last_left) = best.1?;
-    Some(partition(items, |item| {
-        slices[axis].bin(item.center()[axis]) <= last_left
-    }))
 }
 
 /// Moves the items for which `is_left` holds to the front; returns how many there are.
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
     let mut middle = 0;
     for index in 0..items.len() {
-        if is_left(&items[index]) {
-            items.swap(index, middle);
-            middle += 1;
-        }
+        let item = items[index];
+        // Without a branch, which could not be foreseen.
+        items[index] = items[middle];
+        items[middle] = item;
+        middle += usize::from(is_left(&item));
     }
     middle
 }

@@ -1,0 +1,123 @@
+//! Trees whose builder divided space.
+
+use super::*;
+use crate::accel::BruteForce;
+use crate::accel::tests::{bits, rays};
+use crate::geometry::shapes::Random;
+use crate::math::{DVec3, Vec3};
+
+fn tree(triangles: &[Triangle]) -> WideTree {
+    WideTree::build(triangles, &CancelToken::new()).expect("nobody cancels")
+}
+
+/// Triangles of which every other one is long and thin.
+fn long_and_short(count: usize, seed: u64) -> Vec<Triangle> {
+    let mut random = Random::new(seed);
+    let triangle = |index: usize| {
+        let center = random.in_cube();
+        let [a, b] = [0, 1].map(|_| random.in_cube() * 0.05);
+        let others = if index.is_multiple_of(2) {
+            [a, b]
+        } else {
+            [a * 12.0, a * 6.0 + b * 0.05]
+        };
+        let [b, c] = others.map(|other| center + other);
+        Triangle {
+            corners: [center, b, c].map(|corner: DVec3| corner.as_vec3()),
+        }
+    };
+    (0..count).map(triangle).collect()
+}
+
+/// Two walls whose boxes hold everything, in the midst of small triangles.
+fn large_and_small(count: usize) -> Vec<Triangle> {
+    let mut triangles = long_and_short(count, 2);
+    for z in [-0.1_f32, 0.1] {
+        let corners = [[-1.0, -1.0, -1.0], [1.0, -0.9, z], [0.9, 1.0, 1.0]];
+        triangles.push(Triangle {
+            corners: corners.map(Vec3::from),
+        });
+    }
+    triangles
+}
+
+fn references_per_triangle(tree: &WideTree) -> f64 {
+    let quality = tree.quality();
+    quality.references as f64 / quality.triangles as f64
+}
+
+/// From points on the sides of boxes, in all directions, along axes and within the sides; and to such points.
+fn rays_at_box_sides(tree: &WideTree) -> Vec<Ray> {
+    let mut random = Random::new(3);
+    let mut rays = Vec::new();
+    for node in tree.nodes.iter().take(400) {
+        for lane in 0..node.children.len() {
+            let Bounds { min, max } = node.bounds(lane);
+            if node.children[lane] == Child::NONE {
+                continue;
+            }
+            let share = (random.in_cube() * 0.5 + 0.5).as_vec3();
+            let mut origin = min + (max - min) * share;
+            let axis = lane % 3;
+            origin[axis] = if lane.is_multiple_of(2) {
+                min[axis]
+            } else {
+                max[axis]
+            };
+            let any = random.in_cube().as_vec3();
+            let mut within = any;
+            within[axis] = 0.0;
+            rays.extend([
+                Ray::new(origin, any),
+                Ray::new(origin, -any),
+                Ray::new(origin, within),
+                Ray::new(origin, Vec3::AXES[axis]),
+                Ray::new(origin, -Vec3::AXES[axis]),
+                Ray::new(origin + any * 2.0, -any),
+            ]);
+        }
+    }
+    rays
+}
+
+#[test]
+fn cut_triangles_are_hit_as_by_brute_force() {
+    for (name, triangles) in [
+        ("long and short", long_and_short(15_000, 1)),
+        ("large and small", large_and_small(8000)),
+    ] {
+        let tree = tree(&triangles);
+        tree.validate()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let references = references_per_triangle(&tree);
+        assert!(references > 1.04, "{name}: {references} references");
+        let all = BruteForce::new(triangles.clone());
+        let mut hits = 0;
+        let rays = rays(&triangles, 5)
+            .into_iter()
+            .chain(rays_at_box_sides(&tree));
+        for ray in rays.step_by(4) {
+            let expected = all.intersect(&ray, f32::INFINITY);
+            let found = tree.intersect(&ray, f32::INFINITY);
+            assert_eq!(bits(found), bits(expected), "{name}: {ray:?}");
+            assert_eq!(
+                tree.occluded(&ray, f32::INFINITY),
+                expected.is_some(),
+                "{name}: {ray:?}"
+            );
+            hits += usize::from(expected.is_some());
+        }
+        assert!(hits > 1000, "{name}: only {hits} hits");
+    }
+}
+
+#[test]
+fn what_is_cut_pays() {
+    let triangles = long_and_short(20_000, 4);
+    let tree = tree(&triangles);
+    let bytes = tree.bytes() / triangles.len();
+    assert!(bytes <= 80, "{bytes} bytes per triangle");
+    // Without cuts it is 55.
+    let cost = tree.quality().sah_cost;
+    assert!(cost < 45.0, "a cost of {cost}");
+}
