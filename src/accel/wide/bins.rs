@@ -48,7 +48,7 @@ impl Slices {
                 }
                 centers
             },
-            |all, other| all.grow(other),
+            Extent::grow,
         );
         Self {
             start: centers.low,

@@ -74,7 +74,8 @@ impl Set {
     fn parts(&self, divided: &Divided, end: usize) -> [Self; 2] {
         let (count, left) = (end - self.start, divided.middle - self.start);
         let spare = self.spare.saturating_sub(divided.added);
-        let spare_of_left = ((spare as u64 * left as u64) / count as u64) as usize;
+        let spare_of_left = spare as u64 * left as u64 / count as u64;
+        let spare_of_left = usize::try_from(spare_of_left).expect("no more than is spare");
         [0, 1].map(|side| Self {
             start: [self.start, divided.middle][side],
             extent: divided.sides[side],

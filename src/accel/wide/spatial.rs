@@ -76,12 +76,12 @@ impl Slices {
                 bins[first].begin += 1;
                 bins[last].end += 1;
                 let mut rest = *item.extent();
-                for slice in first..last {
+                for (slice, bin) in (first..last).zip(&mut bins[first..]) {
                     let plane = self.position(axis, slice + 1);
                     let mut part = rest;
                     part.high[axis] = plane;
                     rest.low[axis] = plane;
-                    bins[slice].extent.grow(&part);
+                    bin.extent.grow(&part);
                 }
                 bins[last].extent.grow(&rest);
             }

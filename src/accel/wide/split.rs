@@ -120,11 +120,9 @@ pub(super) fn halved(set: &mut [Item], start: usize, extent: &Extent) -> Divided
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
     let mut middle = 0;
     for index in 0..items.len() {
-        let item = items[index];
         // Without a branch, which could not be foreseen.
-        items[index] = items[middle];
-        items[middle] = item;
-        middle += usize::from(is_left(&item));
+        items.swap(index, middle);
+        middle += usize::from(is_left(&items[middle]));
     }
     middle
 }
