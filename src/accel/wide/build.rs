@@ -22,9 +22,6 @@ use std::ops::Range;
 pub(super) const NODE_COST: f64 = 1.0;
 pub(super) const BLOCK_COST: f64 = 0.6;
 
-/// Sets this small are not divided: their triangles fill part of one block.
-const SMALLEST: usize = 4;
-
 /// From this depth on sets are halved, so that no tree is much deeper.
 const HALVED_FROM: u32 = 40;
 
@@ -170,7 +167,7 @@ impl Growing<'_> {
     /// Grows a tree over the set, which is taken from the items.
     fn grow(&mut self, set: &Set) -> ForestCosts {
         let count = self.items.len() - set.start;
-        if count <= SMALLEST || self.job.cancel.is_cancelled() {
+        if count <= LANES || self.job.cancel.is_cancelled() {
             let taken = self.items.drain(set.start..);
             self.subtree.ids.extend(taken.map(|item| item.triangle()));
             return self.leaf(set, count);
@@ -200,7 +197,7 @@ impl Growing<'_> {
     fn grow_sorted(&mut self, set: &Set, sorted: &mut Sorted, range: Range<usize>) -> ForestCosts {
         let count = range.len();
         let Set { start, .. } = *set;
-        if count <= SMALLEST {
+        if count <= LANES {
             let numbers = sorted.numbers(range).iter();
             let items = numbers.map(|&number| &self.items[start + usize::from(number)]);
             self.subtree.ids.extend(items.map(Item::triangle));

@@ -49,7 +49,7 @@ const LARGEST_LEAF: usize = 2 * LANES;
 
 /// How many references divisions of space may add per five triangles. A soup of slivers then takes less than 80 bytes per
 /// triangle.
-const ADDED_PER_FIVE: usize = 3;
+const ADDED_PER_FIVE: usize = 4;
 
 /// The tree of eight-wide nodes.
 #[derive(Clone, Debug)]
@@ -69,7 +69,7 @@ pub struct WideTree {
 impl WideTree {
     /// Builds the tree; `None` when cancelled. The result depends on the triangles alone, not on the number of threads.
     ///
-    /// Takes time in proportion to `n log n` for any `n` triangles, of which leaves hold at most 1.6 n. Those that are not finite, which no ray hits, are
+    /// Takes time in proportion to `n log n` for any `n` triangles, of which leaves hold at most 1.8 n. Those that are not finite, which no ray hits, are
     /// in no leaf.
     ///
     /// # Panics
