@@ -413,7 +413,7 @@ fn bench_measures_every_structure_on_the_same_rays() {
     assert!(rays[1..].iter().all(|set| set["rays"] == hits));
 
     let structures = facts["structures"].as_array().expect("a list");
-    let names = ["wide", "kd-tree", "brute-force"];
+    let names = ["wide", "wide-fast", "kd-tree", "brute-force"];
     assert!(
         structures
             .iter()

@@ -42,7 +42,7 @@ pub use kd::{KdParameters, KdStatistics, KdTree};
 pub use packet::{Packet, PacketHits};
 pub use placed::{AimingError, PlacedTriangle};
 pub use quality::{StructureQuality, Visits};
-pub use wide::WideTree;
+pub use wide::{BuildQuality, WideTree};
 
 use crate::geometry::{Triangle, TriangleHit};
 use crate::math::{Bounds, Ray};

@@ -114,16 +114,12 @@ impl Assembly {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::{rays, scenes};
-    use crate::accel::{KdParameters, KdTree, WideTree};
-    use crate::control::CancelToken;
+    use crate::accel::tests::{kd_tree, rays, scenes, wide_tree};
 
     fn structures(triangles: &[crate::geometry::Triangle]) -> [Accelerator; 3] {
-        let cancel = CancelToken::new();
-        let kd = KdTree::build(triangles, &KdParameters::default(), &cancel);
         [
-            Accelerator::Wide(WideTree::build(triangles, &cancel).expect("nobody cancels")),
-            Accelerator::KdTree(kd.expect("nobody cancels")),
+            Accelerator::Wide(wide_tree(triangles)),
+            Accelerator::KdTree(kd_tree(triangles)),
             Accelerator::BruteForce(BruteForce::new(triangles.to_vec())),
         ]
     }

@@ -79,20 +79,15 @@ impl<T: Tree> Query for CountVisits<'_, T> {
 mod tests {
     use super::*;
     use crate::accel::simd::{self, Portable};
-    use crate::accel::tests::{rays, scenes};
-    use crate::accel::{KdParameters, KdTree, WideTree};
-    use crate::control::CancelToken;
+    use crate::accel::tests::{kd_tree, rays, scenes, wide_tree};
 
     /// On machines without wide instructions, the same code twice.
     #[test]
     fn wide_instructions_answer_with_the_same_bits() {
         for (name, triangles) in scenes() {
-            let cancel = CancelToken::new();
-            let kd = KdTree::build(&triangles, &KdParameters::default(), &cancel);
-            let wide = WideTree::build(&triangles, &cancel);
             let rays = rays(&triangles, 9);
-            assert_same_answers(name, &kd.expect("nobody cancels"), &rays);
-            assert_same_answers(name, &wide.expect("nobody cancels"), &rays);
+            assert_same_answers(name, &kd_tree(&triangles), &rays);
+            assert_same_answers(name, &wide_tree(&triangles), &rays);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The trees against brute force, bit for bit, on rays and scenes chosen to be hard.
 
 use super::*;
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{RayKernel, TriangleMesh};
 use crate::math::{DVec3, SceneFrame, Vec3, power_of_two, robust};
@@ -95,13 +95,19 @@ pub(super) fn scenes() -> Vec<(&'static str, Vec<Triangle>)> {
     scenes
 }
 
-fn kd_tree(triangles: &[Triangle]) -> KdTree {
+pub(super) fn kd_tree(triangles: &[Triangle]) -> KdTree {
     let tree = KdTree::build(triangles, &KdParameters::default(), &CancelToken::new());
     tree.expect("nobody cancels")
 }
 
-fn wide_tree(triangles: &[Triangle]) -> WideTree {
-    WideTree::build(triangles, &CancelToken::new()).expect("nobody cancels")
+pub(super) fn wide_tree(triangles: &[Triangle]) -> WideTree {
+    WideTree::build(
+        triangles,
+        BuildQuality::Best,
+        &CancelToken::new(),
+        &Progress::new(),
+    )
+    .expect("nobody cancels")
 }
 
 /// Every structure but the reference.
@@ -714,7 +720,7 @@ fn a_cancelled_build_returns_nothing() {
     let cancel = CancelToken::new();
     cancel.cancel();
     assert!(KdTree::build(&triangles, &KdParameters::default(), &cancel).is_none());
-    assert!(WideTree::build(&triangles, &cancel).is_none());
+    assert!(WideTree::build(&triangles, BuildQuality::Best, &cancel, &Progress::new()).is_none());
 }
 
 /// The build would run for minutes; ten seconds is far more than a cancelled one needs on any machine.

@@ -110,6 +110,7 @@ pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
     };
     a.objects.len() == b.objects.len()
         && a.render.accelerator == b.render.accelerator
+        && a.render.accelerator_build == b.render.accelerator_build
         && a.objects
             .iter()
             .zip(&b.objects)

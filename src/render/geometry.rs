@@ -8,12 +8,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::accel::{
-    Accelerator, Assembly, BruteForce, KdParameters, KdTree, Part, PlacedTriangle, WideTree,
+    Accelerator, Assembly, BruteForce, BuildQuality, KdParameters, KdTree, Part, PlacedTriangle,
+    WideTree,
 };
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, TriangleMesh, corner_normals};
 use crate::math::{Degrees, SceneFrame, Vec3};
-use crate::scene::{AcceleratorChoice, Placement, Scene, SceneError};
+use crate::scene::{AcceleratorBuild, AcceleratorChoice, Placement, Scene, SceneError};
 use origin::{GeometryOrigin, ObjectShape};
 use shared::SharedMeshes;
 
@@ -60,6 +61,7 @@ impl ShadingNormals {
 impl PreparedGeometry {
     /// Places and narrows the scene's triangles and builds their acceleration structure; gives back `previous` where it was
     /// made from the same objects, and keeps its shared meshes where objects only moved. `None` when cancelled.
+    /// `progress` counts the triangles that structures are built over.
     ///
     /// # Errors
     /// A mesh that is not loaded, or more triangles than can be numbered.
@@ -67,6 +69,7 @@ impl PreparedGeometry {
         scene: &Scene,
         previous: Option<&Arc<Self>>,
         cancel: &CancelToken,
+        progress: &Progress,
     ) -> Result<Option<Arc<Self>>, SceneError> {
         let origin = GeometryOrigin::of(scene)?;
         if let Some(previous) = previous.filter(|previous| previous.origin == origin) {
@@ -78,8 +81,10 @@ impl PreparedGeometry {
         }
         let frame = SceneFrame::around(&scene.measured_bounds()?);
         let previous = previous.map(|previous| &previous.shared);
-        let shared = SharedMeshes::prepare(&origin, previous, cancel);
-        Ok(shared.and_then(|shared| Self::assemble(origin, frame, shared, cancel).map(Arc::new)))
+        let Some(shared) = SharedMeshes::prepare(&origin, previous, cancel, progress) else {
+            return Ok(None);
+        };
+        Ok(Self::assemble(origin, frame, shared, cancel, progress).map(Arc::new))
     }
 
     fn assemble(
@@ -87,6 +92,7 @@ impl PreparedGeometry {
         frame: SceneFrame,
         shared: SharedMeshes,
         cancel: &CancelToken,
+        progress: &Progress,
     ) -> Option<Self> {
         let mut triangles = Vec::new();
         let mut parts = Vec::with_capacity(origin.objects.len());
@@ -116,7 +122,7 @@ impl PreparedGeometry {
             });
             start += count;
         }
-        let flat = build_structure(origin.structure, triangles, cancel)?;
+        let flat = build_structure(origin.structure, triangles, cancel, progress)?;
         Some(Self {
             frame,
             accelerator: Assembly::new(flat, shared.structures(), parts),
@@ -169,26 +175,44 @@ impl PreparedGeometry {
     }
 }
 
-/// The structure of that choice over `triangles`; `None` when cancelled.
+/// Which structure is built, and how carefully.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StructureChoice {
+    /// Which.
+    pub kind: AcceleratorChoice,
+    /// How the wide tree is built.
+    pub build: AcceleratorBuild,
+}
+
+/// The structure of that choice over `triangles`; `None` when cancelled. `progress` advances by their number altogether.
 ///
 /// # Panics
 /// When there are more triangles than the structure can number.
 #[must_use]
 pub fn build_structure(
-    structure: AcceleratorChoice,
+    structure: StructureChoice,
     triangles: Vec<Triangle>,
     cancel: &CancelToken,
+    progress: &Progress,
 ) -> Option<Accelerator> {
-    match structure {
-        AcceleratorChoice::BruteForce => Some(Accelerator::BruteForce(BruteForce::new(triangles))),
+    let count = triangles.len() as u64;
+    let quality = match structure.build {
+        AcceleratorBuild::Best => BuildQuality::Best,
+        AcceleratorBuild::Fast => BuildQuality::Fast,
+    };
+    let built = match structure.kind {
         AcceleratorChoice::Auto | AcceleratorChoice::Wide => {
-            WideTree::build(&triangles, cancel).map(Accelerator::Wide)
+            let tree = WideTree::build(&triangles, quality, cancel, progress)?;
+            return Some(Accelerator::Wide(tree));
         }
         AcceleratorChoice::KdTree => {
             let tree = KdTree::build(&triangles, &KdParameters::default(), cancel)?;
-            Some(Accelerator::KdTree(tree))
+            Accelerator::KdTree(tree)
         }
-    }
+        AcceleratorChoice::BruteForce => Accelerator::BruteForce(BruteForce::new(triangles)),
+    };
+    progress.advance(count);
+    Some(built)
 }
 
 /// Appends all copies of a mesh; `None` when cancelled.

@@ -36,7 +36,9 @@ mod surface;
 mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
-pub use geometry::{PreparedGeometry, PreparedObject, ShadingNormals, build_structure};
+pub use geometry::{
+    PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
+};
 pub use image::Image;
 pub use layers::Layer;
 pub use prepare::PreparedScene;

@@ -18,7 +18,7 @@ use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::Specular;
 use super::surface::SurfacePoint;
 use crate::accel::{Assembly, Fan, Hit, Packet};
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
 
@@ -79,9 +79,23 @@ impl PreparedScene {
         previous: Option<&Self>,
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
+        Self::prepare_watched(scene, previous, cancel, &Progress::new())
+    }
+
+    /// [`Self::prepare`] that tells how far it is: `progress` counts the triangles that structures are built over, which takes
+    /// nearly all the time.
+    ///
+    /// # Errors
+    /// What about the description cannot be rendered.
+    pub fn prepare_watched(
+        scene: &Scene,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<Self>, SceneError> {
         scene.validate()?;
         let known = previous.map(|previous| &previous.geometry);
-        let Some(geometry) = PreparedGeometry::prepare(scene, known, cancel)? else {
+        let Some(geometry) = PreparedGeometry::prepare(scene, known, cancel, progress)? else {
             return Ok(None);
         };
         let known = previous.map(|previous| &previous.background);

@@ -184,7 +184,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::control::CancelToken;
+    use crate::control::{CancelToken, Progress};
     use crate::geometry::TriangleMesh;
     use crate::geometry::shapes::{self, Random};
     use crate::math::DVec3;
@@ -229,9 +229,10 @@ mod tests {
                     mesh: "t".into(),
                     ..Object::default()
                 });
-                let geometry = PreparedGeometry::prepare(&scene, None, &CancelToken::new())
-                    .expect("can be rendered")
-                    .expect("nobody cancels");
+                let geometry =
+                    PreparedGeometry::prepare(&scene, None, &CancelToken::new(), &Progress::new())
+                        .expect("can be rendered")
+                        .expect("nobody cancels");
                 let [a, b, c] = geometry.triangle(0).in_scene().corners;
                 let (u, v) = (narrow(next()), narrow(next()));
                 let (u, v) = if u + v > 1.0 {
@@ -310,9 +311,10 @@ mod tests {
                 },
                 ..Object::default()
             });
-            let geometry = PreparedGeometry::prepare(&scene, None, &CancelToken::new())
-                .expect("can be rendered")
-                .expect("nobody cancels");
+            let geometry =
+                PreparedGeometry::prepare(&scene, None, &CancelToken::new(), &Progress::new())
+                    .expect("can be rendered")
+                    .expect("nobody cancels");
             let accelerator = geometry.accelerator();
             assert!(accelerator.copies_of(0).is_some());
             let size = geometry.frame().scale() * scale.abs();

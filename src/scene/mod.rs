@@ -28,8 +28,8 @@ pub use material::Material;
 pub use object::{Copies, Object, Placement};
 pub use radiance_map::RadianceMap;
 pub use settings::{
-    AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel, RenderSettings,
-    Shadows,
+    AcceleratorBuild, AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel,
+    RenderSettings, Shadows,
 };
 
 /// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.

@@ -1,6 +1,5 @@
 use super::*;
-use crate::accel::{BruteForce, KdParameters, KdTree, WideTree};
-use crate::control::CancelToken;
+use crate::accel::{BruteForce, tests};
 use crate::geometry::{Triangle, TriangleMesh, shapes, shapes::Random};
 use crate::math::{DMat3, SceneFrame, power_of_two};
 
@@ -16,14 +15,12 @@ fn triangles(mesh: &TriangleMesh) -> Vec<Triangle> {
 
 #[expect(clippy::needless_pass_by_value, reason = "as brute force wants it")]
 fn kd_tree(triangles: Vec<Triangle>) -> Accelerator {
-    let tree = KdTree::build(&triangles, &KdParameters::default(), &CancelToken::new());
-    Accelerator::KdTree(tree.expect("nobody cancels"))
+    Accelerator::KdTree(tests::kd_tree(&triangles))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "as brute force wants it")]
 fn wide_tree(triangles: Vec<Triangle>) -> Accelerator {
-    let tree = WideTree::build(&triangles, &CancelToken::new());
-    Accelerator::Wide(tree.expect("nobody cancels"))
+    Accelerator::Wide(tests::wide_tree(&triangles))
 }
 
 fn brute_force(triangles: Vec<Triangle>) -> Accelerator {

@@ -1,5 +1,6 @@
 //! Dividing a large set by objects: each triangle goes to the side its box's centre is on.
 
+use super::build::Job;
 use super::item::{Extent, Item};
 use super::split::{Split, cost, folded};
 use crate::math::Vec4;
@@ -35,11 +36,14 @@ pub(super) struct Slices {
     /// Twice where the first one starts.
     start: Vec4,
     per_length: Vec4,
+    /// The axes along which divisions are tried.
+    axes: &'static [usize],
 }
 
 impl Slices {
-    fn new(items: &[Item]) -> Self {
+    fn new(job: &Job, items: &[Item]) -> Self {
         let centers = folded(
+            job.cancel,
             items,
             |items| {
                 let mut centers = Extent::EMPTY;
@@ -50,34 +54,51 @@ impl Slices {
             },
             Extent::grow,
         );
+        let size = centers.high - centers.low;
         Self {
             start: centers.low,
             // Infinite for centres that coincide: 0 · ∞ is NaN, which is in the first slice.
-            per_length: BINS as f32 / (centers.high - centers.low),
+            per_length: BINS as f32 / size,
+            axes: job.quality.axes(size.truncate()),
         }
     }
 
     #[inline]
     fn of(&self, item: &Item) -> [usize; 3] {
-        // The sum with this is rounded to a whole number, which is in its last bits.
-        const WHOLE: f32 = (1 << 23) as f32;
         let position = (item.doubled_center() - self.start) * self.per_length - 0.5;
         let position = position.max(Vec4::ZERO).min(Vec4::splat((BINS - 1) as f32));
         let [x, y, z, _] = (position + WHOLE).to_array();
         [x, y, z].map(|x| x.to_bits() as usize % BINS)
     }
+
+    /// Whether a box's centre lies in the slices up to `last`, by the same arithmetic.
+    #[inline]
+    fn is_up_to(&self, axis: usize, last: f32, item: &Item) -> bool {
+        let Extent { low, high } = item.extent();
+        let center = low[axis] + high[axis];
+        let position = (center - self.start[axis]) * self.per_length[axis] - 0.5;
+        position.max(0.0) + WHOLE <= last + WHOLE
+    }
 }
 
+/// The sum with this is rounded to a whole number, which is in its last bits.
+const WHOLE: f32 = (1 << 23) as f32;
+
 /// The cheapest of the divisions between slices; `None` where no axis tells the centres apart.
-pub(super) fn cheapest(items: &[Item]) -> Option<(Split, impl Fn(&Item) -> bool + use<>)> {
-    let slices = Slices::new(items);
+pub(super) fn cheapest(
+    job: &Job,
+    items: &[Item],
+) -> Option<(Split, impl Fn(&Item) -> bool + use<>)> {
+    let slices = Slices::new(job, items);
     let bins = folded(
+        job.cancel,
         items,
         |items| {
             let mut bins = [[Bin::EMPTY; BINS]; 3];
             for item in items {
-                for (bins, slice) in bins.iter_mut().zip(slices.of(item)) {
-                    let bin = &mut bins[slice];
+                let slice_of = slices.of(item);
+                for &axis in slices.axes {
+                    let bin = &mut bins[axis][slice_of[axis]];
                     bin.extent.grow(item.extent());
                     bin.count += 1;
                 }
@@ -92,7 +113,8 @@ pub(super) fn cheapest(items: &[Item]) -> Option<(Split, impl Fn(&Item) -> bool 
     );
 
     let mut best: Option<(Split, usize, usize)> = None;
-    for (axis, bins) in bins.iter().enumerate() {
+    for &axis in slices.axes {
+        let bins = &bins[axis];
         let mut after = [Bin::EMPTY; BINS];
         let mut right = Bin::EMPTY;
         for (index, bin) in bins.iter().enumerate().rev() {
@@ -114,5 +136,7 @@ pub(super) fn cheapest(items: &[Item]) -> Option<(Split, impl Fn(&Item) -> bool 
         }
     }
     let (split, axis, last_left) = best?;
-    Some((split, move |item: &Item| slices.of(item)[axis] <= last_left))
+    let last_left = last_left as f32;
+    let is_left = move |item: &Item| slices.is_up_to(axis, last_left, item);
+    Some((split, is_left))
 }

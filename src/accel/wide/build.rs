@@ -11,10 +11,10 @@ use super::item::{Extent, Item};
 use super::node::WIDTH;
 use super::split::{Divided, divide, halved};
 use super::sweep::{self, Sorted};
-use super::{LARGEST_LEAF, number, spatial};
+use super::{BuildQuality, LARGEST_LEAF, number, spatial};
 use crate::accel::half_area;
 use crate::accel::simd::LANES;
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::Triangle;
 use std::ops::Range;
 
@@ -25,22 +25,29 @@ pub(super) const BLOCK_COST: f64 = 0.6;
 /// From this depth on sets are halved, so that no tree is much deeper.
 const HALVED_FROM: u32 = 40;
 
+/// Sets of this many items fit into one block and are not divided.
+const SMALLEST: usize = LANES;
+
 /// Sets with fewer items grow on one thread.
 const PARALLEL_FROM: usize = 1 << 12;
 
 /// What all sets of a build have in common.
 pub(super) struct Job<'a> {
     pub triangles: &'a [Triangle],
+    pub quality: BuildQuality,
     pub cancel: &'a CancelToken,
+    /// Counts the triangles whose part of the tree is grown.
+    pub progress: &'a Progress,
 }
 
-/// Grows the tree over the items, to which at most `spare` are added. Not meaningful when cancelled.
-pub(super) fn grow(job: &Job, items: Vec<Item>, spare: usize) -> Forest {
+/// Grows the tree over the items, which lie in `extent`. Not meaningful when cancelled.
+pub(super) fn grow(job: &Job, items: Vec<Item>, extent: Extent) -> Forest {
     let set = Set {
         start: 0,
-        extent: Extent::around(&items),
+        extent,
         depth: 0,
-        spare,
+        spare: job.quality.most_added(items.len()),
+        triangles: items.len(),
     };
     let (grown, _) = grow_large(job, items, &set);
     let mut pieces = vec![Subtree::default()];
@@ -56,28 +63,35 @@ struct Set {
     depth: u32,
     /// How many items may come about.
     spare: usize,
+    /// How many triangles it counts for in the progress.
+    triangles: usize,
 }
 
 impl Set {
     fn divide(&self, job: &Job, items: &mut Vec<Item>) -> Divided {
         if self.depth >= HALVED_FROM {
-            halved(&mut items[self.start..], self.start, &self.extent)
+            halved(job, &mut items[self.start..], self.start, &self.extent)
         } else {
-            divide(job.triangles, items, self.start, &self.extent, self.spare)
+            divide(job, items, self.start, &self.extent, self.spare)
         }
     }
 
     /// Both parts, in the order of the items.
     fn parts(&self, divided: &Divided, end: usize) -> [Self; 2] {
         let (count, left) = (end - self.start, divided.middle - self.start);
-        let spare = self.spare.saturating_sub(divided.added);
-        let spare_of_left = spare as u64 * left as u64 / count as u64;
-        let spare_of_left = usize::try_from(spare_of_left).expect("no more than is spare");
+        // Neither has more than 2²⁹ or 2³⁰.
+        let shares = |whole: usize| {
+            let of_left = whole * left / count;
+            [of_left, whole - of_left]
+        };
+        let spare = shares(self.spare - divided.added);
+        let triangles = shares(self.triangles);
         [0, 1].map(|side| Self {
             start: [self.start, divided.middle][side],
             extent: divided.sides[side],
             depth: self.depth + 1,
-            spare: [spare_of_left, spare - spare_of_left][side],
+            spare: spare[side],
+            triangles: triangles[side],
         })
     }
 }
@@ -106,6 +120,7 @@ fn grow_large(job: &Job, mut items: Vec<Item>, set: &Set) -> (Grown, ForestCosts
             subtree: Subtree::default(),
         };
         let costs = growing.grow(set);
+        job.progress.advance(set.triangles as u64);
         return (Grown::Subtree(growing.subtree), costs);
     }
     let divided = set.divide(job, &mut items);
@@ -167,7 +182,7 @@ impl Growing<'_> {
     /// Grows a tree over the set, which is taken from the items.
     fn grow(&mut self, set: &Set) -> ForestCosts {
         let count = self.items.len() - set.start;
-        if count <= LANES || self.job.cancel.is_cancelled() {
+        if count <= SMALLEST || self.job.cancel.is_cancelled() {
             let taken = self.items.drain(set.start..);
             self.subtree.ids.extend(taken.map(|item| item.triangle()));
             return self.leaf(set, count);
@@ -197,13 +212,14 @@ impl Growing<'_> {
     fn grow_sorted(&mut self, set: &Set, sorted: &mut Sorted, range: Range<usize>) -> ForestCosts {
         let count = range.len();
         let Set { start, .. } = *set;
-        if count <= LANES {
+        if count <= SMALLEST {
             let numbers = sorted.numbers(range).iter();
             let items = numbers.map(|&number| &self.items[start + usize::from(number)]);
             self.subtree.ids.extend(items.map(Item::triangle));
             return self.leaf(set, count);
         }
-        let sweep = sorted.cheapest(&self.items[start..], range.clone());
+        let axes = self.job.quality.axes(set.extent.bounds().size());
+        let sweep = sorted.cheapest(&self.items[start..], range.clone(), axes);
         if set.spare > 0
             && count > LARGEST_LEAF
             && sweep.split.overlaps(
@@ -249,8 +265,8 @@ impl Growing<'_> {
     fn divide_by_plane(&mut self, set: &Set, objects: f32) -> Option<Divided> {
         let Self { job, items, .. } = self;
         let Set { start, spare, .. } = *set;
-        let plane = spatial::cheapest(&items[start..], &set.extent, spare, objects)?;
-        plane.divide(job.triangles, items, start, spare)
+        let plane = spatial::cheapest(job, &items[start..], &set.extent, spare, objects)?;
+        plane.divide(job, items, start, spare)
     }
 
     /// A set whose ids were just added, without children.

@@ -228,16 +228,14 @@ impl<'a, S: Simd> FanWalk<'a, S> {
 mod tests {
     use super::*;
     use crate::accel::simd::{self, Portable};
-    use crate::accel::tests::{rays, scenes};
-    use crate::control::CancelToken;
+    use crate::accel::tests::{rays, scenes, wide_tree};
     use crate::math::Vec3;
 
     /// On machines without wide instructions, the same code twice.
     #[test]
     fn wide_instructions_answer_with_the_same_bits() {
         for (name, triangles) in scenes() {
-            let tree = WideTree::build(&triangles, &CancelToken::new());
-            let tree = &tree.expect("nobody cancels");
+            let tree = &wide_tree(&triangles);
             for rays in rays(&triangles, 13).chunks(20) {
                 let directions: Vec<_> = rays.iter().map(|ray| ray.direction).collect();
                 let normal: Vec3 = directions.iter().sum();

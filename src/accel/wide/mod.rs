@@ -31,14 +31,14 @@ use super::fan::Fan;
 use super::packet::{Packet, PacketHits};
 use super::query::{AnyHit, NearestHit};
 use super::simd::{self, LANES};
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::Triangle;
-use crate::math::{Bounds, Ray};
+use crate::math::{Bounds, Ray, Vec3};
 use build::Job;
 use item::{Extent, Item};
 use node::{Child, Node};
 use rayon::prelude::*;
-use split::CHUNK;
+use split::{CHUNK, folded};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Triangles are counted in 29 bits, and so are blocks.
@@ -47,9 +47,37 @@ const MAX_TRIANGLES: usize = 1 << 29;
 /// Triangles per leaf.
 const LARGEST_LEAF: usize = 2 * LANES;
 
-/// How many references divisions of space may add per five triangles. A soup of slivers then takes less than 80 bytes per
-/// triangle.
+/// How many references cutting may add per five triangles: for any scene, a bound; a soup of slivers stays at 2.6, and takes
+/// less than 80 bytes per triangle.
 const ADDED_PER_FIVE: usize = 4;
+
+/// How much time building takes, and how good the tree becomes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BuildQuality {
+    /// For pictures: sets are divided along the best of all axes, and triangles are cut where that makes rays faster.
+    #[default]
+    Best,
+    /// For scenes that change all the time: sets are divided along their longest side, and no triangle is cut.
+    Fast,
+}
+
+impl BuildQuality {
+    /// The axes along which divisions of a set of that size are tried.
+    fn axes(self, size: Vec3) -> &'static [usize] {
+        match self {
+            Self::Best => &[0, 1, 2],
+            Self::Fast => [&[0], &[1], &[2]][size.max_position()],
+        }
+    }
+
+    /// How many references cutting may add to so many.
+    fn most_added(self, references: usize) -> usize {
+        match self {
+            Self::Best => references / 5 * ADDED_PER_FIVE,
+            Self::Fast => 0,
+        }
+    }
+}
 
 /// The tree of eight-wide nodes.
 #[derive(Clone, Debug)]
@@ -67,15 +95,21 @@ pub struct WideTree {
 }
 
 impl WideTree {
-    /// Builds the tree; `None` when cancelled. The result depends on the triangles alone, not on the number of threads.
+    /// Builds the tree; `None` when cancelled. The result depends on triangles and quality alone, not on the number of threads.
+    /// `progress` advances by the number of triangles altogether.
     ///
-    /// Takes time in proportion to `n log n` for any `n` triangles, of which leaves hold at most 1.8 n. Those that are not finite, which no ray hits, are
-    /// in no leaf.
+    /// Takes time in proportion to `n log n` for any `n` triangles, to which leaves refer at most 1.8 n times. Those that are
+    /// not finite, which no ray hits, are in no leaf.
     ///
     /// # Panics
     /// When there are more than 2²⁹ triangles.
     #[must_use]
-    pub fn build(triangles: &[Triangle], cancel: &CancelToken) -> Option<Self> {
+    pub fn build(
+        triangles: &[Triangle],
+        quality: BuildQuality,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Option<Self> {
         assert!(
             triangles.len() <= MAX_TRIANGLES,
             "{} triangles are more than 2^29",
@@ -84,15 +118,16 @@ impl WideTree {
         let bounds = triangles.par_chunks(CHUNK).map(around_all);
         let bounds = bounds.reduce(|| Bounds::EMPTY, Bounds::union);
         let (items, others) = items(triangles);
-        let all = Extent::around(&items).bounds();
-        let reach = all.min.abs().max(all.max.abs()).max_element();
-        if cancel.is_cancelled() {
-            return None;
-        }
-
-        let job = Job { triangles, cancel };
-        let spare = items.len() * ADDED_PER_FIVE / 5;
-        let forest = build::grow(&job, items, spare);
+        let all = folded(cancel, &items, |items| Extent::around(items), Extent::grow);
+        let reach = all.low.abs().max(all.high.abs()).truncate().max_element();
+        progress.advance(others.len() as u64);
+        let job = Job {
+            triangles,
+            quality,
+            cancel,
+            progress,
+        };
+        let forest = build::grow(&job, items, all);
         if cancel.is_cancelled() {
             return None;
         }

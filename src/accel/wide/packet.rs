@@ -281,8 +281,7 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
 mod tests {
     use super::*;
     use crate::accel::simd::{self, Portable};
-    use crate::accel::tests::{packet_rays, rays, scenes};
-    use crate::control::CancelToken;
+    use crate::accel::tests::{packet_rays, rays, scenes, wide_tree};
     use crate::geometry::shapes::Random;
 
     /// On machines without wide instructions, the same code twice.
@@ -290,8 +289,7 @@ mod tests {
     fn wide_instructions_answer_with_the_same_bits() {
         let mut random = Random::new(5);
         for (name, triangles) in scenes() {
-            let tree = WideTree::build(&triangles, &CancelToken::new());
-            let tree = &tree.expect("nobody cancels");
+            let tree = &wide_tree(&triangles);
             for ray in rays(&triangles, 17).iter().step_by(20) {
                 let rays = packet_rays(&mut random, 1, ray);
                 let packet = &Packet::new(&rays);

@@ -1,9 +1,10 @@
 //! Where to divide a set in two, and doing so.
 
+use super::build::Job;
 use super::item::{Extent, Item};
 use super::{bins, spatial};
 use crate::accel::simd::LANES;
-use crate::geometry::Triangle;
+use crate::control::CancelToken;
 use rayon::prelude::*;
 
 /// Items handled at a time by one thread, and between two looks at the cancel token.
@@ -49,8 +50,9 @@ pub(super) fn cost(extent: &Extent, count: usize) -> f32 {
     extent.half_area() * count.div_ceil(LANES) as f32
 }
 
-/// Folds large sets in parallel, always in the same order.
+/// Folds large sets in parallel, always in the same order; not all of them when cancelled.
 pub(super) fn folded<T: Send>(
+    cancel: &CancelToken,
     items: &[Item],
     fold: impl Fn(&[Item]) -> T + Send + Sync,
     join: impl Fn(&mut T, &T),
@@ -58,7 +60,11 @@ pub(super) fn folded<T: Send>(
     if items.len() <= CHUNK {
         return fold(items);
     }
-    let parts: Vec<T> = items.par_chunks(CHUNK).map(fold).collect();
+    let parts = items.par_chunks(CHUNK).map(|items| {
+        let is_wanted = !cancel.is_cancelled();
+        fold(if is_wanted { items } else { &[] })
+    });
+    let parts: Vec<T> = parts.collect();
     let mut parts = parts.into_iter();
     let mut all = parts.next().expect("there are items");
     parts.for_each(|part| join(&mut all, &part));
@@ -74,33 +80,39 @@ pub(super) struct Divided {
 
 /// Divides the items from `start` on, of which `spare` more may come about.
 pub(super) fn divide(
-    triangles: &[Triangle],
+    job: &Job,
     items: &mut Vec<Item>,
     start: usize,
     extent: &Extent,
     spare: usize,
 ) -> Divided {
     let set = &mut items[start..];
-    let Some((split, is_left)) = bins::cheapest(set) else {
-        return halved(set, start, extent);
+    let Some((split, is_left)) = bins::cheapest(job, set) else {
+        return halved(job, set, start, extent);
     };
     if spare > 0 && split.overlaps(extent, set.iter()) {
-        let plane = spatial::cheapest(set, extent, spare, split.cost);
-        if let Some(divided) = plane.and_then(|plane| plane.divide(triangles, items, start, spare))
-        {
+        let plane = spatial::cheapest(job, set, extent, spare, split.cost);
+        if let Some(divided) = plane.and_then(|plane| plane.divide(job, items, start, spare)) {
             return divided;
         }
     }
     Divided {
-        middle: start + partition(&mut items[start..], is_left),
+        middle: start + partition(job.cancel, &mut items[start..], is_left),
         sides: split.sides,
         added: 0,
     }
 }
 
 /// Divides a set into two equally large ones, by the boxes' centres along the set's longest side.
-pub(super) fn halved(set: &mut [Item], start: usize, extent: &Extent) -> Divided {
+pub(super) fn halved(job: &Job, set: &mut [Item], start: usize, extent: &Extent) -> Divided {
     let middle = set.len() / 2;
+    if job.cancel.is_cancelled() {
+        return Divided {
+            middle: start + middle,
+            sides: [*extent; 2],
+            added: 0,
+        };
+    }
     let axis = extent.bounds().size().max_position();
     set.select_nth_unstable_by(middle, |a, b| {
         let [a_center, b_center] = [a, b].map(|item| item.doubled_center()[axis]);
@@ -116,13 +128,17 @@ pub(super) fn halved(set: &mut [Item], start: usize, extent: &Extent) -> Divided
     }
 }
 
-/// Moves the items for which `is_left` holds to the front; returns how many there are.
-fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+/// Moves the items for which `is_left` holds to the front; returns how many there are. Half of all when cancelled.
+fn partition(cancel: &CancelToken, items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
     let mut middle = 0;
     for index in 0..items.len() {
+        if index % CHUNK == 0 && cancel.is_cancelled() {
+            return items.len() / 2;
+        }
         // Without a branch, which could not be foreseen.
+        let goes_left = is_left(&items[index]);
         items.swap(index, middle);
-        middle += usize::from(is_left(&items[middle]));
+        middle += usize::from(goes_left);
     }
     middle
 }

@@ -42,13 +42,13 @@ impl Sorted {
         &self.by_axis[0][range]
     }
 
-    /// The cheapest division of a range of at least two.
-    pub fn cheapest(&self, items: &[Item], range: Range<usize>) -> Sweep {
+    /// The cheapest division of a range of at least two along one of `axes`.
+    pub fn cheapest(&self, items: &[Item], range: Range<usize>, axes: &[usize]) -> Sweep {
         let count = range.len();
-        let mut best = (f32::INFINITY, 0, count / 2);
+        let mut best = (f32::INFINITY, axes[0], count / 2);
         let mut after = [0.0; LIMIT];
-        for (axis, order) in self.by_axis.iter().enumerate() {
-            let order = &order[range.clone()];
+        for &axis in axes {
+            let order = &self.by_axis[axis][range.clone()];
             let mut right = Extent::EMPTY;
             for (index, &number) in order.iter().enumerate().skip(1).rev() {
                 right.grow(items[usize::from(number)].extent());

@@ -1,14 +1,10 @@
-//! Trees whose builder divided space.
+//! What the builder makes of triangles: cut or not, fast or well.
 
 use super::*;
 use crate::accel::BruteForce;
-use crate::accel::tests::{bits, rays};
+use crate::accel::tests::{bits, rays, scenes, wide_tree};
 use crate::geometry::shapes::Random;
 use crate::math::{DVec3, Vec3};
-
-fn tree(triangles: &[Triangle]) -> WideTree {
-    WideTree::build(triangles, &CancelToken::new()).expect("nobody cancels")
-}
 
 /// Triangles of which every other one is long and thin.
 fn long_and_short(count: usize, seed: u64) -> Vec<Triangle> {
@@ -86,7 +82,7 @@ fn cut_triangles_are_hit_as_by_brute_force() {
         ("long and short", long_and_short(15_000, 1)),
         ("large and small", large_and_small(8000)),
     ] {
-        let tree = tree(&triangles);
+        let tree = wide_tree(&triangles);
         tree.validate()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let references = references_per_triangle(&tree);
@@ -114,10 +110,45 @@ fn cut_triangles_are_hit_as_by_brute_force() {
 #[test]
 fn what_is_cut_pays() {
     let triangles = long_and_short(20_000, 4);
-    let tree = tree(&triangles);
-    let bytes = tree.bytes() / triangles.len();
+    let best = wide_tree(&triangles);
+    let bytes = best.bytes() / triangles.len();
     assert!(bytes <= 80, "{bytes} bytes per triangle");
-    // Without cuts it is 55.
-    let cost = tree.quality().sah_cost;
-    assert!(cost < 45.0, "a cost of {cost}");
+    let fast = fast_tree(&triangles);
+    let [best, fast] = [best, fast].map(|tree| tree.quality().sah_cost);
+    assert!(best < 0.85 * fast, "costs of {best} and {fast}");
+}
+
+fn fast_tree(triangles: &[Triangle]) -> WideTree {
+    let (cancel, progress) = (CancelToken::new(), Progress::new());
+    let tree = WideTree::build(triangles, BuildQuality::Fast, &cancel, &progress);
+    tree.expect("nobody cancels")
+}
+
+#[test]
+fn a_tree_built_fast_cuts_nothing_and_answers_alike() {
+    for (name, triangles) in scenes() {
+        let tree = fast_tree(&triangles);
+        tree.validate()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let quality = tree.quality();
+        assert_eq!(quality.references, quality.triangles, "{name}");
+        let all = BruteForce::new(triangles.clone());
+        for ray in rays(&triangles, 11) {
+            let expected = bits(all.intersect(&ray, f32::INFINITY));
+            let found = bits(tree.intersect(&ray, f32::INFINITY));
+            assert_eq!(found, expected, "{name}: {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn progress_counts_every_triangle() {
+    let mut triangles = long_and_short(20_000, 6);
+    triangles[7].corners[1].x = f32::NAN;
+    for quality in [BuildQuality::Best, BuildQuality::Fast] {
+        let progress = Progress::new();
+        let tree = WideTree::build(&triangles, quality, &CancelToken::new(), &progress);
+        assert!(tree.is_some());
+        assert_eq!(progress.done(), triangles.len() as u64);
+    }
 }

@@ -11,12 +11,10 @@ use cpu_time::ThreadTime;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use super::{RaySet, Spread};
+use super::{RaySet, Spread, Structure};
 use crate::accel::{Assembly, Packet, StructureQuality, Visits};
-use crate::control::CancelToken;
 use crate::math::Ray;
-use crate::render::build_structure;
-use crate::scene::{AcceleratorChoice, Choice};
+use crate::scene::Choice;
 
 /// A measurement traces its rays again and again until it took this long, so that clocks of any kind can tell.
 const LEAST_SECONDS: f64 = 0.05;
@@ -99,7 +97,7 @@ pub struct Disagreement {
 /// When threads cannot be started.
 pub fn measure(
     scene: &Assembly,
-    structures: &[AcceleratorChoice],
+    structures: &[Structure],
     sets: &[RaySet],
     config: MeasureConfig,
 ) -> Result<Vec<StructureReport>, Disagreement> {
@@ -186,7 +184,7 @@ struct SetSeconds {
 
 fn build_in_turns(
     scene: &Assembly,
-    structures: &[AcceleratorChoice],
+    structures: &[Structure],
     repeats: u32,
     one_thread: &ThreadPool,
     all_threads: &ThreadPool,
@@ -220,11 +218,11 @@ fn build_in_turns(
 }
 
 /// The scene in structures of that kind, and the seconds of building those: gathering triangles and placing copies aside.
-fn timed_build<C: Clock>(scene: &Assembly, structure: AcceleratorChoice) -> (Assembly, f64) {
+fn timed_build<C: Clock>(scene: &Assembly, structure: Structure) -> (Assembly, f64) {
     let mut seconds = 0.0;
     let assembly = scene.rebuilt(|triangles| {
         let clock = C::now();
-        let built = build_structure(structure, triangles, &CancelToken::new());
+        let built = structure.build(triangles);
         seconds += clock.seconds();
         built
     });

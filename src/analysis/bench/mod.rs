@@ -8,10 +8,12 @@ mod measure;
 mod ray_set;
 mod scene_rays;
 mod spread;
+mod structure;
 mod world_mesh;
 
 pub use measure::{Disagreement, MeanVisits, MeasureConfig, SetReport, StructureReport, measure};
 pub use ray_set::{RayError, RaySet};
 pub use scene_rays::{RayKind, generate, with_lamp};
 pub use spread::Spread;
+pub use structure::Structure;
 pub use world_mesh::write_mesh;

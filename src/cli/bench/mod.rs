@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
-use crate::analysis::bench::{self, MeasureConfig, RayKind, RaySet};
+use crate::analysis::bench::{self, MeasureConfig, RayKind, RaySet, Structure};
 use crate::control::CancelToken;
 use crate::io;
 use crate::render::{PreparedScene, RunConfig};
@@ -57,9 +57,7 @@ pub struct BenchArguments {
 }
 
 fn structure_names() -> Vec<&'static str> {
-    let all = AcceleratorChoice::ALL.iter();
-    let built = all.filter(|(choice, _)| *choice != AcceleratorChoice::Auto);
-    built.map(|(_, name)| *name).collect()
+    Structure::ALL.iter().map(|(_, name)| *name).collect()
 }
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
@@ -123,15 +121,14 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
 }
 
 /// The structures of these names, each once; the trees where there are none, and brute force where that is cheap.
-fn structures(names: &[String], triangles: u32) -> Vec<AcceleratorChoice> {
-    let is_wanted = |choice: AcceleratorChoice| match choice {
-        AcceleratorChoice::Auto => false,
-        _ if !names.is_empty() => names.iter().any(|name| name == choice.name()),
-        AcceleratorChoice::BruteForce => triangles <= FEW_TRIANGLES,
-        AcceleratorChoice::Wide | AcceleratorChoice::KdTree => true,
+fn structures(names: &[String], triangles: u32) -> Vec<Structure> {
+    let is_wanted = |structure: Structure| match structure {
+        _ if !names.is_empty() => names.iter().any(|name| name == structure.name()),
+        Structure::BruteForce => triangles <= FEW_TRIANGLES,
+        Structure::Wide | Structure::WideFast | Structure::KdTree => true,
     };
-    let all = AcceleratorChoice::ALL.iter().map(|(choice, _)| *choice);
-    all.filter(|&choice| is_wanted(choice)).collect()
+    let all = Structure::ALL.iter().map(|(structure, _)| *structure);
+    all.filter(|&structure| is_wanted(structure)).collect()
 }
 
 /// The rays of these files, each set under its file's name without extension.
@@ -178,12 +175,13 @@ mod tests {
 
     #[test]
     fn brute_force_is_measured_when_asked_for_or_cheap() {
-        use AcceleratorChoice::{BruteForce, KdTree, Wide};
-        assert_eq!(structures(&[], 1000), [Wide, KdTree]);
-        assert_eq!(structures(&[], 12), [Wide, KdTree, BruteForce]);
+        use Structure::{BruteForce, KdTree, Wide, WideFast};
+        assert_eq!(structures(&[], 1000), [Wide, WideFast, KdTree]);
+        assert_eq!(structures(&[], 12), [Wide, WideFast, KdTree, BruteForce]);
         let names = ["brute-force", "wide", "wide"].map(str::to_owned);
         assert_eq!(structures(&names, 1000), [Wide, BruteForce]);
-        assert_eq!(structure_names(), ["wide", "kd-tree", "brute-force"]);
+        let all = ["wide", "wide-fast", "kd-tree", "brute-force"];
+        assert_eq!(structure_names(), all);
     }
 
     #[test]

@@ -294,6 +294,7 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
     keys.choice("phong", &mut render.phong);
     keys.optional_number("clamp", &mut render.clamp, Allowed::Positive);
     keys.choice("accelerator", &mut render.accelerator);
+    keys.choice("accelerator_build", &mut render.accelerator_build);
     let occlusion = &mut render.ambient_occlusion;
     keys.record("ambient_occlusion", |keys| {
         keys.flag("enabled", &mut occlusion.enabled);

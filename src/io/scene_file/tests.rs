@@ -138,6 +138,7 @@ fn every_key_round_trips() {
             phong: crate::scene::PhongModel::Classic,
             clamp: Some(12.5),
             accelerator: crate::scene::AcceleratorChoice::BruteForce,
+            accelerator_build: crate::scene::AcceleratorBuild::Fast,
         },
         display: Display {
             exposure: -1.5,
@@ -504,6 +505,9 @@ fn random_edits_never_panic() {
     for _ in 0..3000 {
         let mut bytes = base.clone().into_bytes();
         for _ in 0..=next(3) {
+            if bytes.is_empty() {
+                break;
+            }
             let at = next(bytes.len());
             match next(3) {
                 0 => bytes[at] = b"[]{}=\".,#-0\n"[next(12)],

@@ -1,15 +1,16 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+use super::StructureChoice;
 use crate::geometry::TriangleMesh;
 use crate::math::Degrees;
-use crate::scene::{AcceleratorChoice, Copies, Object, Placement, Scene, SceneError};
+use crate::scene::{Copies, Object, Placement, Scene, SceneError};
 
 /// Everything geometry is made from, kept to tell whether a changed scene needs new geometry.
 #[derive(Debug, PartialEq)]
 pub struct GeometryOrigin {
     pub objects: Vec<(MeshIdentity, ObjectShape)>,
-    pub structure: AcceleratorChoice,
+    pub structure: StructureChoice,
 }
 
 /// A mesh, equal to itself alone.
@@ -55,7 +56,10 @@ impl GeometryOrigin {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             objects,
-            structure: scene.render.accelerator,
+            structure: StructureChoice {
+                kind: scene.render.accelerator,
+                build: scene.render.accelerator_build,
+            },
         })
     }
 }

@@ -1,15 +1,14 @@
 //! Meshes that occur more than once: which they are, and what all their copies share.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::ShadingNormals;
 use super::origin::{GeometryOrigin, MeshIdentity, ObjectShape};
+use super::{ShadingNormals, StructureChoice};
 use crate::accel::{Accelerator, Copies};
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, corner_normals};
 use crate::math::{DVec3, Degrees, ScaledRotation, SceneFrame, Vec3};
-use crate::scene::AcceleratorChoice;
 
 /// From this many triangles on that need not be repeated, copies share them. Below, the flat tree costs little, its rays are
 /// faster, and walls made of one square stay watertight where they meet: one flat tree is, copies side by side are not.
@@ -18,7 +17,7 @@ const WORTH_SHARING: u64 = 4096;
 /// The meshes that objects share.
 #[derive(Debug, Default)]
 pub struct SharedMeshes {
-    structure: AcceleratorChoice,
+    structure: StructureChoice,
     meshes: Vec<SharedMesh>,
     indices: HashMap<MeshIdentity, usize>,
 }
@@ -39,6 +38,7 @@ impl SharedMeshes {
         origin: &GeometryOrigin,
         previous: Option<&Self>,
         cancel: &CancelToken,
+        progress: &Progress,
     ) -> Option<Self> {
         let mut occurrences: HashMap<&MeshIdentity, u64> = HashMap::new();
         for (mesh, shape) in &origin.objects {
@@ -50,17 +50,22 @@ impl SharedMeshes {
             ..Self::default()
         };
         let previous = previous.filter(|previous| previous.structure == origin.structure);
-        for (mesh, shape) in &origin.objects {
+        let is_shared = |mesh: &MeshIdentity| {
             let repeated = occurrences[mesh].saturating_sub(1);
-            if repeated.saturating_mul(mesh.0.triangles.len() as u64) < WORTH_SHARING {
+            repeated.saturating_mul(mesh.0.triangles.len() as u64) >= WORTH_SHARING
+        };
+        let known = |mesh: &MeshIdentity| previous.and_then(|previous| previous.find(mesh));
+        progress.set_total(triangles_to_build(origin, is_shared, known));
+        for (mesh, shape) in &origin.objects {
+            if !is_shared(mesh) {
                 continue;
             }
             let index = if let Some(&index) = shared.indices.get(mesh) {
                 index
             } else {
-                shared.add(match previous.and_then(|previous| previous.find(mesh)) {
+                shared.add(match known(mesh) {
                     Some(known) => known.clone(),
-                    None => SharedMesh::build(mesh, origin.structure, cancel)?,
+                    None => SharedMesh::build(mesh, origin.structure, cancel, progress)?,
                 })
             };
             if let Some(crease) = shape.smooth {
@@ -116,11 +121,32 @@ impl SharedMeshes {
     }
 }
 
+/// How many triangles structures are built over: those of new shared meshes once, and all copies of what is not shared.
+fn triangles_to_build<'a>(
+    origin: &GeometryOrigin,
+    is_shared: impl Fn(&MeshIdentity) -> bool,
+    known: impl Fn(&MeshIdentity) -> Option<&'a SharedMesh>,
+) -> u64 {
+    let mut new = HashSet::new();
+    let counts = origin.objects.iter().map(|(mesh, shape)| {
+        let count = mesh.0.triangles.len() as u64;
+        if !is_shared(mesh) {
+            count.saturating_mul(shape.copies.total())
+        } else if known(mesh).is_none() && new.insert(mesh) {
+            count
+        } else {
+            0
+        }
+    });
+    counts.fold(0, u64::saturating_add)
+}
+
 impl SharedMesh {
     fn build(
         identity: &MeshIdentity,
-        structure: AcceleratorChoice,
+        structure: StructureChoice,
         cancel: &CancelToken,
+        progress: &Progress,
     ) -> Option<Self> {
         let mesh = &identity.0;
         let frame = SceneFrame::around(&mesh.bounds());
@@ -132,7 +158,9 @@ impl SharedMesh {
         Some(Self {
             mesh: identity.clone(),
             frame,
-            structure: Arc::new(super::build_structure(structure, triangles, cancel)?),
+            structure: Arc::new(super::build_structure(
+                structure, triangles, cancel, progress,
+            )?),
             normals: Vec::new(),
         })
     }
