@@ -9,7 +9,7 @@
 use super::forest::{Binary, Forest, ForestCosts, Link, Slot, Subtree, cheapest_forests};
 use super::item::{Extent, Item};
 use super::node::WIDTH;
-use super::split::{Divided, divide, halved};
+use super::split::{CHUNK, Divided, divide, halved};
 use super::sweep::{self, Sorted};
 use super::{BuildQuality, LARGEST_LEAF, number, spatial};
 use crate::accel::half_area;
@@ -125,8 +125,7 @@ fn grow_large(job: &Job, mut items: Vec<Item>, set: &Set) -> (Grown, ForestCosts
     }
     let divided = set.divide(job, &mut items);
     let [left, right] = set.parts(&divided, items.len());
-    let right_items = items.split_off(divided.middle);
-    items.shrink_to_fit();
+    let right_items = taken_off(&mut items, divided.middle, job.cancel);
     let right = Set { start: 0, ..right };
     let ((left, left_costs), (right, right_costs)) = rayon::join(
         || grow_large(job, items, &left),
@@ -144,6 +143,18 @@ fn grow_large(job: &Job, mut items: Vec<Item>, set: &Set) -> (Grown, ForestCosts
         choices,
     };
     (Grown::Fork(fork, Box::new([left, right])), costs)
+}
+
+/// The items from `middle` on, taken off the others; not all of them when cancelled.
+fn taken_off(items: &mut Vec<Item>, middle: usize, cancel: &CancelToken) -> Vec<Item> {
+    let mut rest = Vec::with_capacity(items.len() - middle);
+    let chunks = items[middle..].chunks(CHUNK);
+    for chunk in chunks.take_while(|_| !cancel.is_cancelled()) {
+        rest.extend_from_slice(chunk);
+    }
+    items.truncate(middle);
+    items.shrink_to_fit();
+    rest
 }
 
 /// Adds a tree to the pieces, of which the first is the top.

@@ -115,9 +115,11 @@ impl WideTree {
             "{} triangles are more than 2^29",
             triangles.len()
         );
-        let bounds = triangles.par_chunks(CHUNK).map(around_all);
-        let bounds = bounds.reduce(|| Bounds::EMPTY, Bounds::union);
-        let (items, others) = items(triangles);
+        let Gathered {
+            bounds,
+            items,
+            others,
+        } = Gathered::from(triangles, cancel)?;
         let all = folded(cancel, &items, |items| Extent::around(items), Extent::grow);
         let reach = all.low.abs().max(all.high.abs()).truncate().max_element();
         progress.advance(others.len() as u64);
@@ -132,6 +134,9 @@ impl WideTree {
             return None;
         }
         let (root, nodes, mut blocks) = collapse::collapse(&forest, triangles, cancel);
+        if cancel.is_cancelled() {
+            return None;
+        }
         let others = others.chunks(LANES);
         blocks.extend(others.map(|others| TriangleBlock::new(others, triangles)));
         let places = places(&blocks, triangles.len());
@@ -204,28 +209,56 @@ impl WideTree {
     }
 }
 
-fn around_all(triangles: &[Triangle]) -> Bounds {
-    Bounds::of_points(triangles.iter().flat_map(|triangle| triangle.corners))
+/// What the builder starts from.
+struct Gathered {
+    /// Around all triangles.
+    bounds: Bounds,
+    /// The finite triangles.
+    items: Vec<Item>,
+    /// Ids of the others.
+    others: Vec<u32>,
 }
 
-/// The finite triangles, and the ids of the others.
-fn items(triangles: &[Triangle]) -> (Vec<Item>, Vec<u32>) {
-    let is_finite = |triangle: &Triangle| triangle.corners.iter().all(|c| c.is_finite());
-    let mut items: Vec<_> = (triangles.par_iter().enumerate())
-        .map(|(id, triangle)| Item::new(triangle, number(id)))
-        .collect();
-    let mut others = Vec::new();
-    if !triangles.par_iter().all(is_finite) {
-        items.retain(|item| {
-            let id = item.triangle();
-            let is_finite = is_finite(&triangles[id as usize]);
-            if !is_finite {
-                others.push(id);
+impl Gathered {
+    /// `None` when cancelled.
+    fn from(triangles: &[Triangle], cancel: &CancelToken) -> Option<Self> {
+        /// Triangles between two looks at the cancel token.
+        const SLAB: usize = 1 << 20;
+        let is_finite = |triangle: &Triangle| triangle.corners.iter().all(|c| c.is_finite());
+        let around = |triangles: &[Triangle]| {
+            Bounds::of_points(triangles.iter().flat_map(|triangle| triangle.corners))
+        };
+        let mut bounds = Bounds::EMPTY;
+        let mut items = Vec::with_capacity(triangles.len());
+        let mut all_finite = true;
+        for slab in triangles.chunks(SLAB) {
+            if cancel.is_cancelled() {
+                return None;
             }
-            is_finite
-        });
+            let boxes = slab.par_chunks(CHUNK).map(around);
+            bounds = bounds.union(boxes.reduce(|| Bounds::EMPTY, Bounds::union));
+            all_finite &= slab.par_iter().all(is_finite);
+            let first = items.len();
+            let slab = slab.par_iter().enumerate();
+            items.par_extend(slab.map(|(i, triangle)| Item::new(triangle, number(first + i))));
+        }
+        let mut others = Vec::new();
+        if !all_finite {
+            items.retain(|item: &Item| {
+                let id = item.triangle();
+                let is_finite = is_finite(&triangles[id as usize]);
+                if !is_finite {
+                    others.push(id);
+                }
+                is_finite
+            });
+        }
+        Some(Self {
+            bounds,
+            items,
+            others,
+        })
     }
-    (items, others)
 }
 
 /// Where in the blocks each of so many triangles is; the first place of those in several.
