@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
     Clamped, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RunConfig, render,
@@ -141,8 +141,11 @@ pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
 
 fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<Stats> {
     let started = Instant::now();
-    let prepared = PreparedScene::prepare(scene, None, &CancelToken::new())?
-        .ok_or_else(|| anyhow!("preparing was cancelled"))?;
+    let progress = Progress::new();
+    let how_far = || (progress.fraction(), "building the tree".to_owned());
+    let prepare = || PreparedScene::prepare_watched(scene, None, &CancelToken::new(), &progress);
+    let prepared =
+        with_progress_bar(how_far, prepare)?.ok_or_else(|| anyhow!("preparing was cancelled"))?;
     let build_seconds = started.elapsed().as_secs_f64();
 
     let settings = prepared.settings();
@@ -168,7 +171,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         image,
         layers,
         stats,
-    } = with_progress_bar(|progress| render(&prepared, arguments.region, &run, progress, None))
+    } = render_watched(&prepared, arguments.region, &run)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
     io::write_image(
         &image,
@@ -221,11 +224,26 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
     })
 }
 
-/// Runs `work` with its progress shown on a terminal, and nothing shown where there is none.
-fn with_progress_bar<T>(work: impl FnOnce(&RenderProgress) -> T) -> T {
+/// Renders with the progress and the rate of rays shown.
+fn render_watched(
+    prepared: &PreparedScene,
+    region: Option<Region>,
+    run: &RunConfig,
+) -> Option<RenderOutcome> {
     let progress = RenderProgress::default();
+    let started = Instant::now();
+    let how_far = || {
+        let rate = progress.rays() as f64 / started.elapsed().as_secs_f64() / 1e6;
+        (progress.samples.fraction(), format!("{rate:.1} Mrays/s"))
+    };
+    with_progress_bar(how_far, || render(prepared, region, run, &progress, None))
+}
+
+/// Runs `work` with its progress shown on a terminal, and nothing shown where there is none. `how_far` tells the done part of
+/// the whole, and what to say about it.
+fn with_progress_bar<T>(how_far: impl Fn() -> (f64, String) + Sync, work: impl FnOnce() -> T) -> T {
     if !std::io::stderr().is_terminal() {
-        return work(&progress);
+        return work();
     }
     let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
     let style = ProgressStyle::with_template(
@@ -235,20 +253,19 @@ fn with_progress_bar<T>(work: impl FnOnce(&RenderProgress) -> T) -> T {
     let finished = CancelToken::new();
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            let started = Instant::now();
             while !finished.is_cancelled() {
+                let (fraction, message) = how_far();
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
                     reason = "a share of 1000"
                 )]
-                bar.set_position((progress.samples.fraction() * 1000.0) as u64);
-                let rate = progress.rays() as f64 / started.elapsed().as_secs_f64() / 1e6;
-                bar.set_message(format!("{rate:.1} Mrays/s"));
+                bar.set_position((fraction * 1000.0) as u64);
+                bar.set_message(message);
                 std::thread::sleep(Duration::from_millis(50));
             }
         });
-        let result = work(&progress);
+        let result = work();
         finished.cancel();
         bar.finish_and_clear();
         result

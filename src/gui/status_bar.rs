@@ -22,7 +22,10 @@ pub enum Activity<'a> {
         share: f64,
     },
     /// Triangles are placed and their acceleration structure is built.
-    Preparing,
+    Preparing {
+        /// How far the structure is, `0..=1`.
+        share: f64,
+    },
     /// A render runs or has ended.
     Picture {
         /// It.
@@ -64,7 +67,10 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
             progress_ui(ui, *share);
             line_ui(ui, &format!("Loading {what}"));
         }
-        Activity::Preparing => {
+        Activity::Preparing { share } => {
+            if *share > 0.0 {
+                progress_ui(ui, *share);
+            }
             line_ui(ui, "Preparing the scene…");
         }
         Activity::Picture { picture, outdated } => picture_ui(ui, picture, *outdated, news),

@@ -132,9 +132,16 @@ pub fn load_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
     job.send(Event::ImageLoaded { path, result });
 }
 
-/// Prepares `scene`, keeping of `previous` what is the same.
-pub fn prepare(job: &Job<Event>, scene: &Scene, previous: Option<Prepared>, gpu: Option<&Gpu>) {
-    let prepared = PreparedScene::prepare(scene, previous.as_ref().map(|p| &p.scene), &job.cancel);
+/// Prepares `scene`, keeping of `previous` what is the same. `progress` counts triangles that structures are built over.
+pub fn prepare(
+    job: &Job<Event>,
+    scene: &Scene,
+    previous: Option<Prepared>,
+    gpu: Option<&Gpu>,
+    progress: &Progress,
+) {
+    let known = previous.as_ref().map(|previous| &previous.scene);
+    let prepared = PreparedScene::prepare_watched(scene, known, &job.cancel, progress);
     let Some(result) = unless_cancelled(prepared) else {
         return;
     };

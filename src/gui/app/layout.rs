@@ -60,7 +60,9 @@ impl App {
                 share: loading.progress.fraction(),
             }
         } else if self.waiting_render.is_some() || self.prepared.is_none() && !self.is_prepared() {
-            Activity::Preparing
+            Activity::Preparing {
+                share: self.build_progress.fraction(),
+            }
         } else if let Some(picture) = &self.picture {
             Activity::Picture {
                 picture,
@@ -69,7 +71,8 @@ impl App {
         } else {
             Activity::Idle
         };
-        if self.loading.is_some() || self.is_rendering() {
+        let is_preparing = matches!(activity, Activity::Preparing { .. });
+        if self.loading.is_some() || is_preparing || self.is_rendering() {
             // Times and shares move also while nothing else happens.
             ui.ctx().request_repaint_after(self.refresh_interval());
         }

@@ -67,6 +67,8 @@ pub struct App {
     prepared: Option<PreparedState>,
     /// The scene that was last handed over to prepare.
     preparing: Option<Scene>,
+    /// How far its acceleration structure is.
+    build_progress: Progress,
     /// Why the scene as it is cannot be rendered.
     problem: Option<String>,
     picture: Option<Picture>,
@@ -114,6 +116,7 @@ impl App {
             preview: creation.wgpu_render_state.as_ref().map(PreviewImage::new),
             prepared: None,
             preparing: None,
+            build_progress: Progress::new(),
             problem: None,
             picture: None,
             shown_layer: None,

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{App, PreparedState};
+use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::jobs::Lane;
 use crate::gui::pick::world_bounds;
@@ -50,8 +51,10 @@ impl App {
             self.preparing = Some(scene.clone());
             let previous = self.prepared.as_ref().map(|state| state.prepared.clone());
             let gpu = self.preview.as_ref().map(PreviewImage::gpu);
+            let progress = Progress::new();
+            self.build_progress = progress.clone();
             self.jobs.start(Lane::Prepare, move |job| {
-                worker::prepare(job, &scene, previous, gpu.as_ref());
+                worker::prepare(job, &scene, previous, gpu.as_ref(), &progress);
             });
         } else if let Some(asked) = self.waiting_render.take() {
             self.start_render(asked);

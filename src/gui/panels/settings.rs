@@ -6,8 +6,8 @@ use crate::gui::widgets::{
 };
 use crate::render::Layer;
 use crate::scene::{
-    Choice, Filter, LightSampling, Mode, PhongModel, PngBits, RenderSettings, Scene, Shadows,
-    ToneCurve,
+    AcceleratorBuild, Choice, Filter, LightSampling, Mode, PhongModel, PngBits, RenderSettings,
+    Scene, Shadows, ToneCurve,
 };
 
 /// Picture sizes on offer.
@@ -59,6 +59,16 @@ pub fn image_ui(ui: &mut Ui, settings: &mut RenderSettings, threads: &mut usize)
         "Processor cores that render; the picture does not depend on it",
         threads,
         &choices,
+    );
+    choice_row_ui(
+        ui,
+        "Tree",
+        "How carefully the tree is built in which rays look for triangles; the picture does not depend on it",
+        &mut settings.accelerator_build,
+        |build| match build {
+            AcceleratorBuild::Best => ("Best", "The fastest rays"),
+            AcceleratorBuild::Fast => ("Fast", "The fastest edits: the tree is there sooner"),
+        },
     );
 }
 
