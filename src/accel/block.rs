@@ -60,7 +60,8 @@ impl TriangleBlock {
     }
 }
 
-/// [`RayKernel`] in `f32`, for many triangles at once. It may pass a triangle the ray misses, but never rejects a hit.
+/// [`RayKernel`] in `f32`, for many triangles at once. It may pass a triangle the ray misses, but never rejects a hit before its
+/// limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockFilter<S: Simd> {
     simd: S,
@@ -69,6 +70,21 @@ pub(super) struct BlockFilter<S: Simd> {
     origin: [S::F32x8; 3],
     /// Its negative, so that shearing is one multiplication with addition.
     unshear: [S::F32x8; 2],
+    direction_z: f32,
+}
+
+/// What the filter computes of eight triangles, and bounds on its errors.
+struct Edges<S: Simd> {
+    /// Edge functions.
+    u: S::F32x8,
+    v: S::F32x8,
+    w: S::F32x8,
+    /// Bounds the distance of each from its exact value.
+    error: S::F32x8,
+    /// Of the corners, from the origin along the axis called z.
+    z: [S::F32x8; 3],
+    /// The largest magnitude of those.
+    depth: S::F32x8,
 }
 
 /// `h / (P + Z)` of the bound derived at [`RayKernel::EDGE_ERROR_PER_ROUNDOFF`] for `f32` arithmetic. Products that are not
@@ -80,18 +96,19 @@ impl<S: Simd> BlockFilter<S> {
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = RayKernel::axes_of(ray);
-        Self::with_shear(simd, ray.origin, axes, Self::unshear_of(ray, axes))
+        Self::with_shear(simd, ray, axes, Self::unshear_of(ray, axes))
     }
 
-    /// The filter of a ray from `origin` with these [`RayKernel::axes_of`] and [`Self::unshear_of`].
+    /// The filter of a ray with these [`RayKernel::axes_of`] and [`Self::unshear_of`].
     #[inline(always)]
-    pub fn with_shear(simd: S, origin: Vec3, axes: [usize; 3], unshear: [f32; 2]) -> Self {
-        let origin = origin.to_array();
+    pub fn with_shear(simd: S, ray: &Ray, axes: [usize; 3], unshear: [f32; 2]) -> Self {
+        let origin = ray.origin.to_array();
         Self {
             simd,
             axes,
             origin: splat_all(simd, [origin[axes[0]], origin[axes[1]], origin[axes[2]]]),
             unshear: [simd.splat(unshear[0]), simd.splat(unshear[1])],
+            direction_z: ray.direction.to_array()[axes[2]],
         }
     }
 
@@ -103,35 +120,101 @@ impl<S: Simd> BlockFilter<S> {
         [-direction[x] / direction[z], -direction[y] / direction[z]]
     }
 
-    /// The lanes whose triangle may be hit; never one without a triangle.
+    /// The lanes whose triangle may be hit before `limit`, a distance moved outwards by [`later`](super::slabs::later); never one
+    /// without a triangle.
     ///
-    /// A lane is rejected when its edge functions have different signs for certain. Numbers too large for `f32` make the
-    /// bound infinite or NaN, and a lane with such a bound passes: (P + h)(P + Z) is at least as large as every product
-    /// in the edge functions, so they cannot overflow unless it does. The smallest normal number covers underflow.
+    /// Most rays pass beside all triangles, so only where one does not is asked how far away it is: in a room, a line through a
+    /// point meets walls on both sides.
     #[inline(always)]
-    pub fn may_hit(&self, block: &TriangleBlock) -> LaneSet {
+    pub fn may_hit(&self, block: &TriangleBlock, limit: f32) -> LaneSet {
+        let edges = self.edges(block);
+        let beside = self.is_beside(&edges);
+        let met = block.occupied(self.simd).and_not(beside);
+        if met.is_empty() {
+            return met;
+        }
+        met.and_not(self.is_out_of_reach(&edges, limit))
+    }
+
+    #[inline(always)]
+    fn edges(&self, block: &TriangleBlock) -> Edges<S> {
         let simd = self.simd;
         let [ax, ay, az] = self.sheared(&block.corners[0]);
         let [bx, by, bz] = self.sheared(&block.corners[1]);
         let [cx, cy, cz] = self.sheared(&block.corners[2]);
-        let u = simd.mul_sub(cx, by, simd.mul(cy, bx));
-        let v = simd.mul_sub(ax, cy, simd.mul(ay, cx));
-        let w = simd.mul_sub(bx, ay, simd.mul(by, ax));
         let extent_of_two = simd.larger(self.largest(ax, ay), self.largest(bx, by));
         let extent = simd.larger(extent_of_two, self.largest(cx, cy));
         let depth = simd.larger(self.largest(az, bz), simd.abs(cz));
         let sum = simd.add(extent, depth);
         let h = simd.mul(simd.splat(EDGE_ERROR), sum);
-        let error = simd.mul_add(
-            simd.mul(simd.add(extent, h), sum),
-            simd.splat(4.0 * EDGE_ERROR),
-            simd.splat(f32::MIN_POSITIVE),
-        );
+        Edges {
+            u: simd.mul_sub(cx, by, simd.mul(cy, bx)),
+            v: simd.mul_sub(ax, cy, simd.mul(ay, cx)),
+            w: simd.mul_sub(bx, ay, simd.mul(by, ax)),
+            error: simd.mul_add(
+                simd.mul(simd.add(extent, h), sum),
+                simd.splat(4.0 * EDGE_ERROR),
+                simd.splat(f32::MIN_POSITIVE),
+            ),
+            z: [az, bz, cz],
+            depth,
+        }
+    }
+
+    /// Where edge functions have different signs for certain.
+    ///
+    /// Numbers too large for `f32` make the bound infinite or NaN, and a lane with such a bound is not told: (P + h)(P + Z) is at
+    /// least as large as every product in the edge functions, so they cannot overflow unless it does. The smallest normal number
+    /// covers underflow.
+    #[inline(always)]
+    fn is_beside(&self, edges: &Edges<S>) -> LaneSet {
+        let simd = self.simd;
+        let &Edges { u, v, w, error, .. } = edges;
         let lowest = simd.smaller(simd.smaller(u, v), w);
         let highest = simd.larger(simd.larger(u, v), w);
         let has_negative = simd.less(simd.add(lowest, error), simd.splat(0.0));
         let has_positive = simd.less(error, highest);
-        block.occupied(simd).and_not(has_negative.and(has_positive))
+        has_negative.and(has_positive)
+    }
+
+    /// Where the line of the ray meets the triangle's plane behind the origin or beyond `limit` for certain, if it is not beside
+    /// the triangle. Bounds and their reasons are those of [`RayKernel::intersect`].
+    ///
+    /// Where numbers are too large for `f32`, z along the ray or its bound is infinite or NaN, and nothing is certain. The
+    /// smallest normal number covers underflow again.
+    #[inline(always)]
+    fn is_out_of_reach(&self, edges: &Edges<S>, limit: f32) -> LaneSet {
+        let simd = self.simd;
+        let &Edges { u, v, w, error, .. } = edges;
+        let [az, bz, cz] = edges.z;
+        let determinant = simd.add(simd.add(u, v), w);
+        let weighted_z = simd.mul_add(u, az, simd.mul_add(v, bz, simd.mul(w, cz)));
+        let size = simd.abs(determinant);
+        let four_errors = simd.mul(simd.splat(4.0), error);
+        let relative = simd.splat(4.0 * f32::EPSILON);
+        let least = simd.splat(f32::MIN_POSITIVE);
+        let z_error = simd.mul_add(
+            edges.depth,
+            simd.mul_add(relative, size, four_errors),
+            least,
+        );
+        let certain_z = simd.sub(simd.abs(weighted_z), z_error);
+
+        let denominator = simd.mul(determinant, simd.splat(self.direction_z));
+        let is_behind = simd
+            .less(simd.mul(weighted_z, denominator), simd.splat(0.0))
+            .and(simd.less(four_errors, size))
+            .and(simd.less(simd.splat(0.0), certain_z));
+        let depth_limit = limit * self.direction_z.abs();
+        let depth_limit = if depth_limit < f32::MIN_POSITIVE {
+            f32::INFINITY
+        } else {
+            depth_limit
+        };
+        let farthest = simd.mul_add(simd.splat(depth_limit), simd.add(size, four_errors), least);
+        let is_beyond = simd.less(farthest, certain_z);
+        let is_finite = simd.less(certain_z, simd.splat(f32::INFINITY));
+        is_behind.or(is_beyond).and(is_finite)
     }
 
     /// The larger magnitude.

@@ -3,6 +3,7 @@
 use super::block::{BlockFilter, TriangleBlock};
 use super::four::FourTests;
 use super::simd::{Half, LaneSet, Simd};
+use super::slabs::later;
 use super::{Hit, Visits};
 use crate::geometry::{RayKernel, TriangleHit};
 use crate::math::Ray;
@@ -102,6 +103,12 @@ impl<'a, S: Simd> Nearest<'a, S> {
         }
     }
 
+    /// A bound on where anything may still become the nearest hit.
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        later(self.best.map_or(self.test.t_max, |hit| hit.t))
+    }
+
     #[inline(always)]
     fn consider(&mut self, id: u32, new: Option<TriangleHit>) {
         if let Some(new) = new.filter(|new| new.t < self.test.t_max) {
@@ -116,7 +123,7 @@ impl<S: Simd> Visitor for Nearest<'_, S> {
     #[inline(always)]
     fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
         for block in blocks {
-            for (half, lanes) in self.test.filter.may_hit(block).halves() {
+            for (half, lanes) in self.test.filter.may_hit(block, self.limit()).halves() {
                 let four = self.test.four(block, half, lanes);
                 for lane in four.met {
                     self.consider(block.ids[half.first() + lane], four.hit(lane));
@@ -154,7 +161,7 @@ impl<S: Simd> Visitor for Any<'_, S> {
     #[inline(always)]
     fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
         for block in blocks {
-            let passed = self.test.filter.may_hit(block);
+            let passed = self.test.filter.may_hit(block, later(self.test.t_max));
             if self.test.is_hit(block, passed) {
                 self.found = true;
                 return None;

@@ -484,6 +484,7 @@ fn no_ray_escapes_a_closed_mesh_through_its_edges_and_vertices() {
 
 struct MayHit<'a> {
     ray: &'a Ray,
+    t_max: f32,
     block: &'a TriangleBlock,
 }
 
@@ -491,13 +492,13 @@ impl Query for MayHit<'_> {
     type Answer = LaneSet;
 
     fn answer<S: Simd>(&self, simd: S) -> LaneSet {
-        BlockFilter::new(simd, self.ray).may_hit(self.block)
+        BlockFilter::new(simd, self.ray).may_hit(self.block, slabs::later(self.t_max))
     }
 }
 
 /// What the filter passes by the widest instructions, and by the portable ones.
-fn may_hit(ray: &Ray, block: &TriangleBlock) -> [LaneSet; 2] {
-    let query = MayHit { ray, block };
+fn may_hit(ray: &Ray, t_max: f32, block: &TriangleBlock) -> [LaneSet; 2] {
+    let query = MayHit { ray, t_max, block };
     [simd::answer(&query), query.answer(Portable)]
 }
 
@@ -513,18 +514,20 @@ fn the_filter_passes_every_hit_and_no_empty_lane() {
         for ray in rays(&triangles, 3).iter().step_by(5) {
             let kernel = RayKernel::new(ray);
             for block in &blocks {
-                let passed = may_hit(ray, block);
+                let passes = |t_max: f32, lane: usize| {
+                    may_hit(ray, t_max, block).map(|set| set.into_iter().any(|l| l == lane))
+                };
                 for lane in 0..LANES {
-                    let [wide, portable] = passed.map(|set| set.into_iter().any(|l| l == lane));
+                    let triangle = block.triangle(lane);
                     if block.ids[lane] == TriangleBlock::NO_TRIANGLE {
-                        assert!(!wide && !portable, "{name}: {ray:?} hits an empty lane");
-                    } else if kernel
-                        .intersect(&block.triangle(lane), f32::INFINITY)
-                        .is_some()
-                    {
+                        let passed = passes(f32::INFINITY, lane);
+                        assert_eq!(passed, [false; 2], "{name}: {ray:?} hits an empty lane");
+                    } else if let Some(hit) = kernel.intersect(&triangle, f32::INFINITY) {
                         hits += 1;
-                        let triangle = block.triangle(lane);
-                        assert!(wide && portable, "{name}: {ray:?} misses {triangle:?}");
+                        for t_max in [hit.t, f32::INFINITY] {
+                            let passed = passes(t_max, lane);
+                            assert_eq!(passed, [true; 2], "{name}: {ray:?} misses {triangle:?}");
+                        }
                     }
                 }
             }
@@ -557,14 +560,49 @@ fn the_filter_passes_every_hit_of_extreme_size() {
             corners: corners.map(narrowed),
         };
         let kernel = RayKernel::new(&ray);
-        if kernel.intersect(&triangle, f32::INFINITY).is_some() {
+        if let Some(hit) = kernel.intersect(&triangle, f32::INFINITY) {
             hits += 1;
             let block = TriangleBlock::new(&[0], &[triangle]);
-            let passed = may_hit(&ray, &block).map(|set| set.into_iter().eq([0]));
-            assert_eq!(passed, [true; 2], "{ray:?} misses {triangle:?}");
+            for t_max in [hit.t, f32::INFINITY] {
+                let passed = may_hit(&ray, t_max, &block).map(|set| set.into_iter().eq([0]));
+                assert_eq!(passed, [true; 2], "{ray:?} misses {triangle:?}");
+            }
         }
     }
     assert!(hits > 20_000, "only {hits} hits");
+}
+
+/// Of all triangles on the line of a ray, those behind its start and those beyond its end are nearly all left out.
+#[test]
+fn the_filter_leaves_out_what_is_out_of_reach() {
+    let triangles = rough_sphere(2, 3);
+    let ids: Vec<u32> = (0..).take(triangles.len()).collect();
+    let mut random = Random::new(12);
+    let (mut within, mut passed) = (0, 0);
+    for _ in 0..2000 {
+        let ray = Ray::new(
+            narrowed(random.in_cube() * 0.3),
+            narrowed(random.in_cube().normalize()),
+        );
+        let kernel = RayKernel::new(&ray);
+        for ids in ids.chunks(LANES) {
+            let block = TriangleBlock::new(ids, &triangles);
+            for t_max in [0.5, f32::INFINITY] {
+                let hits = ids.iter().map(|&id| &triangles[id as usize]);
+                within += hits
+                    .filter(|t| kernel.intersect(t, t_max).is_some())
+                    .count();
+                let [wide, portable] = may_hit(&ray, t_max, &block);
+                passed += wide.into_iter().count();
+                assert_eq!(wide, portable, "{ray:?}");
+            }
+        }
+    }
+    assert!(within > 1000, "only {within} hits");
+    assert!(
+        passed <= within + within / 100,
+        "{passed} for {within} hits"
+    );
 }
 
 #[test]

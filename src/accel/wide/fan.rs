@@ -215,12 +215,11 @@ impl<'a, S: Simd> FanWalk<'a, S> {
         let Shear { axes, unshear } = self.shears[index];
         let [x, y, z] = axes;
         let axes = [usize::from(x), usize::from(y), usize::from(z)];
-        let filter = BlockFilter::with_shear(self.simd, self.fan.origin(), axes, unshear);
-        let lanes = filter.may_hit(block).and(lanes);
-        !lanes.is_empty() && {
-            let ray = self.fan.ray(index);
-            LeafTest::with_filter(self.simd, &ray, 1.0, filter).is_hit(block, lanes)
-        }
+        let ray = self.fan.ray(index);
+        let filter = BlockFilter::with_shear(self.simd, &ray, axes, unshear);
+        let lanes = filter.may_hit(block, later(1.0)).and(lanes);
+        !lanes.is_empty()
+            && LeafTest::with_filter(self.simd, &ray, 1.0, filter).is_hit(block, lanes)
     }
 }
 
