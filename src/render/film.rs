@@ -50,9 +50,13 @@ impl Film {
     #[must_use]
     pub fn new(region: Region, layers: &[Layer]) -> Self {
         let pixels = region.pixel_count();
+        // Each plane by itself: copies of one would be written at once, where zeroed pages cost nothing until they are used.
+        let black = || vec![[0.0; 3]; pixels];
         Self {
             region,
-            planes: vec![vec![[0.0; 3]; pixels]; 1 + layers.len()],
+            planes: std::iter::repeat_with(black)
+                .take(1 + layers.len())
+                .collect(),
             layers: layers.to_vec(),
             samples: vec![0; pixels],
         }
