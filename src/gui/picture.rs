@@ -305,6 +305,8 @@ impl Picture {
         if previous.buffer.texture_size() == self.buffer.texture_size() {
             self.texture = previous.texture;
         }
+        // Giving back many megabytes takes longer than the window has for a frame.
+        rayon::spawn(move || drop(previous.buffer));
     }
 
     /// What there is to show; `None` before the first tile.
