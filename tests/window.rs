@@ -748,6 +748,30 @@ fn a_layer_of_the_picture_is_shown() {
     assert!(!window.has("Layer"));
 }
 
+/// The window says what rays look for triangles in, and the picture does not depend on it.
+#[test]
+fn another_structure_gives_the_same_picture() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    let in_use = |window: &Window, name: &str| {
+        let start = format!("{name}, ");
+        window.harness.query_by_label_contains(&start).is_some()
+    };
+    assert!(in_use(&window, "wide"));
+    assert!(window.has("Tree"));
+    for (choice, name) in [("kd-tree", "kd-tree"), ("Every triangle", "brute-force")] {
+        window.operate("Structure");
+        window.operate(choice);
+        window.settle();
+        window.render();
+        assert!(in_use(&window, name), "{name} is not shown");
+        assert!(!window.has("Tree"));
+        assert_eq!(window.hash(), hash, "{name}");
+    }
+}
+
 /// Cancel to idle threads, on a scene of 100,000 triangles. The figures are printed, not judged: machines differ.
 #[test]
 fn the_first_tile_comes_at_once_and_cancel_is_obeyed() {

@@ -9,7 +9,7 @@ use crate::gui::dialogs::{
     Dialog, buttons_ui, files::FilePurpose, modal_ui, question, shortcuts_ui,
 };
 use crate::gui::jobs::Lane;
-use crate::gui::panels::{self, PanelState};
+use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
@@ -93,12 +93,20 @@ impl App {
                         bottom: 12,
                     })
                     .show(ui, |ui| {
+                        let structure = self.prepared.as_ref().map(|state| {
+                            let accelerator = state.prepared.scene.geometry().accelerator();
+                            StructureInUse {
+                                name: accelerator.name(),
+                                bytes: accelerator.bytes(),
+                            }
+                        });
                         let mut state = PanelState {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
                             threads: &mut self.threads,
                             shown_layer: &mut self.shown_layer,
                             layers: self.picture.as_ref().map_or(&[], |p| p.buffer.layers()),
+                            structure,
                             commands,
                         };
                         panels::panels_ui(ui, &mut state);

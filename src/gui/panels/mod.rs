@@ -12,6 +12,7 @@ mod tree;
 use egui::Ui;
 
 pub(super) use background::with_image;
+pub(super) use settings::StructureInUse;
 
 use super::commands::Command;
 use super::selection::Selection;
@@ -32,6 +33,8 @@ pub struct PanelState<'a> {
     pub shown_layer: &'a mut Option<Layer>,
     /// The layers that the picture has.
     pub layers: &'a [Layer],
+    /// What rays look for triangles in, once it is there.
+    pub structure: Option<StructureInUse>,
     /// What is asked for beside edits.
     pub commands: &'a mut Vec<Command>,
 }
@@ -60,7 +63,8 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     };
     section_ui(ui, title, true, |ui| properties_ui(ui, state));
     section_ui(ui, "Image", true, |ui| {
-        settings::image_ui(ui, &mut state.scene.render, state.threads);
+        let render = &mut state.scene.render;
+        settings::image_ui(ui, render, state.threads, state.structure);
     });
     section_ui(ui, "Effects", true, |ui| {
         settings::effects_ui(ui, &mut state.scene.render);

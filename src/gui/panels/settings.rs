@@ -6,8 +6,8 @@ use crate::gui::widgets::{
 };
 use crate::render::Layer;
 use crate::scene::{
-    AcceleratorBuild, Choice, Filter, LightSampling, Mode, PhongModel, PngBits, RenderSettings,
-    Scene, Shadows, ToneCurve,
+    AcceleratorBuild, AcceleratorChoice, Choice, Filter, LightSampling, Mode, PhongModel, PngBits,
+    RenderSettings, Scene, Shadows, ToneCurve,
 };
 
 /// Picture sizes on offer.
@@ -21,8 +21,22 @@ const SIZES: [(u32, u32, &str); 7] = [
     (1024, 1024, "Square"),
 ];
 
+/// The structure that rays look for triangles in.
+#[derive(Clone, Copy, Debug)]
+pub struct StructureInUse {
+    /// As people write it.
+    pub name: &'static str,
+    /// Its memory.
+    pub bytes: usize,
+}
+
 /// Size, samples, and how to run.
-pub fn image_ui(ui: &mut Ui, settings: &mut RenderSettings, threads: &mut usize) {
+pub fn image_ui(
+    ui: &mut Ui,
+    settings: &mut RenderSettings,
+    threads: &mut usize,
+    structure: Option<StructureInUse>,
+) {
     combo_row_ui(
         ui,
         "Mode",
@@ -60,16 +74,63 @@ pub fn image_ui(ui: &mut Ui, settings: &mut RenderSettings, threads: &mut usize)
         threads,
         &choices,
     );
-    choice_row_ui(
+    structure_ui(ui, settings, structure);
+}
+
+fn structure_ui(ui: &mut Ui, settings: &mut RenderSettings, structure: Option<StructureInUse>) {
+    combo_row_ui(
         ui,
-        "Tree",
-        "How carefully the tree is built in which rays look for triangles; the picture does not depend on it",
-        &mut settings.accelerator_build,
-        |build| match build {
-            AcceleratorBuild::Best => ("Best", "The fastest rays"),
-            AcceleratorBuild::Fast => ("Fast", "The fastest edits: the tree is there sooner"),
-        },
+        "Structure",
+        "What rays look for triangles in; the picture does not depend on it. Auto takes the wide tree: on meshes it is about \
+         twice as fast as the kd-tree, on soups of thin triangles as fast, and it takes less memory and time to build",
+        &mut settings.accelerator,
+        &AcceleratorChoice::ALL
+            .iter()
+            .map(|(choice, _)| (*choice, structure_name(*choice).to_owned()))
+            .collect::<Vec<_>>(),
     );
+    if matches!(
+        settings.accelerator,
+        AcceleratorChoice::Auto | AcceleratorChoice::Wide
+    ) {
+        choice_row_ui(
+            ui,
+            "Tree",
+            "How carefully the tree is built; the picture does not depend on it",
+            &mut settings.accelerator_build,
+            |build| match build {
+                AcceleratorBuild::Best => ("Best", "The fastest rays"),
+                AcceleratorBuild::Fast => ("Fast", "The fastest edits: the tree is there sooner"),
+            },
+        );
+    }
+    if let Some(StructureInUse { name, bytes }) = structure {
+        row_ui(
+            ui,
+            "In use",
+            "The structure that was built, and its memory",
+            |ui| ui.weak(format!("{name}, {}", memory(bytes))),
+        );
+    }
+}
+
+fn structure_name(choice: AcceleratorChoice) -> &'static str {
+    match choice {
+        AcceleratorChoice::Auto => "Auto",
+        AcceleratorChoice::Wide => "Wide tree",
+        AcceleratorChoice::KdTree => "kd-tree",
+        AcceleratorChoice::BruteForce => "Every triangle",
+    }
+}
+
+/// So many bytes in a unit that fits.
+fn memory(bytes: usize) -> String {
+    let bytes = bytes as f64;
+    if bytes < 1e6 {
+        format!("{:.0} kB", bytes / 1e3)
+    } else {
+        format!("{:.1} MB", bytes / 1e6)
+    }
 }
 
 fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
