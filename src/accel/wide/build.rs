@@ -40,13 +40,13 @@ pub(super) struct Job<'a> {
     pub progress: &'a Progress,
 }
 
-/// Grows the tree over the items, which lie in `extent`. Not meaningful when cancelled.
-pub(super) fn grow(job: &Job, items: Vec<Item>, extent: Extent) -> Forest {
+/// Grows the tree over the items, which lie in `extent`; cutting adds at most `most_added`. Not meaningful when cancelled.
+pub(super) fn grow(job: &Job, items: Vec<Item>, extent: Extent, most_added: usize) -> Forest {
     let set = Set {
         start: 0,
         extent,
         depth: 0,
-        spare: job.quality.most_added(items.len()),
+        spare: most_added,
         triangles: items.len(),
     };
     let (grown, _) = grow_large(job, items, &set);

@@ -70,10 +70,10 @@ impl BuildQuality {
         }
     }
 
-    /// How many references cutting may add to so many.
-    fn most_added(self, references: usize) -> usize {
+    /// How many references cutting may add per five triangles.
+    fn added_per_five(self) -> usize {
         match self {
-            Self::Best => references / 5 * ADDED_PER_FIVE,
+            Self::Best => ADDED_PER_FIVE,
             Self::Fast => 0,
         }
     }
@@ -110,6 +110,23 @@ impl WideTree {
         cancel: &CancelToken,
         progress: &Progress,
     ) -> Option<Self> {
+        Self::build_adding(
+            triangles,
+            quality,
+            quality.added_per_five(),
+            cancel,
+            progress,
+        )
+    }
+
+    /// [`Self::build`], where cutting may add that many references per five triangles.
+    fn build_adding(
+        triangles: &[Triangle],
+        quality: BuildQuality,
+        added_per_five: usize,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Option<Self> {
         assert!(
             triangles.len() <= MAX_TRIANGLES,
             "{} triangles are more than 2^29",
@@ -129,7 +146,8 @@ impl WideTree {
             cancel,
             progress,
         };
-        let forest = build::grow(&job, items, all);
+        let most_added = items.len() / 5 * added_per_five;
+        let forest = build::grow(&job, items, all, most_added);
         if cancel.is_cancelled() {
             return None;
         }
