@@ -1,5 +1,6 @@
 //! Dividing a large set by objects: each triangle goes to the side its box's centre is on.
 
+use super::binning::{self, Bin};
 use super::build::Job;
 use super::item::{Extent, Item};
 use super::split::{Split, cost, folded};
@@ -8,13 +9,14 @@ use crate::math::Vec4;
 /// Divisions are tried between this many slices along each axis.
 const BINS: usize = 32;
 
+/// Items whose boxes' centres are in a slice.
 #[derive(Clone, Copy)]
-struct Bin {
+struct Centered {
     extent: Extent,
     count: usize,
 }
 
-impl Bin {
+impl Bin for Centered {
     const EMPTY: Self = Self {
         extent: Extent::EMPTY,
         count: 0,
@@ -26,9 +28,6 @@ impl Bin {
         self.count += other.count;
     }
 }
-
-/// What lies in each slice, by axis.
-type Bins = [[Bin; BINS]; 3];
 
 /// Which slice along each axis a box's centre lies in.
 #[derive(Clone, Copy, Debug)]
@@ -90,41 +89,22 @@ pub(super) fn cheapest(
     items: &[Item],
 ) -> Option<(Split, impl Fn(&Item) -> bool + use<>)> {
     let slices = Slices::new(job, items);
-    let bins = folded(
-        job.cancel,
-        items,
-        |items| {
-            let mut bins = [[Bin::EMPTY; BINS]; 3];
-            for item in items {
-                let slice_of = slices.of(item);
-                for &axis in slices.axes {
-                    let bin = &mut bins[axis][slice_of[axis]];
-                    bin.extent.grow(item.extent());
-                    bin.count += 1;
-                }
+    let bins = binning::filled(job, items, |items| {
+        let mut bins = [[Centered::EMPTY; BINS]; 3];
+        for item in items {
+            let slice_of = slices.of(item);
+            for &axis in slices.axes {
+                let bin = &mut bins[axis][slice_of[axis]];
+                bin.extent.grow(item.extent());
+                bin.count += 1;
             }
-            bins
-        },
-        |all: &mut Bins, other| {
-            for (all, other) in all.iter_mut().flatten().zip(other.iter().flatten()) {
-                all.add(other);
-            }
-        },
-    );
+        }
+        bins
+    });
 
     let mut best: Option<(Split, usize, usize)> = None;
     for &axis in slices.axes {
-        let bins = &bins[axis];
-        let mut after = [Bin::EMPTY; BINS];
-        let mut right = Bin::EMPTY;
-        for (index, bin) in bins.iter().enumerate().rev() {
-            right.add(bin);
-            after[index] = right;
-        }
-        let mut left = Bin::EMPTY;
-        for (index, bin) in bins[..BINS - 1].iter().enumerate() {
-            left.add(bin);
-            let right = &after[index + 1];
+        for (index, (left, right)) in binning::sides(&bins[axis]).enumerate() {
             if left.count == 0 || right.count == 0 {
                 continue;
             }

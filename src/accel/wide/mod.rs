@@ -6,6 +6,7 @@
 //! holds exactly or is rounded outwards, and distances to boxes are compared with a margin for their rounding, so no ray
 //! misses a hit.
 
+mod binning;
 mod bins;
 mod build;
 mod clip;

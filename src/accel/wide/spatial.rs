@@ -1,9 +1,10 @@
 //! Dividing a set by a plane: what lies across is cut in two, so that the boxes of both sides do not overlap.
 
+use super::binning::{self, Bin, Bins};
 use super::build::Job;
 use super::clip;
 use super::item::{Extent, Item};
-use super::split::{CHUNK, Divided, cost, folded};
+use super::split::{CHUNK, Divided, cost};
 use crate::geometry::Triangle;
 use crate::math::Vec4;
 
@@ -24,15 +25,16 @@ pub(super) struct Plane {
     sides: [(Extent, usize); 2],
 }
 
+/// Parts of items in a slice.
 #[derive(Clone, Copy)]
-struct Bin {
+struct Parts {
     extent: Extent,
-    /// How many items begin and end in the slice.
+    /// How many items begin and end there.
     begin: usize,
     end: usize,
 }
 
-impl Bin {
+impl Bin for Parts {
     const EMPTY: Self = Self {
         extent: Extent::EMPTY,
         begin: 0,
@@ -46,9 +48,6 @@ impl Bin {
         self.end += other.end;
     }
 }
-
-/// What lies in each slice, by axis.
-type Bins = [[Bin; BINS]; 3];
 
 /// Equal slices of the set's box.
 struct Slices {
@@ -68,8 +67,8 @@ impl Slices {
     }
 
     /// What lies in each slice. Of triangles in several, only the boxes are cut, which is enough to compare planes by.
-    fn fill(&self, items: &[Item]) -> Bins {
-        let mut bins = [[Bin::EMPTY; BINS]; 3];
+    fn fill(&self, items: &[Item]) -> Bins<Parts, BINS> {
+        let mut bins = [[Parts::EMPTY; BINS]; 3];
         for item in items {
             let [first, last] = self.of(item.extent());
             for (axis, bins) in bins.iter_mut().enumerate() {
@@ -121,29 +120,11 @@ pub(super) fn cheapest(
     objects: f32,
 ) -> Option<Plane> {
     let slices = Slices::new(extent);
-    let bins = folded(
-        job.cancel,
-        items,
-        |items| slices.fill(items),
-        |all: &mut Bins, other| {
-            for (all, other) in all.iter_mut().flatten().zip(other.iter().flatten()) {
-                all.add(other);
-            }
-        },
-    );
+    let bins = binning::filled(job, items, |items| slices.fill(items));
 
     let mut best = (objects, None);
     for (axis, bins) in bins.iter().enumerate() {
-        let mut after = [Bin::EMPTY; BINS];
-        let mut right = Bin::EMPTY;
-        for (index, bin) in bins.iter().enumerate().rev() {
-            right.add(bin);
-            after[index] = right;
-        }
-        let mut left = Bin::EMPTY;
-        for (index, bin) in bins[..BINS - 1].iter().enumerate() {
-            left.add(bin);
-            let right = &after[index + 1];
+        for (index, (left, right)) in binning::sides(bins).enumerate() {
             let (before, behind) = (left.begin, right.end);
             let most = before.max(behind);
             if before + behind > items.len() + spare || most == items.len() {
