@@ -264,3 +264,97 @@ impl<S: Simd> FanCull<S> {
         simd.less(simd.add(height, error), simd.splat(0.0))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::BruteForce;
+    use crate::accel::tests::{narrowed, scenes, trees, whole};
+    use crate::geometry::Triangle;
+    use crate::geometry::shapes::Random;
+    use crate::math::{DVec3, robust};
+
+    /// Directions from one point: into the hemisphere over `normal`, towards what `aim` spans, along axes, below the surface.
+    fn fan_directions(random: &mut Random, kind: usize, normal: Vec3, aim: Vec3) -> Vec<Vec3> {
+        let count = 1 + whole(random) % Fan::MOST_RAYS;
+        let length = 2_f32.powi(i32::try_from(whole(random) % 12).unwrap() - 8);
+        let mut direction = |index: usize| {
+            let any = narrowed(random.in_cube());
+            let above = if any.dot(normal) < 0.0 { -any } else { any };
+            match kind {
+                0 => above * length,
+                1 => aim + any * 0.1 * length,
+                2 => aim,
+                3 if index.is_multiple_of(5) => any * length,
+                3 => above.reject_from_normalized(normal) + normal * 1e-7,
+                _ => Vec3::AXES[index % 3] * length,
+            }
+        };
+        let directions = (0..count).map(&mut direction);
+        directions.filter(|&d| d != Vec3::ZERO).collect()
+    }
+
+    /// From points on triangles, lifted or not, and from anywhere: every ray of a fan is answered as alone by brute force.
+    #[test]
+    fn fans_are_answered_as_ray_by_ray() {
+        let (mut occluded, mut free) = (0, 0);
+        for (name, triangles) in scenes() {
+            let all = BruteForce::new(triangles.clone());
+            let trees = trees(&triangles);
+            let mut random = Random::new(31);
+            for turn in 0..if triangles.is_empty() { 5 } else { 120 } {
+                let index = whole(&mut random) % triangles.len().max(1);
+                let from = triangles.get(index).copied().unwrap_or(Triangle {
+                    corners: [Vec3::X, Vec3::Y, Vec3::Z],
+                });
+                let [u, v] = [random.unit(), random.unit()].map(|x| DVec3::splat(x).as_vec3().x);
+                let (point, error) = from.point([1.0 - u, u * (1.0 - v), u * v]);
+                let normal = from.normal();
+                let size = from.bounds().size().max_element();
+                let origin = match turn % 3 {
+                    0 => point,
+                    1 => robust::offset_origin(point, error, normal, normal),
+                    _ => point + narrowed(random.in_cube()) * size,
+                };
+                let aim = triangles.get(index / 2).map_or(Vec3::Z, |t| t.corners[0]) - origin;
+                let directions = fan_directions(&mut random, turn % 5, normal, aim);
+                let fan = Fan::new(origin, normal, &directions);
+                let expected = fan.each(|ray| all.occluded(ray, 1.0));
+                occluded += expected.count_ones();
+                free += directions.len() - expected.count_ones() as usize;
+                for tree in &trees {
+                    let found = tree.occluded_fan(&fan);
+                    assert_eq!(found, expected, "{name}, {}: {fan:?}", tree.name());
+                }
+            }
+        }
+        assert!(occluded > 10_000 && free > 10_000, "{occluded}, {free}");
+    }
+
+    /// The heights of its corners are lost in rounding, but it is in the way.
+    #[test]
+    fn fans_meet_large_triangles_close_above_where_they_start() {
+        let mut random = Random::new(32);
+        let mut occluded = 0;
+        for _ in 0..3000 {
+            let origin = narrowed(random.in_cube());
+            let normal = narrowed(random.in_cube().normalize());
+            let (along, across) = normal.any_orthonormal_pair();
+            let above = origin.as_dvec3() + normal.as_dvec3() * (random.unit() * 1e-7);
+            let corner = |x: f64, y: f64| {
+                narrowed(above + along.as_dvec3() * x * 4.0 + across.as_dvec3() * y * 4.0)
+            };
+            let corners = [corner(1.0, 0.1), corner(-0.6, 0.8), corner(-0.5, -0.9)];
+            let triangles = [Triangle { corners }];
+            let directions = [normal, normal + along * 0.2, normal - across * 0.3];
+            let fan = Fan::new(origin, normal, &directions);
+            let expected = BruteForce::new(triangles.to_vec());
+            let expected = fan.each(|ray| expected.occluded(ray, 1.0));
+            occluded += expected.count_ones();
+            for tree in trees(&triangles) {
+                assert_eq!(tree.occluded_fan(&fan), expected, "{fan:?} {triangles:?}");
+            }
+        }
+        assert!(occluded > 1000, "only {occluded}");
+    }
+}

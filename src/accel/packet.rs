@@ -41,3 +41,68 @@ impl<'a> Packet<'a> {
         hits
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::accel::BruteForce;
+    use crate::accel::tests::{bits, narrowed, rays, scenes, trees, whole};
+    use crate::geometry::shapes::Random;
+    use crate::math::Vec3;
+
+    /// Up to sixteen rays: almost parallel from one point or from a lens, along axes, or anywhere.
+    pub(in crate::accel) fn packet_rays(
+        random: &mut Random,
+        kind: usize,
+        ray: &Ray,
+    ) -> Vec<(Ray, f32)> {
+        let count = 1 + whole(random) % Packet::MOST_RAYS;
+        let length = ray.direction.length();
+        let spread = length * 2_f32.powi(-i32::try_from(whole(random) % 12).unwrap());
+        (0..count)
+            .map(|index| {
+                let any = narrowed(random.in_cube());
+                let direction = match kind {
+                    0 | 1 => ray.direction + any * spread,
+                    2 => Vec3::AXES[index % 3],
+                    _ => any,
+                };
+                let origin = match kind {
+                    1 => ray.origin + narrowed(random.in_cube()) * spread,
+                    _ => ray.origin,
+                };
+                let t_max =
+                    [f32::INFINITY, 0.9, 0.0][if index % 5 == 4 { 1 + index % 2 } else { 0 }];
+                (Ray::new(origin, direction), t_max)
+            })
+            .filter(|(ray, _)| ray.direction != Vec3::ZERO)
+            .collect()
+    }
+
+    #[test]
+    fn packets_are_answered_as_ray_by_ray() {
+        let (mut hits, mut misses) = (0, 0);
+        for (name, triangles) in scenes() {
+            let all = BruteForce::new(triangles.clone());
+            let trees = trees(&triangles);
+            let mut random = Random::new(41);
+            for (turn, ray) in rays(&triangles, 42).iter().enumerate().step_by(9) {
+                let rays = packet_rays(&mut random, turn % 4, ray);
+                let packet = Packet::new(&rays);
+                let expected = packet.each(|ray, t_max| all.intersect(ray, t_max));
+                hits += expected.iter().flatten().count();
+                misses += rays.len() - expected.iter().flatten().count();
+                for tree in &trees {
+                    let found = tree.intersect_packet(&packet);
+                    assert_eq!(
+                        found.map(bits),
+                        expected.map(bits),
+                        "{name}, {}: {packet:?}",
+                        tree.name()
+                    );
+                }
+            }
+        }
+        assert!(hits > 5000 && misses > 5000, "{hits}, {misses}");
+    }
+}

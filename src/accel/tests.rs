@@ -4,7 +4,7 @@ use super::*;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{RayKernel, TriangleMesh};
-use crate::math::{DVec3, SceneFrame, Vec3, power_of_two, robust};
+use crate::math::{DVec3, SceneFrame, Vec3, power_of_two};
 use block::{BlockFilter, TriangleBlock};
 use simd::{LANES, LaneSet, Portable, Query, Simd};
 use std::time::{Duration, Instant};
@@ -111,13 +111,18 @@ pub(super) fn wide_tree(triangles: &[Triangle]) -> WideTree {
 }
 
 /// Every structure but the reference.
-fn trees(triangles: &[Triangle]) -> [Accelerator; 2] {
+pub(super) fn trees(triangles: &[Triangle]) -> [Accelerator; 2] {
     let (kd, wide) = (kd_tree(triangles), wide_tree(triangles));
     [Accelerator::KdTree(kd), Accelerator::Wide(wide)]
 }
 
-fn narrowed(v: DVec3) -> Vec3 {
+pub(super) fn narrowed(v: DVec3) -> Vec3 {
     v.as_vec3()
+}
+
+/// A random number below 2³¹.
+pub(super) fn whole(random: &mut Random) -> usize {
+    usize::try_from(random.bits() >> 33).unwrap()
 }
 
 /// Rays that miss, hit, graze and run along `triangles`.
@@ -260,145 +265,6 @@ fn the_trees_answer_like_brute_force() {
 }
 
 /// Rays that no margin is relative to: distances overflow and underflow, and planes lie where differences are infinite.
-fn whole(random: &mut Random) -> usize {
-    usize::try_from(random.bits() >> 33).unwrap()
-}
-
-/// Directions from one point: into the hemisphere over `normal`, towards what `aim` spans, along axes, below the surface.
-fn fan_directions(random: &mut Random, kind: usize, normal: Vec3, aim: Vec3) -> Vec<Vec3> {
-    let count = 1 + whole(random) % Fan::MOST_RAYS;
-    let length = 2_f32.powi(i32::try_from(whole(random) % 12).unwrap() - 8);
-    let mut direction = |index: usize| {
-        let any = narrowed(random.in_cube());
-        let above = if any.dot(normal) < 0.0 { -any } else { any };
-        match kind {
-            0 => above * length,
-            1 => aim + any * 0.1 * length,
-            2 => aim,
-            3 if index.is_multiple_of(5) => any * length,
-            3 => above.reject_from_normalized(normal) + normal * 1e-7,
-            _ => Vec3::AXES[index % 3] * length,
-        }
-    };
-    let directions = (0..count).map(&mut direction);
-    directions.filter(|&d| d != Vec3::ZERO).collect()
-}
-
-/// From points on triangles, lifted or not, and from anywhere: every ray of a fan is answered as alone by brute force.
-#[test]
-fn fans_are_answered_as_ray_by_ray() {
-    let (mut occluded, mut free) = (0, 0);
-    for (name, triangles) in scenes() {
-        let all = BruteForce::new(triangles.clone());
-        let trees = trees(&triangles);
-        let mut random = Random::new(31);
-        for turn in 0..if triangles.is_empty() { 5 } else { 120 } {
-            let index = whole(&mut random) % triangles.len().max(1);
-            let from = triangles.get(index).copied().unwrap_or(Triangle {
-                corners: [Vec3::X, Vec3::Y, Vec3::Z],
-            });
-            let [u, v] = [random.unit(), random.unit()].map(|x| DVec3::splat(x).as_vec3().x);
-            let (point, error) = from.point([1.0 - u, u * (1.0 - v), u * v]);
-            let normal = from.normal();
-            let size = from.bounds().size().max_element();
-            let origin = match turn % 3 {
-                0 => point,
-                1 => robust::offset_origin(point, error, normal, normal),
-                _ => point + narrowed(random.in_cube()) * size,
-            };
-            let aim = triangles.get(index / 2).map_or(Vec3::Z, |t| t.corners[0]) - origin;
-            let directions = fan_directions(&mut random, turn % 5, normal, aim);
-            let fan = Fan::new(origin, normal, &directions);
-            let expected = fan.each(|ray| all.occluded(ray, 1.0));
-            occluded += expected.count_ones();
-            free += directions.len() - expected.count_ones() as usize;
-            for tree in &trees {
-                let found = tree.occluded_fan(&fan);
-                assert_eq!(found, expected, "{name}, {}: {fan:?}", tree.name());
-            }
-        }
-    }
-    assert!(occluded > 10_000 && free > 10_000, "{occluded}, {free}");
-}
-
-/// Up to sixteen rays: almost parallel from one point or from a lens, along axes, or anywhere.
-pub(super) fn packet_rays(random: &mut Random, kind: usize, ray: &Ray) -> Vec<(Ray, f32)> {
-    let count = 1 + whole(random) % Packet::MOST_RAYS;
-    let length = ray.direction.length();
-    let spread = length * 2_f32.powi(-i32::try_from(whole(random) % 12).unwrap());
-    (0..count)
-        .map(|index| {
-            let any = narrowed(random.in_cube());
-            let direction = match kind {
-                0 | 1 => ray.direction + any * spread,
-                2 => Vec3::AXES[index % 3],
-                _ => any,
-            };
-            let origin = match kind {
-                1 => ray.origin + narrowed(random.in_cube()) * spread,
-                _ => ray.origin,
-            };
-            let t_max = [f32::INFINITY, 0.9, 0.0][if index % 5 == 4 { 1 + index % 2 } else { 0 }];
-            (Ray::new(origin, direction), t_max)
-        })
-        .filter(|(ray, _)| ray.direction != Vec3::ZERO)
-        .collect()
-}
-
-#[test]
-fn packets_are_answered_as_ray_by_ray() {
-    let (mut hits, mut misses) = (0, 0);
-    for (name, triangles) in scenes() {
-        let all = BruteForce::new(triangles.clone());
-        let trees = trees(&triangles);
-        let mut random = Random::new(41);
-        for (turn, ray) in rays(&triangles, 42).iter().enumerate().step_by(9) {
-            let rays = packet_rays(&mut random, turn % 4, ray);
-            let packet = Packet::new(&rays);
-            let expected = packet.each(|ray, t_max| all.intersect(ray, t_max));
-            hits += expected.iter().flatten().count();
-            misses += rays.len() - expected.iter().flatten().count();
-            for tree in &trees {
-                let found = tree.intersect_packet(&packet);
-                assert_eq!(
-                    found.map(bits),
-                    expected.map(bits),
-                    "{name}, {}: {packet:?}",
-                    tree.name()
-                );
-            }
-        }
-    }
-    assert!(hits > 5000 && misses > 5000, "{hits}, {misses}");
-}
-
-/// The heights of its corners are lost in rounding, but it is in the way.
-#[test]
-fn fans_meet_large_triangles_close_above_where_they_start() {
-    let mut random = Random::new(32);
-    let mut occluded = 0;
-    for _ in 0..3000 {
-        let origin = narrowed(random.in_cube());
-        let normal = narrowed(random.in_cube().normalize());
-        let (along, across) = normal.any_orthonormal_pair();
-        let above = origin.as_dvec3() + normal.as_dvec3() * (random.unit() * 1e-7);
-        let corner = |x: f64, y: f64| {
-            narrowed(above + along.as_dvec3() * x * 4.0 + across.as_dvec3() * y * 4.0)
-        };
-        let corners = [corner(1.0, 0.1), corner(-0.6, 0.8), corner(-0.5, -0.9)];
-        let triangles = [Triangle { corners }];
-        let directions = [normal, normal + along * 0.2, normal - across * 0.3];
-        let fan = Fan::new(origin, normal, &directions);
-        let expected = BruteForce::new(triangles.to_vec());
-        let expected = fan.each(|ray| expected.occluded(ray, 1.0));
-        occluded += expected.count_ones();
-        for tree in trees(&triangles) {
-            assert_eq!(tree.occluded_fan(&fan), expected, "{fan:?} {triangles:?}");
-        }
-    }
-    assert!(occluded > 1000, "only {occluded}");
-}
-
 #[test]
 fn extreme_rays_and_triangles_are_met_as_by_brute_force() {
     let mut random = Random::new(8);

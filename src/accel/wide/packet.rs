@@ -280,8 +280,9 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::packet::tests::packet_rays;
     use crate::accel::simd::{self, Portable};
-    use crate::accel::tests::{packet_rays, rays, scenes, wide_tree};
+    use crate::accel::tests::{rays, scenes, wide_tree};
     use crate::geometry::shapes::Random;
 
     /// On machines without wide instructions, the same code twice.
