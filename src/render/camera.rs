@@ -159,19 +159,20 @@ impl MetBox {
     }
 }
 
-/// Where the line from `eye` along `direction` enters and leaves the box.
+/// Where the line from `eye` along `direction` enters and leaves the box; it enters after it leaves where it misses the box.
 #[inline]
 fn crossing(bounds: &DBounds, eye: DVec3, direction: DVec3) -> (f64, f64) {
-    // Along an axis that the line keeps its place on, it crosses planes far away, or never leaves a plane it lies in.
-    let direction = DVec3::select(
-        direction.cmpeq(DVec3::ZERO),
-        DVec3::splat(f64::MIN_POSITIVE),
-        direction,
-    );
     let per_direction = direction.recip();
     let low = (bounds.min - eye) * per_direction;
     let high = (bounds.max - eye) * per_direction;
-    (low.min(high).max_element(), low.max(high).min_element())
+    // Along an axis that the line keeps its place on, it is between the sides or in one of them everywhere, or nowhere.
+    // Denormal numbers are as good as 0: their reciprocals may be infinite.
+    let keeps_place = direction.abs().cmplt(DVec3::splat(f64::MIN_POSITIVE));
+    let is_between = bounds.min.cmple(eye) & eye.cmple(bounds.max);
+    let end = DVec3::select(is_between, DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let enter = DVec3::select(keeps_place, -end, low.min(high));
+    let exit = DVec3::select(keeps_place, end, low.max(high));
+    (enter.max_element(), exit.min_element())
 }
 
 #[cfg(test)]
@@ -281,5 +282,48 @@ mod tests {
         );
         assert!(start > 1e5);
         assert_eq!(ray.direction, Vec3::Y);
+    }
+
+    /// Lines that come from 4 before the middle of a box with corners at ±1, along an axis.
+    fn assert_crossing(eye: DVec3, direction: DVec3, crosses: bool) {
+        let bounds = DBounds {
+            min: DVec3::NEG_ONE,
+            max: DVec3::ONE,
+        };
+        let (enter, exit) = crossing(&bounds, eye, direction);
+        if crosses {
+            assert_eq!((enter, exit), (3.0, 5.0), "from {eye} along {direction}");
+        } else {
+            assert!(enter > exit, "from {eye} along {direction}");
+        }
+    }
+
+    #[test]
+    fn lines_within_a_side_of_a_box_cross_it() {
+        for axis in 0..3 {
+            let [across, along] = [(axis + 1) % 3, (axis + 2) % 3];
+            for (side, zero) in [(-1.0, 0.0), (-1.0, -0.0), (1.0, 0.0), (1.0, -0.0)] {
+                for (offset, crosses) in [(0.5, true), (1.0, true), (-1.0, true), (1.5, false)] {
+                    let mut eye = DVec3::ZERO;
+                    eye[axis] = side;
+                    eye[across] = offset;
+                    eye[along] = -4.0;
+                    let mut direction = DVec3::splat(zero);
+                    direction[along] = 1.0;
+                    assert_crossing(eye, direction, crosses);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn denormal_parts_of_a_direction_count_as_none() {
+        for part in [f64::from_bits(1), f64::MIN_POSITIVE.next_down()] {
+            for (x, crosses) in [(-1.0, true), (0.0, true), (1.0, true), (1.5, false)] {
+                let eye = DVec3::new(x, -4.0, 0.0);
+                assert_crossing(eye, DVec3::new(part, 1.0, 0.0), crosses);
+                assert_crossing(eye, DVec3::new(-part, 1.0, 0.0), crosses);
+            }
+        }
     }
 }
