@@ -72,7 +72,7 @@ pub struct MeanVisits {
     pub blocks: f64,
 }
 
-/// Two structures that answer differently: a bug in one of them.
+/// Two structures, or packets in a structure and its rays by themselves, that answer differently: a bug in one of them.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{} and {} disagree about the rays of \"{set}\": {} and {} hits; please report this",
@@ -81,9 +81,9 @@ pub struct MeanVisits {
 pub struct Disagreement {
     /// Name of the set of rays.
     pub set: String,
-    /// Names of the structures.
-    pub structures: [&'static str; 2],
-    /// What each hits. Where the numbers are equal, the triangles are not.
+    /// Names of the structures, and which of them was given packets.
+    pub structures: [String; 2],
+    /// What each hits. Where the numbers are equal, the hits are not.
     pub hits: [u64; 2],
 }
 
@@ -91,7 +91,7 @@ pub struct Disagreement {
 /// their order.
 ///
 /// # Errors
-/// When structures answer differently.
+/// When structures answer differently, or one of them does when it is given packets.
 ///
 /// # Panics
 /// When threads cannot be started.
@@ -142,7 +142,7 @@ pub fn measure(
             sets.iter().map(answers).collect()
         })
         .collect();
-    compare(&built, sets, &answers)?;
+    all_threads.install(|| compare(&built, sets))?;
     let reports = built.into_iter().zip(seconds).zip(answers);
     Ok(reports
         .map(|((built, seconds), answers)| {
@@ -229,11 +229,11 @@ fn timed_build<C: Clock>(scene: &Assembly, structure: Structure) -> (Assembly, f
     (assembly.expect("nobody cancels"), seconds)
 }
 
-/// What the rays of a set meet, as far as it is compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What the rays of a set meet, summed up.
+#[derive(Clone, Copy, Debug, Default)]
 struct Answers {
     hits: u64,
-    /// Sum of the hit triangles' ids, which depends on every nearest hit; 0 for any hit.
+    /// Sum of the hit triangles' ids, so that none of the work for nearest hits may be left out; 0 for any hit.
     triangles: u64,
 }
 
@@ -310,19 +310,51 @@ fn added<T: AddAssign>(mut sum: T, more: T) -> T {
     sum
 }
 
-fn compare(built: &[Built], sets: &[RaySet], answers: &[Vec<Answers>]) -> Result<(), Disagreement> {
-    for (other, others) in built.iter().zip(answers).skip(1) {
-        for ((set, first), other_answers) in sets.iter().zip(&answers[0]).zip(others) {
-            if first != other_answers {
+/// Every structure against the first, and with packets against itself.
+fn compare(built: &[Built], sets: &[RaySet]) -> Result<(), Disagreement> {
+    let first = &built[0];
+    for set in sets {
+        for other in &built[1..] {
+            if !agree([&first.assembly, &other.assembly], set) {
                 return Err(Disagreement {
                     set: set.name().to_owned(),
-                    structures: [built[0].name, other.name],
-                    hits: [first.hits, other_answers.hits],
+                    structures: [first.name, other.name].map(str::to_owned),
+                    hits: [first, other].map(|built| answer(&built.assembly, set).hits),
+                });
+            }
+        }
+        for Built { name, assembly, .. } in built.iter().filter(|_| !set.any_hit()) {
+            if !packets_agree([assembly, assembly], set) {
+                return Err(Disagreement {
+                    set: set.name().to_owned(),
+                    structures: [(*name).to_owned(), format!("{name} with packets")],
+                    hits: [answer, answer_packets].map(|answer| answer(assembly, set).hits),
                 });
             }
         }
     }
     Ok(())
+}
+
+/// Whether both answer each ray alike.
+fn agree([a, b]: [&Assembly; 2], set: &RaySet) -> bool {
+    set.rays().par_iter().all(|(ray, t_max)| {
+        if set.any_hit() {
+            a.occluded(ray, *t_max) == b.occluded(ray, *t_max)
+        } else {
+            a.intersect(ray, *t_max) == b.intersect(ray, *t_max)
+        }
+    })
+}
+
+/// Whether the second one, given packets, answers as the first one does each ray by itself.
+fn packets_agree([alone, together]: [&Assembly; 2], set: &RaySet) -> bool {
+    let packets = set.rays().par_chunks(Packet::MOST_RAYS);
+    packets.all(|rays| {
+        let hits = together.intersect_packet(&Packet::new(rays));
+        let mut pairs = rays.iter().zip(hits);
+        pairs.all(|((ray, t_max), hit)| alone.intersect(ray, *t_max) == hit)
+    })
 }
 
 fn rates(set: &RaySet, seconds: Vec<f64>) -> Option<Spread> {
@@ -374,5 +406,98 @@ impl Clock for WallClock {
 
     fn seconds(&self) -> f64 {
         self.0.elapsed().as_secs_f64()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Part;
+    use crate::geometry::Triangle;
+    use crate::math::{DBounds, DVec3, SceneFrame, Vec3};
+
+    const COUNT: u8 = 20;
+
+    fn frame() -> SceneFrame {
+        SceneFrame::around(&DBounds {
+            min: DVec3::ZERO,
+            max: DVec3::splat(COUNT.into()),
+        })
+    }
+
+    /// Triangles along X, each across the ray of the same number.
+    fn triangles() -> Vec<Triangle> {
+        let corners = [(-0.4, -0.4), (0.4, -0.4), (0.0, 0.4)];
+        let triangle = |number: u8| Triangle {
+            corners: corners
+                .map(|(x, y)| frame().narrow(DVec3::new(f64::from(number) + x, y, 0.0))),
+        };
+        (0..COUNT).map(triangle).collect()
+    }
+
+    fn rays(any_hit: bool) -> RaySet {
+        let row = |number: u8| [f32::from(number), 0.0, 1.0, 0.0, 0.0, -1.0, f32::INFINITY];
+        let rows = (0..COUNT).map(row).collect();
+        RaySet::new("down", any_hit, rows, &frame()).expect("are rays")
+    }
+
+    fn built(name: &'static str, triangles: Vec<Triangle>) -> Built {
+        let count = u32::try_from(triangles.len()).expect("are few");
+        let structure = Structure::Wide.build(triangles).expect("nobody cancels");
+        let seconds = Spread::of(vec![1.0]).expect("has a value");
+        Built {
+            name,
+            assembly: Assembly::new(structure, Vec::new(), vec![Part::Flat(count)]),
+            seconds,
+            seconds_one_thread: seconds,
+        }
+    }
+
+    fn without(number: usize) -> Vec<Triangle> {
+        let mut triangles = triangles();
+        triangles[number].corners = [Vec3::ZERO; 3];
+        triangles
+    }
+
+    #[test]
+    fn structures_are_compared_ray_by_ray() {
+        let mut swapped = triangles();
+        swapped.swap(3, 17);
+        let whole = || built("whole", triangles());
+        for (any_hit, pair, hits) in [
+            (
+                false,
+                [whole(), built("swapped", swapped.clone())],
+                Some([20, 20]),
+            ),
+            (true, [whole(), built("swapped", swapped)], None),
+            (false, [whole(), built("less", without(5))], Some([20, 19])),
+            (true, [whole(), built("less", without(5))], Some([20, 19])),
+            (
+                true,
+                [built("one", without(5)), built("other", without(6))],
+                Some([19, 19]),
+            ),
+            (false, [whole(), whole()], None),
+        ] {
+            let found = compare(&pair, &[rays(any_hit)]);
+            let expected = hits.map(|hits| Disagreement {
+                set: "down".to_owned(),
+                structures: pair.map(|built| built.name.to_owned()),
+                hits,
+            });
+            assert_eq!(found.err(), expected);
+        }
+    }
+
+    #[test]
+    fn packets_are_compared_ray_by_ray() {
+        let set = rays(false);
+        let mut swapped = triangles();
+        swapped.swap(3, 17);
+        let whole = built("whole", triangles()).assembly;
+        let swapped = built("swapped", swapped).assembly;
+        assert!(packets_agree([&whole, &whole], &set));
+        assert!(!packets_agree([&whole, &swapped], &set));
     }
 }
