@@ -1,7 +1,7 @@
 //! The walk for a whole fan of rays.
 //!
-//! Nodes are tested once for all rays, by what any of them can meet; of the boxes that are left, one at a time is tested with all
-//! rays side by side, and only those that meet it go on to what is inside.
+//! Nodes are tested once for all rays, by what any of them can meet; of the boxes that are left, one at a time is tested with
+//! all rays side by side, and only those that meet it go on to what is inside.
 
 use super::WideTree;
 use super::node::{ChildKind, Node};

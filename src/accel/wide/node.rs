@@ -143,8 +143,8 @@ impl<S: Simd> RaySlabs<S> {
     /// moved outwards by [`later`](crate::accel::slabs::later).
     ///
     /// Of where a box is entered and where it is left, the second alone carries the margin for both. NaN, from a ray within a
-    /// plane (0 · ∞) or from [`reciprocals`], bounds nothing. A distance below 0 is moved in the wrong direction, but its sign is
-    /// right, and no more is asked of it.
+    /// plane (0 · ∞) or from [`reciprocals`], bounds nothing. A distance below 0 is moved in the wrong direction, but its sign
+    /// is right, and no more is asked of it.
     #[inline(always)]
     pub fn enter(&self, node: &Node, limit: f32) -> (S::F32x8, LaneSet) {
         let simd = self.simd;

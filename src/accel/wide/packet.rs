@@ -1,7 +1,7 @@
 //! The walk for a packet of rays.
 //!
-//! Nodes are tested once for all rays, by intervals that hold where any of them may be; of the boxes that are left, one at a time
-//! is tested with all rays side by side, and only those that meet it go on to what is inside.
+//! Nodes are tested once for all rays, by intervals that hold where any of them may be; of the boxes that are left, one at a
+//! time is tested with all rays side by side, and only those that meet it go on to what is inside.
 
 use super::WideTree;
 use super::node::{ChildKind, Node};

@@ -8,8 +8,8 @@ use crate::geometry::Triangle;
 use crate::math::{Bounds, DVec3, Vec3};
 
 impl WideTree {
-    /// Checks what the walk relies on: every node and block is reached once, boxes hold what is in them, every triangle is where
-    /// its place says, and all that are finite are covered by the boxes of the leaves they are in, as far as many points
+    /// Checks what the walk relies on: every node and block is reached once, boxes hold what is in them, every triangle is
+    /// where its place says, and all that are finite are covered by the boxes of the leaves they are in, as far as many points
     /// of them tell.
     ///
     /// # Errors
