@@ -98,7 +98,7 @@ pub(super) fn answer<Q: Query>(query: &Q) -> Q::Answer {
     query.answer(Portable)
 }
 
-/// Some of eight lanes, in ascending order: a bit each.
+/// Some of up to sixteen lanes, in ascending order, a bit each: those of one register, or of the two that hold a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LaneSet(u32);
 

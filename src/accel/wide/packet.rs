@@ -55,6 +55,49 @@ impl Query for NearestHits<'_> {
 /// Two times eight numbers, one per ray.
 type PerRay = [Lanes; Packet::MOST_RAYS / LANES];
 
+/// What the rays of a packet lie between.
+struct Ranges {
+    least_origin: Vec3,
+    most_origin: Vec3,
+    /// Of the reciprocals of the directions.
+    least_inverse: Vec3,
+    most_inverse: Vec3,
+    /// Along which axes all rays go backward: 1 for those.
+    backward: [usize; 3],
+}
+
+impl Ranges {
+    /// `None` where the rays differ in the sign of a direction, or are out of the ordinary.
+    #[inline(always)]
+    fn of(packet: &Packet<'_>) -> Option<Self> {
+        let mut ranges = Self {
+            least_origin: Vec3::INFINITY,
+            most_origin: Vec3::NEG_INFINITY,
+            least_inverse: Vec3::INFINITY,
+            most_inverse: Vec3::NEG_INFINITY,
+            backward: [0; 3],
+        };
+        for (ray, _) in packet.rays() {
+            if !are_ordinary(ray.direction) {
+                return None;
+            }
+            let inverse = ray.direction.recip();
+            ranges.least_origin = ranges.least_origin.min(ray.origin);
+            ranges.most_origin = ranges.most_origin.max(ray.origin);
+            ranges.least_inverse = ranges.least_inverse.min(inverse);
+            ranges.most_inverse = ranges.most_inverse.max(inverse);
+        }
+        for axis in 0..3 {
+            let [least, most] = [ranges.least_inverse[axis], ranges.most_inverse[axis]];
+            if least.is_sign_negative() != most.is_sign_negative() {
+                return None;
+            }
+            ranges.backward[axis] = usize::from(least.is_sign_negative());
+        }
+        Some(ranges)
+    }
+}
+
 /// The rays of a packet side by side, and intervals that hold all of them.
 struct PacketWalk<'a, S: Simd> {
     simd: S,
@@ -79,9 +122,13 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
     #[inline(always)]
     fn new(simd: S, tree: &'a WideTree, packet: &Packet<'_>) -> Option<Self> {
         let rays = packet.rays();
-        let (least, most, backward) = Self::ranges(packet)?;
-        let [least_origin, least_inverse] = least;
-        let [most_origin, most_inverse] = most;
+        let Ranges {
+            least_origin,
+            most_origin,
+            least_inverse,
+            most_inverse,
+            backward,
+        } = Ranges::of(packet)?;
         let farthest = least_origin.abs().max(most_origin.abs());
         if !(farthest.element_sum() + tree.reach).is_finite() {
             return None;
@@ -123,31 +170,6 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
             ],
             backward,
         })
-    }
-
-    /// The least and the greatest origin and reciprocal of the direction, and the directions' signs.
-    #[inline(always)]
-    fn ranges(packet: &Packet<'_>) -> Option<([Vec3; 2], [Vec3; 2], [usize; 3])> {
-        let mut least = [Vec3::INFINITY; 2];
-        let mut most = [Vec3::NEG_INFINITY; 2];
-        for (ray, _) in packet.rays() {
-            if !are_ordinary(ray.direction) {
-                return None;
-            }
-            let values = [ray.origin, ray.direction.recip()];
-            for i in 0..2 {
-                least[i] = least[i].min(values[i]);
-                most[i] = most[i].max(values[i]);
-            }
-        }
-        let mut backward = [0; 3];
-        for axis in 0..3 {
-            if least[1][axis].is_sign_negative() != most[1][axis].is_sign_negative() {
-                return None;
-            }
-            backward[axis] = usize::from(least[1][axis].is_sign_negative());
-        }
-        Some((least, most, backward))
     }
 
     #[inline(always)]
