@@ -1,6 +1,6 @@
 //! A tree of boxes over things that are not triangles of one mesh: whole placed meshes, disk lights.
 
-use crate::math::robust::gamma;
+use super::slabs::MARGIN;
 use crate::math::{Bounds, Ray};
 
 /// From here on, splits halve the number of boxes, so that no tree is deeper than [`MAX_DEPTH`].
@@ -11,11 +11,6 @@ const MAX_DEPTH: usize = HALVED_FROM + 33;
 /// The most boxes that are sorted along each axis for the best split; more are halved, at a tenth of the time. Only the upper levels
 /// of large trees notice.
 const MOST_SORTED: usize = 4096;
-
-/// By how much the distances to a box's planes are moved outwards, so that rounding loses no box.
-///
-/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013; twice his margin, as hits carry a rounding of their own.
-const MARGIN: f32 = 4.0 * gamma(3);
 
 /// A binary tree over boxes, split by the surface area heuristic over their centres; where they are very many, in halves.
 #[derive(Clone, Debug, Default)]

@@ -28,6 +28,7 @@ mod quality;
 mod query;
 #[expect(clippy::inline_always, reason = "its documentation says why")]
 mod simd;
+#[expect(clippy::inline_always, reason = "`simd` says why")]
 mod slabs;
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 //! Bounds on distances along rays, moved outwards so that rounding loses no hit.
 
+use super::simd::{LaneSet, Simd};
 use crate::math::Vec3;
 use crate::math::robust::gamma;
 
@@ -16,6 +17,17 @@ pub(super) const MARGIN: f32 = 4.0 * gamma(3);
 #[inline]
 pub(super) fn later(t: f32) -> f32 {
     t * (1.0 + MARGIN) + f32::MIN_POSITIVE
+}
+
+/// Where a stretch that begins at `start` and ends at `end`, both as rounded, may hold a hit: where the end, moved by the margin
+/// for both, is not before the start. Nowhere NaN.
+///
+/// A distance below 0 is moved in the wrong direction, but its sign is right, and no more is asked of it.
+#[inline(always)]
+pub(super) fn may_hold_hits<S: Simd>(simd: S, start: S::F32x8, end: S::F32x8) -> LaneSet {
+    // The products may have lost digits below the smallest normal number.
+    let end = simd.mul_add(end, simd.splat(1.0 + MARGIN), simd.splat(f32::MIN_POSITIVE));
+    simd.less_or_equal(start, end)
 }
 
 /// [`reciprocal`] of each number.

@@ -5,18 +5,13 @@ use super::{KdTree, MAX_DEPTH};
 use crate::accel::leaf::Visitor;
 use crate::accel::query::Tree;
 use crate::accel::simd::Simd;
+use crate::accel::slabs::{MARGIN, later};
 use crate::math::Ray;
-use crate::math::robust::gamma;
-
-/// By how much a distance that bounds a stretch of the ray is moved outwards, relative to itself.
-///
-/// A computed distance to a plane is a difference, a reciprocal and a product, so it is off by a factor of at most
-/// 1 ± γ₃, and the exact one lies within 1 ± 2 γ₃ of it. A bound is moved once for the plane it came from and once for the
-/// plane it will be compared with. So no hit near a plane can fall between two cells.
-/// Source: Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013, which does this for boxes.
-const MARGIN: f32 = 4.0 * gamma(3);
 
 impl Tree for KdTree {
+    /// A distance that bounds a stretch of the ray is moved once by the margin, for the plane it came from and for the plane it
+    /// will be compared with, so no hit near a plane can fall between two cells.
+    ///
     /// Leaves come nearest first for every visitor. All comparisons are written so that NaN, from a ray within a plane (0 · ∞),
     /// visits both sides.
     #[inline(always)]
@@ -100,12 +95,6 @@ fn reciprocal(d: f32) -> f32 {
 #[inline]
 fn earlier(t: f32) -> f32 {
     t * (1.0 - MARGIN) - f32::MIN_POSITIVE
-}
-
-/// A bound that no hit at `t` or before it comes after.
-#[inline]
-fn later(t: f32) -> f32 {
-    t * (1.0 + MARGIN) + f32::MIN_POSITIVE
 }
 
 /// The smaller number; `old` if `new` is NaN.

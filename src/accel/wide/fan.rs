@@ -11,7 +11,7 @@ use crate::accel::fan::{Fan, FanCull};
 use crate::accel::leaf::{Any, LeafTest};
 use crate::accel::query::AnyHit;
 use crate::accel::simd::{LANES, LaneSet, Lanes, Query, Simd};
-use crate::accel::slabs::{MARGIN, are_ordinary, later};
+use crate::accel::slabs::{are_ordinary, later, may_hold_hits};
 use crate::geometry::RayKernel;
 
 /// Fewer rays walk by themselves.
@@ -183,10 +183,7 @@ impl<'a, S: Simd> FanWalk<'a, S> {
                 start = simd.larger(simd.smaller(lower, upper), start);
                 end = simd.smaller(simd.larger(lower, upper), end);
             }
-            // As for one ray.
-            let margin = simd.splat(1.0 + MARGIN);
-            let end = simd.mul_add(end, margin, simd.splat(f32::MIN_POSITIVE));
-            meeting |= simd.less_or_equal(start, end).bits() << (group * LANES);
+            meeting |= may_hold_hits(simd, start, end).bits() << (group * LANES);
         }
         meeting & self.free
     }

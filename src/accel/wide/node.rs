@@ -1,7 +1,7 @@
 //! Nodes as they lie in memory, and the test of a ray against the eight boxes of one.
 
 use crate::accel::simd::{LANES, LaneSet, Lanes, Simd, splat_all};
-use crate::accel::slabs::{MARGIN, reciprocals};
+use crate::accel::slabs::{may_hold_hits, reciprocals};
 use crate::math::{Bounds, Ray};
 use std::ops::Range;
 
@@ -142,9 +142,7 @@ impl<S: Simd> RaySlabs<S> {
     /// Where the ray enters each box, as rounded, not before its start, and which boxes it may pass before `limit`, a distance
     /// moved outwards by [`later`](crate::accel::slabs::later).
     ///
-    /// Of where a box is entered and where it is left, the second alone carries the margin for both. NaN, from a ray within a
-    /// plane (0 · ∞) or from [`reciprocals`], bounds nothing. A distance below 0 is moved in the wrong direction, but its sign
-    /// is right, and no more is asked of it.
+    /// NaN, from a ray within a plane (0 · ∞) or from [`reciprocals`], bounds nothing.
     #[inline(always)]
     pub fn enter(&self, node: &Node, limit: f32) -> (S::F32x8, LaneSet) {
         let simd = self.simd;
@@ -158,9 +156,7 @@ impl<S: Simd> RaySlabs<S> {
             start = simd.larger(simd.mul(nearer, self.inverse[axis]), start);
             end = simd.smaller(simd.mul(farther, self.inverse[axis]), end);
         }
-        // The products may have lost digits below the smallest normal number.
-        let end = simd.mul_add(end, simd.splat(1.0 + MARGIN), simd.splat(f32::MIN_POSITIVE));
-        (start, simd.less_or_equal(start, end))
+        (start, may_hold_hits(simd, start, end))
     }
 }
 

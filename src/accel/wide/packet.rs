@@ -10,7 +10,7 @@ use crate::accel::leaf::{Nearest, Visitor};
 use crate::accel::packet::{Packet, PacketHits};
 use crate::accel::query::NearestHit;
 use crate::accel::simd::{LANES, LaneSet, Lanes, Query, Simd};
-use crate::accel::slabs::{MARGIN, are_ordinary, later};
+use crate::accel::slabs::{are_ordinary, later, may_hold_hits};
 use crate::math::Vec3;
 
 /// Fewer rays walk by themselves.
@@ -261,7 +261,7 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
             start = simd.larger(soonest, start);
             end = simd.smaller(latest, end);
         }
-        (start, self.is_before(start, end))
+        (start, may_hold_hits(simd, start, end))
     }
 
     /// Which rays meet the box in a lane of a node before their limits: what a ray by itself would say of it.
@@ -286,16 +286,7 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
             start = simd.larger(simd.mul(nearer, inverse), start);
             end = simd.smaller(simd.mul(farther, inverse), end);
         }
-        self.is_before(start, end)
-    }
-
-    /// Where `start ≤ end`, with the margin for both, as [`RaySlabs`](super::node::RaySlabs) compares.
-    #[inline(always)]
-    fn is_before(&self, start: S::F32x8, end: S::F32x8) -> LaneSet {
-        let simd = self.simd;
-        let margin = simd.splat(1.0 + MARGIN);
-        let end = simd.mul_add(end, margin, simd.splat(f32::MIN_POSITIVE));
-        simd.less_or_equal(start, end)
+        may_hold_hits(simd, start, end)
     }
 }
 
