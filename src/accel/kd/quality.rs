@@ -7,10 +7,6 @@ impl KdTree {
     /// Counts references and computes the expected cost, see [`KdTree::statistics`].
     #[must_use]
     pub fn quality(&self) -> StructureQuality {
-        if self.triangle_count() == 0 {
-            // Its box, which holds nothing, has no area to take a share of.
-            return StructureQuality::default();
-        }
         let statistics = self.statistics();
         StructureQuality {
             triangles: self.triangle_count() as u64,

@@ -21,7 +21,12 @@ impl KdTree {
     #[must_use]
     pub fn statistics(&self) -> KdStatistics {
         let mut statistics = KdStatistics::default();
-        let whole = half_area(&self.bounds);
+        // A box that holds nothing has no area to take a share of.
+        let whole = if self.bounds.is_empty() {
+            0.0
+        } else {
+            half_area(&self.bounds)
+        };
         for Visit { index, depth, cell } in self.visits() {
             statistics.nodes += 1;
             statistics.max_depth = statistics.max_depth.max(depth);
@@ -357,5 +362,8 @@ mod tests {
         assert!(statistics.references >= 300 && statistics.references <= LANES * statistics.blocks);
         assert!(statistics.empty_leaves < statistics.leaves);
         assert!(statistics.sah_cost > 1.0);
+        let nothing = KdTree::build(&[], &KdParameters::default(), &CancelToken::new());
+        let nothing = nothing.expect("nobody cancels").statistics();
+        assert_eq!((nothing.nodes, nothing.sah_cost), (1, 0.0));
     }
 }
