@@ -178,7 +178,10 @@ impl<S: Simd> BlockFilter<S> {
     }
 
     /// Where the line of the ray meets the triangle's plane behind the origin or beyond `limit` for certain, if it is not beside
-    /// the triangle. Bounds and their reasons are those of [`RayKernel::intersect`].
+    /// the triangle. Bounds and their reasons are those of [`RayKernel::intersect`], with the unit roundoff of `f32`.
+    ///
+    /// t is beyond `limit` where |z| exceeds the limit's z along the ray, times the largest determinant there can be; the margin
+    /// of the limit, twelve roundings, covers the five of this comparison. Where that z vanishes, nothing is beyond it.
     ///
     /// Where numbers are too large for `f32`, z along the ray or its bound is infinite or NaN, and nothing is certain. The
     /// smallest normal number covers underflow again.

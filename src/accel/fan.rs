@@ -286,6 +286,7 @@ mod tests {
                 1 => aim + any * 0.1 * length,
                 2 => aim,
                 3 if index.is_multiple_of(5) => any * length,
+                // Along the surface but for a last digit.
                 3 => above.reject_from_normalized(normal) + normal * 1e-7,
                 _ => Vec3::AXES[index % 3] * length,
             }

@@ -162,7 +162,10 @@ impl RayKernel {
             return None;
         }
 
-        // z at the hit is a weighted mean of the corners' z.
+        // z at the hit is a weighted mean of the corners' z. With E the bound on an edge function: as no two have different signs
+        // beyond E, their magnitudes sum to at most |D| + 4 E. The determinant D inherits 3 E and is rounded twice, in all less
+        // than 4 E, as E is at least 16 u P² and |D| at most 6 P². The weighted z inherits 3 E Z, and each of its terms is rounded
+        // at most four times: 3 E Z + 4 u Z (|D| + 4 E) in all, which 4 E Z + 8 u Z |D| exceeds.
         let determinant = u + v + w;
         let weighted_z = u * a[2] + v * b[2] + w * c[2];
         let z_error = depth * (4.0 * edge_error + 4.0 * f64::EPSILON * determinant.abs());

@@ -235,7 +235,7 @@ impl Choice for PhongModel {
 /// Which structure finds the hits. All give the same picture, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AcceleratorChoice {
-    /// The wide tree, the fastest.
+    /// The wide tree: the fastest on meshes, and nearly so on soups of thin triangles.
     #[default]
     Auto,
     /// A tree of boxes, eight to a node.
