@@ -5,14 +5,15 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
-    Clamped, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RunConfig, render,
+    Clamped, Ending, ErrorEstimate, Image, Interval, PreparedScene, RayCounts, Region,
+    RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
 };
-use crate::scene::{Choice, Mode, Scene};
+use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
 /// What `raymini render` takes.
 #[derive(Debug, Args)]
@@ -36,6 +37,14 @@ pub struct RenderArguments {
     /// Samples per pixel
     #[arg(long, value_name = "N")]
     spp: Option<u32>,
+
+    /// Stop after so many seconds of rendering
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+
+    /// Stop when the estimated noise (root of the relative mean square error) is down to E, e.g. 0.03
+    #[arg(long, value_name = "E")]
+    noise: Option<f64>,
 
     /// Start of the random numbers
     #[arg(long, value_name = "N")]
@@ -72,6 +81,16 @@ impl RenderArguments {
                 .iter()
                 .map(|spp| format!("render.samples_per_pixel={spp}")),
         );
+        assignments.extend(
+            self.seconds
+                .iter()
+                .map(|seconds| format!("render.stop.seconds={seconds}")),
+        );
+        assignments.extend(
+            self.noise
+                .iter()
+                .map(|noise| format!("render.stop.noise={noise}")),
+        );
         assignments.extend(self.seed.iter().map(|seed| format!("render.seed={seed}")));
         assignments
     }
@@ -90,11 +109,65 @@ struct Stats {
     /// `None` where the system does not tell.
     peak_memory_bytes: Option<u64>,
     threads: usize,
-    samples_per_pixel: u32,
+    /// Mean of all pixels; written as a whole number where it is one.
+    #[serde(serialize_with = "whole_if_possible")]
+    samples_per_pixel: f64,
+    /// The fewest and the most of a pixel.
+    sample_range: [u32; 2],
+    passes: u32,
+    ending: Ending,
     rays: RayCounts,
+    error: Option<ErrorFacts>,
     non_finite_samples: u64,
+    negative_samples: u64,
     clamped: Clamped,
     image_hash: String,
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::trivially_copy_pass_by_ref,
+    reason = "at least 0, and as serde asks for it"
+)]
+fn whole_if_possible<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if number.fract() == 0.0 {
+        serializer.serialize_u64(*number as u64)
+    } else {
+        serializer.serialize_f64(*number)
+    }
+}
+
+/// The error of a picture as it is written for programs.
+#[derive(Debug, Serialize)]
+struct ErrorFacts {
+    rmse: f64,
+    rmse_interval: [f64; 2],
+    relmse: f64,
+    relmse_interval: [f64; 2],
+    /// √relmse.
+    noise: f64,
+    noise_interval: [f64; 2],
+    percentile_999: f64,
+    unmeasured_pixels: u64,
+    method: &'static str,
+}
+
+impl From<&ErrorEstimate> for ErrorFacts {
+    fn from(error: &ErrorEstimate) -> Self {
+        let ends = |interval: Interval| [interval.low, interval.high];
+        Self {
+            rmse: error.rmse.value,
+            rmse_interval: ends(error.rmse),
+            relmse: error.relmse.value,
+            relmse_interval: ends(error.relmse),
+            noise: error.noise().value,
+            noise_interval: ends(error.noise()),
+            percentile_999: error.percentile_999,
+            unmeasured_pixels: error.unmeasured_pixels,
+            method: "halves of each pixel's sequence, extrapolated by the measured decay; 95 % intervals",
+        }
+    }
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
@@ -130,6 +203,8 @@ pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
         size: None,
         mode: None,
         spp: None,
+        seconds: None,
+        noise: None,
         seed: None,
         threads: None,
         region: None,
@@ -171,6 +246,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         image,
         layers,
         stats,
+        ..
     } = render_watched(&prepared, arguments.region, &run)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
     io::write_image(
@@ -182,29 +258,7 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
     )?;
 
     let hash = image.hash();
-    let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
-    super::say(&format!(
-        "{}: {}×{} pixels, {} samples, {:.2} s, {rate:.2} Mrays/s, hash {}",
-        arguments.output.display(),
-        image.width,
-        image.height,
-        settings.samples_per_pixel,
-        stats.render_seconds,
-        &hash[..16]
-    ))?;
-    if stats.non_finite_samples > 0 {
-        eprintln!(
-            "warning: {} samples were infinite or not a number",
-            stats.non_finite_samples
-        );
-    }
-    if settings.clamp.is_some() {
-        eprintln!(
-            "render.clamp limited {} samples and took {:.3} % of the picture's light away",
-            stats.clamped.samples,
-            stats.clamped.energy_share * 100.0
-        );
-    }
+    say_what_it_took(&arguments.output, &image, &hash, &stats, settings)?;
     let accelerator = prepared.geometry().accelerator();
     Ok(Stats {
         load_seconds,
@@ -216,12 +270,109 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         accelerator_bytes: accelerator.bytes(),
         peak_memory_bytes: peak_memory_bytes(),
         threads: stats.threads,
-        samples_per_pixel: settings.samples_per_pixel,
+        samples_per_pixel: stats.samples_per_pixel,
+        sample_range: stats.sample_range,
+        passes: stats.passes,
+        ending: stats.ending,
         rays: stats.rays,
+        error: stats.error.as_ref().map(ErrorFacts::from),
         non_finite_samples: stats.non_finite_samples,
+        negative_samples: stats.negative_samples,
         clamped: stats.clamped,
         image_hash: hash,
     })
+}
+
+/// Prints what a render took and how wrong it is, and warns of what went wrong.
+fn say_what_it_took(
+    output: &Path,
+    image: &Image,
+    hash: &str,
+    stats: &RenderStats,
+    settings: &RenderSettings,
+) -> Result<()> {
+    let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
+    super::say(&format!(
+        "{}: {}×{} pixels, {}, {:.2} s, {rate:.2} Mrays/s, hash {}",
+        output.display(),
+        image.width,
+        image.height,
+        describe_samples(stats),
+        stats.render_seconds,
+        &hash[..16]
+    ))?;
+    if let Some(error) = &stats.error {
+        super::say(&describe_error(error))?;
+    }
+    if stats.ending != Ending::Noise
+        && let Some(noise) = settings.stop.noise
+    {
+        let reason = match stats.ending {
+            Ending::Time => "the time was up",
+            _ => "pixels have all the samples that render.samples_per_pixel allows",
+        };
+        eprintln!("warning: noise is not down to {}: {reason}", percent(noise));
+    }
+    if stats.non_finite_samples > 0 {
+        eprintln!(
+            "warning: {} samples were infinite or not a number",
+            stats.non_finite_samples
+        );
+    }
+    if stats.negative_samples > 0 {
+        eprintln!(
+            "warning: {} samples had less than no light",
+            stats.negative_samples
+        );
+    }
+    if settings.clamp.is_some() {
+        eprintln!(
+            "render.clamp limited {} samples and took {:.3} % of the picture's light away",
+            stats.clamped.samples,
+            stats.clamped.energy_share * 100.0
+        );
+    }
+    Ok(())
+}
+
+/// Samples per pixel in words.
+fn describe_samples(stats: &RenderStats) -> String {
+    match stats.sample_range {
+        [least, most] if least == most => format!("{most} samples"),
+        [least, most] => format!(
+            "{:.1} samples on average ({least} to {most})",
+            stats.samples_per_pixel
+        ),
+    }
+}
+
+/// The error in one line.
+fn describe_error(error: &ErrorEstimate) -> String {
+    let noise = error.noise();
+    format!(
+        "estimated noise {} ({} to {}), rmse {:.3e}, 99.9 % of pixels within {:.3e}",
+        percent(noise.value),
+        percent(noise.low),
+        percent(noise.high),
+        error.rmse.value,
+        error.percentile_999
+    )
+}
+
+/// A share with three digits.
+fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and 9"
+    )]
+    let decimals = if percent > 0.0 {
+        (2.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize
+    } else {
+        0
+    };
+    format!("{percent:.decimals$} %")
 }
 
 /// Renders with the progress and the rate of rays shown.
@@ -234,7 +385,13 @@ fn render_watched(
     let started = Instant::now();
     let how_far = || {
         let rate = progress.rays() as f64 / started.elapsed().as_secs_f64() / 1e6;
-        (progress.samples.fraction(), format!("{rate:.1} Mrays/s"))
+        let noise = progress.latest_error().map_or_else(String::new, |point| {
+            format!(", noise {}", percent(point.error.noise().value))
+        });
+        (
+            progress.samples.fraction(),
+            format!("{rate:.1} Mrays/s{noise}"),
+        )
     };
     with_progress_bar(how_far, || render(prepared, region, run, &progress, None))
 }

@@ -4,8 +4,9 @@ use super::tiles::Region;
 
 /// Sums of samples per pixel, normalised only when read.
 ///
-/// Sums are `f64`: a hundred thousand samples drift by less than an `f32` can show. Samples arrive in fixed blocks, each
-/// summed from zero, and blocks are added in index order, so an interrupted render continues to the same bits.
+/// Sums are `f64`: a hundred thousand samples drift by less than an `f32` can show. Samples arrive in blocks, each summed from
+/// zero, and blocks are added in index order, so an interrupted render continues to the same bits. A block never reaches beyond
+/// the next power of two, nor across the middle between two of them: there the film notes the mean, see [`Halves`].
 #[derive(Clone, Debug)]
 pub struct Film {
     region: Region,
@@ -13,12 +14,34 @@ pub struct Film {
     planes: Vec<Vec<[f64; 3]>>,
     layers: Vec<Layer>,
     samples: Vec<u32>,
+    /// What error estimates need; nothing where they are not asked for.
+    marks: Option<Vec<Marks>>,
 }
 
-/// The sums of one block of samples over one tile: the picture's first, then those of each layer, each row by row.
+/// Means of a pixel on its way from one power of two, or the present number of samples where that is one, to the next.
+#[derive(Clone, Copy, Debug, Default)]
+struct Marks {
+    quarter: [f32; 3],
+    half: [f32; 3],
+    three_quarters: [f32; 3],
+}
+
+/// How a pixel's mean differs between halves of its samples, at the last power of two it has reached.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Halves {
+    /// The number of samples is 2 to this power.
+    pub level: u32,
+    /// Mean of all minus mean of the first half.
+    pub whole: [f64; 3],
+    /// The same for each half of the samples by itself, while no further sample has come and there are at least 4.
+    pub parts: Option<[[f64; 3]; 2]>,
+}
+
+/// The sums of blocks of samples of the pixels of one tile: the picture's first, then those of each layer, each row by row.
 #[derive(Clone, Debug)]
 pub struct TileSums {
     planes: Vec<Vec<[f64; 3]>>,
+    samples: Vec<u32>,
 }
 
 impl TileSums {
@@ -26,6 +49,7 @@ impl TileSums {
     pub fn new(layers: &[Layer], pixels: usize) -> Self {
         Self {
             planes: vec![vec![[0.0; 3]; pixels]; 1 + layers.len()],
+            samples: vec![0; pixels],
         }
     }
 
@@ -36,6 +60,7 @@ impl TileSums {
         for (plane, &layer) in rest.iter_mut().zip(layers) {
             add_to(&mut plane[index], sample.of(layer).as_dvec3().to_array());
         }
+        self.samples[index] += 1;
     }
 }
 
@@ -45,10 +70,21 @@ fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
     }
 }
 
+/// The most samples of the next block of a pixel that has `samples`: up to the next power of two or the middle before it.
+pub fn block_after(samples: u32) -> u32 {
+    let next = (samples + 1).next_power_of_two();
+    let middle = next / 4 * 3;
+    if samples < middle {
+        middle - samples
+    } else {
+        next - samples
+    }
+}
+
 impl Film {
-    /// An empty film over `region` of the picture, with these layers beside it.
+    /// An empty film over `region` of the picture, with these layers beside it; ready for error estimates, if `with_marks`.
     #[must_use]
-    pub fn new(region: Region, layers: &[Layer]) -> Self {
+    pub fn new(region: Region, layers: &[Layer], with_marks: bool) -> Self {
         let pixels = region.pixel_count();
         // Each plane by itself: copies of one would be written at once, where zeroed pages cost nothing until they are used.
         let black = || vec![[0.0; 3]; pixels];
@@ -59,33 +95,126 @@ impl Film {
                 .collect(),
             layers: layers.to_vec(),
             samples: vec![0; pixels],
+            marks: with_marks.then(|| vec![Marks::default(); pixels]),
         }
     }
 
-    /// Adds one block of `samples` per pixel over `tile`.
+    /// Adds one block of samples over `tile`.
     ///
     /// # Panics
     /// When the tile does not lie in the film's region or `sums` is of another size or has other layers.
-    pub fn add(&mut self, tile: Region, sums: &TileSums, samples: u32) {
+    pub fn add(&mut self, tile: Region, sums: &TileSums) {
         assert_eq!(self.planes.len(), sums.planes.len(), "the same layers");
+        assert_eq!(
+            sums.samples.len(),
+            tile.pixel_count(),
+            "one sum per pixel of the tile"
+        );
+        let width = tile.width as usize;
         for row in 0..tile.height as usize {
             let start = self.row_start(tile, row);
-            let width = tile.width as usize;
+            let in_tile = row * width..(row + 1) * width;
+            if let Some(marks) = &mut self.marks {
+                let states = marks[start..].iter_mut().zip(&self.samples[start..]);
+                let added = self.planes[0][start..]
+                    .iter()
+                    .zip(&sums.samples[in_tile.clone()]);
+                for ((mark, &before), (sum, &added)) in states.zip(added) {
+                    if added > 0 && before.is_power_of_two() {
+                        mark.begin(mean_of(sum, before));
+                    }
+                }
+            }
             for (plane, sums) in self.planes.iter_mut().zip(&sums.planes) {
-                assert_eq!(
-                    sums.len(),
-                    tile.pixel_count(),
-                    "one sum per pixel of the tile"
-                );
-                let row = &sums[row * width..][..width];
-                for (sum, value) in plane[start..start + width].iter_mut().zip(row) {
+                for (sum, value) in plane[start..].iter_mut().zip(&sums[in_tile.clone()]) {
                     add_to(sum, *value);
                 }
             }
-            for count in &mut self.samples[start..start + width] {
-                *count += samples;
+            for (count, added) in self.samples[start..].iter_mut().zip(&sums.samples[in_tile]) {
+                *count += added;
+            }
+            if let Some(marks) = &mut self.marks {
+                let states = self.planes[0][start..].iter().zip(&self.samples[start..]);
+                for (mark, (sum, &samples)) in marks[start..start + width].iter_mut().zip(states) {
+                    // Three times a power of two.
+                    if samples >= 3 && samples == 3 << (samples.ilog2() - 1) {
+                        mark.three_quarters = mean_of(sum, samples);
+                    }
+                }
             }
         }
+    }
+
+    /// The rectangle of the picture it holds.
+    #[must_use]
+    pub fn region(&self) -> Region {
+        self.region
+    }
+
+    /// How many samples the pixel number `index` has.
+    #[must_use]
+    pub fn samples(&self, index: usize) -> u32 {
+        self.samples[index]
+    }
+
+    /// Mean radiance of the pixel number `index`; black where nothing was sampled.
+    #[must_use]
+    pub fn mean_at(&self, index: usize) -> [f32; 3] {
+        self.mean(&self.planes[0], index)
+    }
+
+    /// The fewest and the most samples of a pixel.
+    #[must_use]
+    pub fn sample_range(&self) -> [u32; 2] {
+        let samples = self.samples.iter().copied();
+        [samples.clone().min(), samples.max()].map(Option::unwrap_or_default)
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Mean samples of a pixel.
+    #[must_use]
+    pub fn mean_samples(&self) -> f64 {
+        self.total_samples() as f64 / self.pixels() as f64
+    }
+
+    /// Samples of all pixels.
+    #[must_use]
+    pub fn total_samples(&self) -> u64 {
+        self.samples.iter().copied().map(u64::from).sum()
+    }
+
+    /// How the halves of the samples of the pixel number `index` differ; `None` before it has two samples, and where the film is
+    /// not made for error estimates.
+    #[must_use]
+    pub fn halves(&self, index: usize) -> Option<Halves> {
+        let marks = &self.marks.as_ref()?[index];
+        let samples = self.samples[index];
+        let level = samples.checked_ilog2().filter(|&level| level > 0)?;
+        let [quarter, half, three_quarters] =
+            [marks.quarter, marks.half, marks.three_quarters].map(|mean| mean.map(f64::from));
+        if !samples.is_power_of_two() {
+            return Some(Halves {
+                level,
+                whole: each(|c| half[c] - quarter[c]),
+                parts: None,
+            });
+        }
+        let mean = self.planes[0][index].map(|sum| sum / f64::from(samples));
+        let first = each(|c| half[c] - quarter[c]);
+        let second = each(|c| {
+            let third_quarter = 3.0 * three_quarters[c] - 2.0 * half[c];
+            2.0 * mean[c] - half[c] - third_quarter
+        });
+        Some(Halves {
+            level,
+            whole: each(|c| mean[c] - half[c]),
+            parts: (level >= 2).then_some([first, second]),
+        })
     }
 
     /// The means of every pixel of `tile`, row by row, of the picture and then of each layer; black where nothing was
@@ -128,18 +257,34 @@ impl Film {
     }
 
     fn mean(&self, plane: &[[f64; 3]], index: usize) -> [f32; 3] {
-        let samples = f64::from(self.samples[index].max(1));
-        #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]
-        plane[index].map(|sum| (sum / samples) as f32)
+        mean_of(&plane[index], self.samples[index].max(1))
     }
 
-    fn row_start(&self, tile: Region, row: usize) -> usize {
+    /// Number of the first pixel of row `row` of `tile`.
+    pub(super) fn row_start(&self, tile: Region, row: usize) -> usize {
         let (x, y) = (
             (tile.x - self.region.x) as usize,
             (tile.y - self.region.y) as usize,
         );
         (y + row) * self.region.width as usize + x
     }
+}
+
+impl Marks {
+    /// Sets out for the next power of two from one where the mean is `mean`.
+    fn begin(&mut self, mean: [f32; 3]) {
+        self.quarter = self.half;
+        self.half = mean;
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]
+fn mean_of(sum: &[f64; 3], samples: u32) -> [f32; 3] {
+    sum.map(|sum| (sum / f64::from(samples)) as f32)
+}
+
+fn each(value: impl Fn(usize) -> f64) -> [f64; 3] {
+    [0, 1, 2].map(value)
 }
 
 #[cfg(test)]
@@ -164,8 +309,8 @@ mod tests {
             width: 3,
             height: 2,
         };
-        let mut film = Film::new(region, &[Layer::Ambient]);
-        film.add(region, &sums(6, &[[1.0, 2.0, 4.0]]), 1);
+        let mut film = Film::new(region, &[Layer::Ambient], true);
+        film.add(region, &sums(6, &[[1.0, 2.0, 4.0]]));
         let corner = Region {
             x: 12,
             y: 21,
@@ -175,10 +320,50 @@ mod tests {
         film.add(
             corner,
             &sums(1, &[[1.0, 0.0, 0.0], [0.0; 3], [2.0, 0.0, 0.0]]),
-            3,
         );
         assert_eq!(film.image().pixel(2, 1), [1.0, 0.5, 1.0]);
         assert_eq!(film.image().pixel(0, 0), [1.0, 2.0, 4.0]);
         assert_eq!(film.means(corner), [[[1.0, 0.5, 1.0]], [[0.0; 3]]]);
+        assert_eq!((film.total_samples(), film.sample_range()), (9, [1, 4]));
+    }
+
+    #[test]
+    fn halves_are_those_of_the_samples() {
+        let region = Region::full(1, 1);
+        let mut film = Film::new(region, &[Layer::Ambient], true);
+        assert!(film.halves(0).is_none());
+        // Squares, so that no difference is like another; exact in f32.
+        let values: Vec<f64> = (0..32).map(|i: i32| f64::from(i * i)).collect();
+        let mean = |range: std::ops::Range<usize>| {
+            values[range.clone()].iter().sum::<f64>() / range.len() as f64
+        };
+        let mut count = 0;
+        while count < 32 {
+            let block = block_after(u32::try_from(count).expect("small")) as usize;
+            #[expect(clippy::cast_possible_truncation, reason = "small whole numbers")]
+            let samples: Vec<_> = values[count..count + block]
+                .iter()
+                .map(|&v| [v as f32, 0.0, 0.0])
+                .collect();
+            film.add(region, &sums(1, &samples));
+            count += block;
+            let Some(halves) = film.halves(0) else {
+                assert_eq!(count, 1);
+                continue;
+            };
+            let full = 1 << count.ilog2();
+            assert_eq!(halves.level, count.ilog2());
+            let whole = mean(0..full) - mean(0..full / 2);
+            assert!((halves.whole[0] - whole).abs() < 1e-4, "{count}");
+            assert_eq!(halves.parts.is_some(), count == full && count >= 4);
+            if let Some([first, second]) = halves.parts {
+                let (quarter, half) = (full / 4, full / 2);
+                let expected = mean(0..half) - mean(0..quarter);
+                assert!((first[0] - expected).abs() < 1e-4, "{count}");
+                let expected = mean(half..full) - mean(half..half + quarter);
+                assert!((second[0] - expected).abs() < 1e-4, "{count}");
+            }
+        }
+        assert_eq!(count, 32);
     }
 }

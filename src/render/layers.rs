@@ -27,11 +27,13 @@ pub enum Layer {
     Shadow,
     /// Factor: share of its hemisphere that is not occluded, white where occlusion is not looked for.
     Occlusion,
+    /// How far the picture is from the truth, as far as can be told: no sum of samples, unlike the others.
+    Error,
 }
 
 impl Layer {
     /// All layers, the parts first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Emission,
         Self::DirectDiffuse,
         Self::DirectSpecular,
@@ -41,6 +43,7 @@ impl Layer {
         Self::Indirect,
         Self::Shadow,
         Self::Occlusion,
+        Self::Error,
     ];
 
     /// The name in files.
@@ -56,6 +59,7 @@ impl Layer {
             Self::Indirect => "indirect",
             Self::Shadow => "shadow",
             Self::Occlusion => "occlusion",
+            Self::Error => "error",
         }
     }
 
@@ -94,6 +98,7 @@ impl Layer {
             Self::Indirect => is_path && scatters && settings.max_bounces > 1,
             Self::Shadow => is_lit && (is_path || settings.shadows != Shadows::Off),
             Self::Occlusion => has_ambient && !is_path && settings.ambient_occlusion.enabled,
+            Self::Error => false,
         };
         Self::ALL.into_iter().filter(is_there).collect()
     }
@@ -101,7 +106,7 @@ impl Layer {
     /// Whether it is a part of the sum and not a factor.
     #[must_use]
     pub fn is_part(self) -> bool {
-        !matches!(self, Self::Shadow | Self::Occlusion)
+        !matches!(self, Self::Shadow | Self::Occlusion | Self::Error)
     }
 }
 

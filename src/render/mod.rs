@@ -8,10 +8,12 @@
 mod aim;
 mod background;
 mod camera;
+mod clock;
 mod direct;
 mod disks;
 pub mod display;
 mod emitters;
+mod error;
 mod false_color;
 mod film;
 mod filter;
@@ -26,24 +28,30 @@ mod mis;
 mod path;
 mod phong;
 mod prepare;
+mod progress;
 mod radiance_image;
+mod renderer;
 mod run;
 mod sampler;
 mod shares;
 mod sky_light;
 mod specular;
 mod surface;
+mod tile_samples;
 mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
+pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
 };
 pub use image::Image;
 pub use layers::Layer;
 pub use prepare::PreparedScene;
+pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 pub use run::{
-    Clamped, OnTile, RayCounts, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+    Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats, Round, RunConfig,
+    Watch, render, render_watched,
 };
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;

@@ -29,7 +29,7 @@ pub use object::{Copies, Object, Placement};
 pub use radiance_map::RadianceMap;
 pub use settings::{
     AcceleratorBuild, AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel,
-    RenderSettings, Shadows,
+    RenderSettings, Shadows, Stop,
 };
 
 /// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.

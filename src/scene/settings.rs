@@ -13,8 +13,14 @@ pub struct RenderSettings {
     pub width: u32,
     /// Picture height in pixels, `1..=`[`RenderSettings::MAX_SIDE`].
     pub height: u32,
-    /// Camera rays per pixel, at least 1.
+    /// Camera rays per pixel, at least 1; the most a pixel gets where [`Self::stop`] says when to end.
     pub samples_per_pixel: u32,
+    /// When to end before every pixel has [`Self::samples_per_pixel`].
+    pub stop: Stop,
+    /// Whether a render that may stop early gives more samples to pixels where the error is larger.
+    pub adaptive: bool,
+    /// Whether the error is estimated. It takes 36 bytes per pixel, and never changes the picture by itself.
+    pub error_estimate: bool,
     /// Start of every random sequence; the same seed gives the same picture.
     pub seed: u64,
     /// Most scattering events of a path: 0 shows emission alone, 1 direct light, each mirror or boundary of glass takes one
@@ -80,6 +86,9 @@ impl Default for RenderSettings {
             width: 640,
             height: 480,
             samples_per_pixel: 16,
+            stop: Stop::default(),
+            adaptive: true,
+            error_estimate: true,
             seed: 0,
             max_bounces: 8,
             roulette: true,
@@ -98,6 +107,17 @@ impl Default for RenderSettings {
             accelerator_build: AcceleratorBuild::Best,
         }
     }
+}
+
+/// When a render ends early: whichever comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Stop {
+    /// After so many seconds of rendering, more than 0.
+    pub seconds: Option<f64>,
+    /// When the noise, √relmse of the whole picture, is estimated to be at most this, more than 0: 0.03 is 3 %.
+    pub noise: Option<f64>,
+    /// After so many passes, at least 1: what reproduces a picture that the clock ended.
+    pub passes: Option<u32>,
 }
 
 /// Ambient occlusion: the background's light reaches a surface where nothing is near.

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use super::{
     Background, Camera, Choice, Facing, Light, Material, Mode, Object, PhongModel, RenderSettings,
-    Scene, SceneError,
+    Scene, SceneError, Stop,
 };
 
 impl Scene {
@@ -185,6 +185,7 @@ fn check_settings(settings: &RenderSettings) -> Result<(), SceneError> {
         samples_per_pixel,
         &expected,
     )?;
+    check_stop(settings)?;
     let rays = 1..=RenderSettings::MAX_RAYS_PER_SAMPLE;
     let expected = format!("1 to {}", RenderSettings::MAX_RAYS_PER_SAMPLE);
     require(
@@ -215,6 +216,39 @@ fn check_settings(settings: &RenderSettings) -> Result<(), SceneError> {
         key,
         &occlusion.radius,
         "a fraction above 0",
+    )
+}
+
+fn check_stop(settings: &RenderSettings) -> Result<(), SceneError> {
+    let Stop {
+        seconds,
+        noise,
+        passes,
+    } = settings.stop;
+    let positive = |number: Option<f64>| number.is_none_or(|n| n > 0.0 && n.is_finite());
+    require(
+        positive(seconds),
+        "render.stop.seconds",
+        &seconds.unwrap_or_default(),
+        "a time above 0, or no such key",
+    )?;
+    require(
+        positive(noise),
+        "render.stop.noise",
+        &noise.unwrap_or_default(),
+        "a noise above 0, such as 0.03 for 3 %, or no such key",
+    )?;
+    require(
+        passes != Some(0),
+        "render.stop.passes",
+        &0,
+        "at least 1, or no such key",
+    )?;
+    require(
+        noise.is_none() || settings.error_estimate,
+        "render.error_estimate",
+        &settings.error_estimate,
+        "true where render.stop.noise asks for a noise",
     )
 }
 

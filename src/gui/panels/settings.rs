@@ -437,6 +437,7 @@ fn layer_name(layer: Layer) -> &'static str {
         Layer::Indirect => "Indirect light",
         Layer::Shadow => "Shadow factor",
         Layer::Occlusion => "Occlusion factor",
+        Layer::Error => "Error",
     }
 }
 

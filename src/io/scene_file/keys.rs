@@ -172,6 +172,23 @@ impl<'a> Keys<'a> {
         self.field(key, value, parse, T::to_string);
     }
 
+    /// A whole number from `range` that need not be there.
+    pub fn optional_integer(
+        &mut self,
+        key: &'static str,
+        value: &mut Option<u32>,
+        range: std::ops::RangeInclusive<u32>,
+    ) {
+        match value {
+            None if !self.has(key) => self.know(key),
+            _ => {
+                let mut number = value.unwrap_or(*range.start());
+                self.integer(key, &mut number, range);
+                *value = Some(number);
+            }
+        }
+    }
+
     /// `true` or `false`.
     pub fn flag(&mut self, key: &'static str, value: &mut bool) {
         let parse = |node: &Node| match node.value {

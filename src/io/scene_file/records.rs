@@ -4,7 +4,7 @@ use super::keys::{Allowed, Keys};
 use crate::math::{DVec3, Degrees};
 use crate::scene::{
     Background, Camera, Choice, Copies, Display, Facing, Light, Material, Object, Output, PngBits,
-    RenderSettings, Rgb, Scene,
+    RenderSettings, Rgb, Scene, Stop,
 };
 
 /// The whole file. `scene` holds the defaults when reading.
@@ -272,6 +272,8 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
         &mut render.samples_per_pixel,
         1..=RenderSettings::MAX_SAMPLES,
     );
+    keys.flag("adaptive", &mut render.adaptive);
+    keys.flag("error_estimate", &mut render.error_estimate);
     keys.integer("seed", &mut render.seed, 0..=RenderSettings::MAX_SEED);
     keys.integer(
         "max_bounces",
@@ -295,6 +297,14 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
     keys.optional_number("clamp", &mut render.clamp, Allowed::Positive);
     keys.choice("accelerator", &mut render.accelerator);
     keys.choice("accelerator_build", &mut render.accelerator_build);
+    let stop = &mut render.stop;
+    if keys.is_reading() || *stop != Stop::default() {
+        keys.record("stop", |keys| {
+            keys.optional_number("seconds", &mut stop.seconds, Allowed::Positive);
+            keys.optional_number("noise", &mut stop.noise, Allowed::Positive);
+            keys.optional_integer("passes", &mut stop.passes, 1..=u32::MAX);
+        });
+    }
     let occlusion = &mut render.ambient_occlusion;
     keys.record("ambient_occlusion", |keys| {
         keys.flag("enabled", &mut occlusion.enabled);

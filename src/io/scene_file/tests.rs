@@ -119,6 +119,13 @@ fn every_key_round_trips() {
             width: 1,
             height: 65_536,
             samples_per_pixel: 7,
+            stop: crate::scene::Stop {
+                seconds: Some(1.5),
+                noise: Some(0.03),
+                passes: Some(12),
+            },
+            adaptive: false,
+            error_estimate: true,
             seed: i64::MAX as u64,
             max_bounces: 3,
             roulette: false,

@@ -1,0 +1,67 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use serde::Serialize;
+
+use super::error::{ErrorEstimate, Interval};
+use crate::control::Progress;
+
+/// The levels of noise whose time is predicted: 10, 3 and 1 per cent.
+pub const NOISE_TARGETS: [f64; 3] = [0.10, 0.03, 0.01];
+
+/// A running render's state for whoever watches; clones see the same render.
+#[derive(Clone, Debug, Default)]
+pub struct RenderProgress {
+    /// In camera samples: the fraction is the true part of the work, as far as that is known.
+    pub samples: Progress,
+    rays: Arc<AtomicU64>,
+    errors: Arc<Mutex<Vec<ErrorPoint>>>,
+}
+
+/// The error at a moment of a render.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorPoint {
+    /// Wall time since the start; that of a [`super::Watch`] does not count.
+    pub seconds: f64,
+    /// Time of all processors.
+    pub cpu_seconds: f64,
+    /// How large it is.
+    pub error: ErrorEstimate,
+    /// When noise falls to each of [`NOISE_TARGETS`], in seconds since the start; `None` where it is there already, or never will
+    /// be.
+    pub time_to: [Option<Interval>; NOISE_TARGETS.len()],
+    /// The same for the noise at which the render is to stop.
+    pub time_to_stop: Option<Interval>,
+}
+
+impl RenderProgress {
+    /// Rays traced so far.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
+    }
+
+    /// What is known about the error, from point number `first` on.
+    #[must_use]
+    pub fn errors_from(&self, first: usize) -> Vec<ErrorPoint> {
+        self.errors().get(first..).unwrap_or_default().to_vec()
+    }
+
+    /// What is known last.
+    #[must_use]
+    pub fn latest_error(&self) -> Option<ErrorPoint> {
+        self.errors().last().copied()
+    }
+
+    pub(super) fn count_rays(&self, rays: u64) {
+        self.rays.fetch_add(rays, Ordering::Relaxed);
+    }
+
+    pub(super) fn note(&self, point: ErrorPoint) {
+        self.errors().push(point);
+    }
+
+    fn errors(&self) -> MutexGuard<'_, Vec<ErrorPoint>> {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

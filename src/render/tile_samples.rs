@@ -1,0 +1,259 @@
+//! Sampling one tile.
+
+use super::film::{Film, TileSums, block_after};
+use super::layers::{Gathered, Layer};
+use super::prepare::PreparedScene;
+use super::progress::RenderProgress;
+use super::run::{Clamped, RayCounts};
+use super::tiles::Region;
+use crate::accel::Packet;
+use crate::control::CancelToken;
+use crate::math::color::luminance;
+
+/// Side of the blocks of pixels whose rays are traced together.
+const PACKET_SIDE: u32 = 4;
+const _: () = assert!(
+    (PACKET_SIDE * PACKET_SIDE) as usize == Packet::MOST_RAYS,
+    "full packets"
+);
+
+/// Side of the blocks of the coarse picture, in pixels.
+const COARSE_BLOCK: u32 = 8;
+
+/// Which samples a pass takes.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// Whether each pixel takes part; all do, where there is no choice.
+    pub selected: Option<&'a [bool]>,
+    /// Whether pixels are to leave a power of two; else only those that are on the way to the next take part.
+    pub begins_round: bool,
+    /// The most samples of one pixel in this pass.
+    pub longest: u32,
+    /// The most samples of one pixel in all.
+    pub most: u32,
+}
+
+/// The samples of one pixel in a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelSamples {
+    /// Index of the first.
+    pub first: u32,
+    /// Their number.
+    pub count: u32,
+}
+
+impl Work<'_> {
+    fn of_pixel(&self, film: &Film, index: usize) -> PixelSamples {
+        let first = film.samples(index);
+        let takes_part = self.selected.is_none_or(|selected| selected[index])
+            && (self.begins_round || !first.is_power_of_two());
+        let count = if takes_part {
+            block_after(first)
+                .min(self.longest)
+                .min(self.most.saturating_sub(first))
+        } else {
+            0
+        };
+        PixelSamples { first, count }
+    }
+
+    /// The samples of each pixel of `tile`, row by row.
+    pub fn of_tile(&self, film: &Film, tile: Region) -> Vec<PixelSamples> {
+        let rows = (0..tile.height as usize).map(|row| film.row_start(tile, row));
+        rows.flat_map(|start| start..start + tile.width as usize)
+            .map(|index| self.of_pixel(film, index))
+            .collect()
+    }
+
+    /// Whether there is anything to do.
+    pub fn has_pixels(&self, film: &Film) -> bool {
+        (0..film.region().pixel_count()).any(|index| self.of_pixel(film, index).count > 0)
+    }
+}
+
+/// What is counted about samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SampleCounts {
+    pub rays: RayCounts,
+    pub non_finite: u64,
+    pub negative: u64,
+    clamped: u64,
+    /// Luminance of all samples, and of what clamping took from them.
+    luminance: f64,
+    removed: f64,
+}
+
+impl SampleCounts {
+    pub fn add(&mut self, other: &Self) {
+        self.rays.add(&other.rays);
+        self.non_finite += other.non_finite;
+        self.negative += other.negative;
+        self.clamped += other.clamped;
+        self.luminance += other.luminance;
+        self.removed += other.removed;
+    }
+
+    pub fn clamped(&self) -> Clamped {
+        Clamped {
+            samples: self.clamped,
+            energy_share: if self.removed > 0.0 {
+                self.removed / self.luminance
+            } else {
+                0.0
+            },
+        }
+    }
+
+    fn count_failures(&mut self, sample: &Gathered) {
+        self.non_finite += u64::from(!sample.radiance.is_finite());
+        self.negative += u64::from(sample.radiance.min_element() < 0.0);
+    }
+
+    /// Scales a sample down to `most` in its brightest channel, and keeps account of what that removes.
+    fn clamp(&mut self, sample: &mut Gathered, most: f32) {
+        let before = f64::from(luminance(sample.radiance));
+        self.luminance += before;
+        let brightest = sample.radiance.max_element();
+        if brightest > most {
+            sample.scale(most / brightest);
+            self.clamped += 1;
+            self.removed += before - f64::from(luminance(sample.radiance));
+        }
+    }
+}
+
+/// One pass over one tile.
+pub struct TileBlock {
+    pub sums: TileSums,
+    pub counts: SampleCounts,
+}
+
+/// Takes the samples of every pixel of `tile`; `None` when cancelled.
+pub fn sample_tile(
+    scene: &PreparedScene,
+    tile: Region,
+    samples: &[PixelSamples],
+    layers: &[Layer],
+    cancel: &CancelToken,
+    progress: &RenderProgress,
+) -> Option<TileBlock> {
+    let mut sums = TileSums::new(layers, tile.pixel_count());
+    let mut counts = SampleCounts::default();
+    let place = |x: u32, y: u32| ((y - tile.y) * tile.width + x - tile.x) as usize;
+    for block in tile.cut(PACKET_SIDE) {
+        let traced_before = counts.rays.total();
+        let mut taken = 0;
+        // Rays are traced together where pixels are at the same sample; all are, unless the error chooses pixels.
+        let mut left = [(0, 0); Packet::MOST_RAYS];
+        let mut left_count = 0;
+        for number in 0..block.width * block.height {
+            let (x, y) = (
+                block.x + number % block.width,
+                block.y + number / block.width,
+            );
+            if samples[place(x, y)].count > 0 {
+                left[left_count] = (x, y);
+                left_count += 1;
+            }
+        }
+        while left_count > 0 {
+            let together = samples[place(left[0].0, left[0].1)];
+            let mut pixels = [(0, 0); Packet::MOST_RAYS];
+            let (mut count, mut kept) = (0, 0);
+            for number in 0..left_count {
+                let (x, y) = left[number];
+                if samples[place(x, y)] == together {
+                    pixels[count] = (x, y);
+                    count += 1;
+                } else {
+                    left[kept] = (x, y);
+                    kept += 1;
+                }
+            }
+            left_count = kept;
+            let pixels = &pixels[..count];
+            for index in together.first..together.first + together.count {
+                let begun = scene.camera_samples(pixels, index);
+                for (&(x, y), begun) in pixels.iter().zip(begun.iter().flatten()) {
+                    if cancel.is_cancelled() {
+                        return None;
+                    }
+                    let mut sample = scene.gathered(begun, &mut counts.rays);
+                    counts.count_failures(&sample);
+                    if let Some(most) = scene.clamp() {
+                        counts.clamp(&mut sample, most);
+                    }
+                    sums.add(place(x, y), layers, &sample);
+                }
+            }
+            taken += count as u64 * u64::from(together.count);
+        }
+        progress.samples.advance(taken);
+        progress.count_rays(counts.rays.total() - traced_before);
+    }
+    Some(TileBlock { sums, counts })
+}
+
+/// A picture of `tile` from the first sample of the middle pixel of each block; `None` when cancelled.
+pub fn coarse_tile(
+    scene: &PreparedScene,
+    tile: Region,
+    cancel: &CancelToken,
+) -> Option<Vec<[f32; 3]>> {
+    let width = tile.width as usize;
+    let mut rgb = vec![[0.0; 3]; tile.pixel_count()];
+    for top in (0..tile.height).step_by(COARSE_BLOCK as usize) {
+        for left in (0..tile.width).step_by(COARSE_BLOCK as usize) {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            let (right, bottom) = (
+                tile.width.min(left + COARSE_BLOCK),
+                tile.height.min(top + COARSE_BLOCK),
+            );
+            let (x, y) = (
+                tile.x + u32::midpoint(left, right - 1),
+                tile.y + u32::midpoint(top, bottom - 1),
+            );
+            let [begun, ..] = scene.camera_samples(&[(x, y)], 0);
+            let begun = begun.expect("there is one pixel");
+            let sample = scene.gathered(&begun, &mut RayCounts::default());
+            for row in top..bottom {
+                let start = row as usize * width;
+                rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());
+            }
+        }
+    }
+    Some(rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn what_clamping_removes_is_accounted_for() {
+        let mut counts = SampleCounts::default();
+        for value in [1.0, 3.0, 10.0] {
+            let mut sample = Gathered::seen(Vec3::splat(value));
+            counts.clamp(&mut sample, 4.0);
+            assert!((sample.radiance.x - value.min(4.0)).abs() < 1e-6);
+        }
+        let Clamped {
+            samples,
+            energy_share,
+        } = counts.clamped();
+        assert_eq!(samples, 1);
+        assert!((energy_share - 6.0 / 14.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn infinite_and_negative_samples_are_counted() {
+        let mut counts = SampleCounts::default();
+        for value in [1.0, f32::NAN, f32::INFINITY, -1.0, 0.0] {
+            counts.count_failures(&Gathered::seen(Vec3::new(1.0, value, 0.0)));
+        }
+        assert_eq!((counts.non_finite, counts.negative), (2, 1));
+    }
+}
