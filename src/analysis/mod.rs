@@ -2,3 +2,4 @@
 //! prints nothing.
 
 pub mod bench;
+pub mod report;
