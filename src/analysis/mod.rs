@@ -2,3 +2,8 @@
 //! prints nothing.
 
 pub mod bench;
+mod difference;
+mod metrics;
+
+pub use difference::{scaled_difference, signed_difference};
+pub use metrics::{LocatedDifference, Metrics, SizesDiffer, SquaredErrors};
