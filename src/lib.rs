@@ -15,7 +15,7 @@
 //! - [`scene`]: the description, plain data in the units of the file
 //! - [`io`]: bytes to meshes, scenes and pictures, and back
 //! - [`render`]: the prepared scene, samplers, shading, tiles and passes, film
-//! - [`analysis`]: measuring structures and rays
+//! - [`analysis`]: measuring structures and rays, and how far a picture is from another
 //! - [`cli`], `gui`: the program's two faces, which do not know each other
 //! - [`control`]: cancelling and progress as values
 

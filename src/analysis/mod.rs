@@ -2,4 +2,9 @@
 //! prints nothing.
 
 pub mod bench;
+mod difference;
+mod metrics;
 pub mod report;
+
+pub use difference::{scaled_difference, signed_difference};
+pub use metrics::{LocatedDifference, Metrics, SizesDiffer, SquaredErrors};

@@ -3,6 +3,7 @@
 //! Errors carry exit code 1; wrong usage 2, by clap.
 
 mod bench;
+mod compare;
 mod info;
 mod render;
 
@@ -37,6 +38,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Say what a mesh, scene or rendered picture holds
     Info(info::InfoArguments),
+    /// Measure how far a picture is from a reference, and draw the difference
+    Compare(compare::CompareArguments),
     /// Measure how fast the structures over a scene are built and traversed
     Bench(bench::BenchArguments),
 }
@@ -72,6 +75,7 @@ impl Command {
         match self {
             Self::Render(arguments) => render::run(&arguments),
             Self::Info(arguments) => info::run(&arguments),
+            Self::Compare(arguments) => compare::run(&arguments),
             Self::Bench(arguments) => bench::run(&arguments),
         }
     }

@@ -518,7 +518,7 @@ mod tests {
         std::fs::write(folder.path().join("sky.exr"), "OFF\n").expect("is written");
         let found = load(&path).expect_err("is no image").to_string();
         let at = format!("{}:2:9: ", path.display());
-        let expected = "sky.exr: this is not an image of radiance; expected OpenEXR";
+        let expected = "sky.exr: this is not a known kind of image; expected OpenEXR";
         assert!(
             found.starts_with(&at) && found.contains(expected),
             "{found}"

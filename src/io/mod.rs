@@ -7,6 +7,7 @@ mod load;
 mod mesh_file;
 pub mod npy;
 pub mod off;
+mod picture_file;
 pub mod ply;
 mod radiance_file;
 mod ray_file;
@@ -23,5 +24,6 @@ pub use load::{
     override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
+pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, read_image};
 pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};
 pub use ray_file::{RayFileError, load_rays, save_rays};

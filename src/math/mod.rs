@@ -6,6 +6,7 @@
 mod angle;
 mod bounds;
 pub mod color;
+mod compensated_sum;
 mod frame;
 mod ray;
 pub mod robust;
@@ -14,6 +15,7 @@ pub mod warp;
 
 pub use angle::Degrees;
 pub use bounds::{Bounds, DBounds};
+pub use compensated_sum::{CompensatedSum, two_sum};
 pub use frame::{SceneFrame, power_of_two};
 pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};
 pub use ray::Ray;

@@ -5,7 +5,7 @@
 //! Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 
 use super::Triangle;
-use crate::math::{Ray, Vec3};
+use crate::math::{Ray, Vec3, two_sum};
 
 /// `t` and the corners' weights where the line through `ray` crosses the triangle, edges included, both to within a few
 /// units in the last place of `f64`; `None` when it misses or lies in the triangle's plane.
@@ -101,12 +101,4 @@ impl Expansion {
     fn value(&self) -> f64 {
         self.terms[..self.len].iter().sum()
     }
-}
-
-/// The rounded sum and what rounding lost, exactly. Source: Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
-fn two_sum(p: f64, q: f64) -> (f64, f64) {
-    let sum = p + q;
-    let q_kept = sum - p;
-    let p_kept = sum - q_kept;
-    (sum, (p - p_kept) + (q - q_kept))
 }

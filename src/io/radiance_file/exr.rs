@@ -1,4 +1,7 @@
 //! OpenEXR: the first layer with colour, at full resolution, of any compression and sample type the `exr` crate reads.
+//!
+//! The colours are the channels R, G and B, or Y. Programs that put a name before every channel (`ViewLayer.Combined.R`) are
+//! understood where no channel has a plain name.
 
 use std::io::Cursor;
 
@@ -23,9 +26,11 @@ pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<
     for header in headers {
         check_claims(header, bytes.len() as u64)?;
     }
-    let Some((layer, roles)) = headers.iter().enumerate().find_map(color_of_layer) else {
-        return Err(no_color(headers));
-    };
+    let Color {
+        layer,
+        roles,
+        warnings,
+    } = find_color(headers).ok_or_else(|| no_color(headers))?;
     let channels = headers[layer].channels.clone();
     let size = headers[layer].layer_size;
     let (width, height) = refuse_size(size.x() as u64, size.y() as u64)?;
@@ -56,27 +61,99 @@ pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<
         width,
         height,
         pixels,
-        warnings: missing(&roles),
+        warnings,
     }))
 }
 
 /// Which of red, green and blue a channel is; a luminance is all three.
 type Roles = Vec<[bool; 3]>;
 
-/// The first flat layer with colour: its number, and what its channels are.
-fn color_of_layer((layer, header): (usize, &Header)) -> Option<(usize, Roles)> {
-    let named = |wanted: &str| header.channels.list.iter().any(|c| c.name.eq(wanted));
-    let has_rgb = ["R", "G", "B"].into_iter().any(named);
-    let role = |name: &str| match name {
-        "R" => [true, false, false],
-        "G" => [false, true, false],
-        "B" => [false, false, true],
-        "Y" if !has_rgb => [true; 3],
+/// Where the colours of a file are.
+struct Color {
+    layer: usize,
+    roles: Roles,
+    warnings: Vec<String>,
+}
+
+/// The first flat layer with colours of plain names; else the picture that is most likely the main one of those whose channels
+/// are called by a common name, a dot and the colour.
+fn find_color(headers: &[Header]) -> Option<Color> {
+    let flat = || {
+        headers
+            .iter()
+            .enumerate()
+            .filter(|(_, header)| !header.deep)
+    };
+    let plain = flat().find_map(|(layer, header)| Some((layer, roles(header, "")?)));
+    if let Some((layer, roles)) = plain {
+        return Some(Color {
+            layer,
+            warnings: missing(&roles),
+            roles,
+        });
+    }
+    let named: Vec<(usize, String)> = flat()
+        .flat_map(|(layer, header)| prefixes(header).map(move |prefix| (layer, prefix)))
+        .collect();
+    let (layer, prefix) = named
+        .iter()
+        .find(|(_, prefix)| is_main(prefix))
+        .or(named.first())?;
+    let others = named.iter().filter(|(_, other)| other != prefix);
+    let others: Vec<&str> = others
+        .map(|(_, other)| other.trim_end_matches('.'))
+        .collect();
+    let warnings = match &others[..] {
+        [] => Vec::new(),
+        _ => vec![format!(
+            "the file holds several pictures; {} is read, not {}",
+            prefix.trim_end_matches('.'),
+            others.join(", ")
+        )],
+    };
+    Some(Color {
+        layer: *layer,
+        roles: roles(&headers[*layer], prefix)?,
+        warnings,
+    })
+}
+
+/// What the channels of a layer are whose names begin with `prefix`; `None` where there is no colour among them. A luminance
+/// counts where nothing else does.
+fn roles(header: &Header, prefix: &str) -> Option<Roles> {
+    let names = header.channels.list.iter().map(|c| c.name.to_string());
+    let color = |name: String| match name.strip_prefix(prefix) {
+        Some("R" | "r") => [true, false, false],
+        Some("G" | "g") => [false, true, false],
+        Some("B" | "b") => [false, false, true],
         _ => [false; 3],
     };
-    let channels = header.channels.list.iter();
-    let roles: Roles = channels.map(|c| role(&c.name.to_string())).collect();
-    (!header.deep && roles.contains(&[true; 3]) || has_rgb).then_some((layer, roles))
+    let luminance = |name: String| [name.strip_prefix(prefix) == Some("Y"); 3];
+    [
+        names.clone().map(color).collect::<Roles>(),
+        names.map(luminance).collect(),
+    ]
+    .into_iter()
+    .find(|roles| roles.iter().any(|role| *role != [false; 3]))
+}
+
+/// What stands before `R`, the dot included, where `G` and `B` are there with the same name.
+fn prefixes(header: &Header) -> impl Iterator<Item = String> {
+    header.channels.list.iter().filter_map(|channel| {
+        let name = channel.name.to_string();
+        let prefix = name
+            .strip_suffix(['R', 'r'])
+            .filter(|prefix| prefix.ends_with('.'))?;
+        let found = roles(header, prefix)?;
+        missing(&found).is_empty().then(|| prefix.to_owned())
+    })
+}
+
+/// Whether programs call their main picture so, as far as is known.
+fn is_main(prefix: &str) -> bool {
+    let name = prefix.trim_end_matches('.').rsplit('.').next();
+    let known = ["combined", "beauty", "rgba", "rgb", "c", "ci"];
+    name.is_some_and(|name| known.iter().any(|main| main.eq_ignore_ascii_case(name)))
 }
 
 /// What is said where a colour has no channel.

@@ -1,4 +1,4 @@
-//! Images of radiance from files: OpenEXR and Radiance HDR, for backgrounds.
+//! Images of radiance from files: OpenEXR and Radiance HDR, for backgrounds and to be compared.
 //!
 //! A reader takes bytes and gives the values as they stand in the file; this module finds the reader, refuses sizes that no
 //! image has before anything is allocated, and cleans what is no radiance.
@@ -43,15 +43,19 @@ pub struct RadianceError {
 
 /// Values as they stand in a file, row by row from the top left.
 #[derive(Debug)]
-struct RawImage {
-    width: u32,
-    height: u32,
-    pixels: Vec<[f32; 3]>,
-    warnings: Vec<String>,
+pub struct RawImage {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear RGB, whatever the file holds: negative, infinite and not a number too.
+    pub pixels: Vec<[f32; 3]>,
+    /// What looks wrong or was left out, in sentences.
+    pub warnings: Vec<String>,
 }
 
 /// What a reader of one format returns: `None` when cancelled, errors as sentences.
-type Reading<T> = Result<Option<T>, String>;
+pub type Reading<T> = Result<Option<T>, String>;
 
 /// Loads the image at `path`.
 ///
@@ -80,11 +84,10 @@ fn parse_radiance(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Reading<RadianceFile> {
-    let (format, raw) = match recognise(bytes)? {
-        Format::Exr => ("OpenEXR", exr::read(bytes, cancel, progress)?),
-        Format::Hdr => ("Radiance HDR", hdr::read(bytes, cancel, progress)?),
+    let values = read_values(bytes, RADIANCE_FORMATS, cancel, progress)?;
+    let Some((format, raw)) = values else {
+        return Ok(None);
     };
-    let Some(raw) = raw else { return Ok(None) };
     let RawImage {
         width,
         height,
@@ -106,6 +109,22 @@ fn parse_radiance(
     }))
 }
 
+/// The format of the file whose bytes these are, and its values as they stand there.
+///
+/// `expected`: the formats that would do, for the message about another one.
+pub fn read_values(
+    bytes: &[u8],
+    expected: &str,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<(&'static str, RawImage)> {
+    let (format, raw) = match recognise(bytes, expected)? {
+        Format::Exr => ("OpenEXR", exr::read(bytes, cancel, progress)?),
+        Format::Hdr => ("Radiance HDR", hdr::read(bytes, cancel, progress)?),
+    };
+    Ok(raw.map(|raw| (format, raw)))
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Exr,
@@ -113,7 +132,7 @@ enum Format {
 }
 
 /// The format of a file by its content; its name may say what it likes.
-fn recognise(bytes: &[u8]) -> Result<Format, String> {
+fn recognise(bytes: &[u8], expected: &str) -> Result<Format, String> {
     if bytes.is_empty() {
         return Err("the file is empty".to_owned());
     }
@@ -134,12 +153,12 @@ fn recognise(bytes: &[u8]) -> Result<Format, String> {
     let what = known
         .iter()
         .find(|(magic, _)| bytes.starts_with(magic))
-        .map_or("not an image of radiance", |(_, what)| what);
-    Err(format!("this is {what}; expected {RADIANCE_FORMATS}"))
+        .map_or("not a known kind of image", |(_, what)| what);
+    Err(format!("this is {what}; expected {expected}"))
 }
 
 /// An error about a size that no image has or that cannot be held.
-fn refuse_size(width: u64, height: u64) -> Result<(u32, u32), String> {
+pub fn refuse_size(width: u64, height: u64) -> Result<(u32, u32), String> {
     if !RadianceMap::can_hold(width, height) {
         return Err(format!(
             "the image is said to be {width}×{height}; expected sides of 1 to {} and at most {} pixels",
@@ -152,7 +171,7 @@ fn refuse_size(width: u64, height: u64) -> Result<(u32, u32), String> {
 }
 
 /// Room for an image of a size that a header claims: memory that is not there is an error, not an end.
-fn black(width: u32, height: u32) -> Result<Vec<[f32; 3]>, String> {
+pub fn black(width: u32, height: u32) -> Result<Vec<[f32; 3]>, String> {
     let count = width as usize * height as usize;
     let mut pixels = Vec::new();
     pixels

@@ -127,6 +127,43 @@ fn luminance_is_grey_and_missing_colours_are_said() {
     );
 }
 
+/// Programs that name every channel, and whose first picture by the alphabet is another.
+#[test]
+fn openexr_with_names_before_the_colours_is_read() {
+    let of = |pictures: &[(&'static str, [&'static str; 3])]| {
+        let names: Vec<(String, usize)> = pictures
+            .iter()
+            .flat_map(|(prefix, colors)| (0..3).map(move |i| (format!("{prefix}{}", colors[i]), i)))
+            .collect();
+        let channels: Vec<_> = names
+            .iter()
+            .map(|(name, index)| (name.as_str(), channel(*index)))
+            .collect();
+        parse(&with_channels(&channels, Encoding::FAST_LOSSLESS))
+    };
+    // Red and blue of the others are swapped, to tell them apart.
+    let (right, swapped) = (["R", "G", "B"], ["B", "G", "R"]);
+    for (pictures, warning) in [
+        (vec![("", ["r", "g", "b"])], None),
+        (vec![("View.Any.", right)], None),
+        (vec![("", right), ("Beauty.", swapped)], None),
+        (
+            vec![("View.AO.", swapped), ("View.Combined.", right)],
+            Some("the file holds several pictures; View.Combined is read, not View.AO"),
+        ),
+        (
+            vec![("one.", right), ("two.", swapped)],
+            Some("the file holds several pictures; one is read, not two"),
+        ),
+    ] {
+        let file = of(&pictures).expect("is right");
+        assert_eq!(file.map.pixels(), expected(), "{pictures:?}");
+        assert!(file.warnings.iter().map(String::as_str).eq(warning));
+    }
+    let normals = of(&[("N.", ["X", "Y", "Z"])]).expect_err("has no colour");
+    assert!(normals.starts_with("the file has the channels N.X, N.Y, N.Z;"));
+}
+
 /// A picture saved by the program is a background, bit for bit.
 #[test]
 fn a_rendered_picture_can_be_a_background() {
@@ -212,7 +249,7 @@ fn other_files_are_refused_by_name() {
         ),
         (
             b"OFF\n",
-            "this is not an image of radiance; expected OpenEXR (.exr) and",
+            "this is not a known kind of image; expected OpenEXR (.exr) and",
         ),
     ];
     for (bytes, expected) in cases {
