@@ -4,12 +4,9 @@
 //! finite, in either picture, has no distance: it is left out of sums, means and ranks, and counted.
 
 use crate::math::CompensatedSum;
-use crate::render::Image;
 use crate::render::display::encode;
+use crate::render::{Image, RELATIVE_FLOOR};
 use crate::scene::Display;
-
-/// Added to the squared reference, so that dark pixels do not outweigh all others.
-const RELATIVE_FLOOR: f64 = 0.01;
 
 /// More than one step of 8 bits between encoded values. The thousandth is for what rounding does to a step on its way through
 /// the sRGB curve and back.

@@ -241,7 +241,7 @@ pub enum Outcome {
         /// SHA-256 of the linear picture, see [`Image::hash`].
         hash: String,
         /// What it took.
-        stats: RenderStats,
+        stats: Box<RenderStats>,
     },
     /// Stopped by the user; the tiles so far stay.
     Cancelled,

@@ -55,7 +55,7 @@ pub enum Event {
         /// The picture's hash.
         hash: String,
         /// What it took.
-        stats: render::RenderStats,
+        stats: Box<render::RenderStats>,
     },
     /// The running render cannot go on.
     RenderFailed(String),
@@ -238,6 +238,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let outcome = render::render(&prepared, None, &run, &request.progress, Some(&on_tile));
     if let Some(RenderOutcome { image, stats, .. }) = outcome {
         let hash = image.hash();
+        let stats = Box::new(stats);
         job.send(Event::Rendered { hash, stats });
     }
 }

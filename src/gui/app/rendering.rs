@@ -147,7 +147,7 @@ impl App {
         Duration::from_millis(if is_software { 400 } else { 33 })
     }
 
-    pub(super) fn rendered(&mut self, hash: String, stats: RenderStats) {
+    pub(super) fn rendered(&mut self, hash: String, stats: Box<RenderStats>) {
         self.end_picture(Outcome::Finished { hash, stats });
     }
 
