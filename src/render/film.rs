@@ -33,8 +33,23 @@ pub struct Halves {
     pub level: u32,
     /// Mean of all minus mean of the first half.
     pub whole: [f64; 3],
-    /// The same for each half of the samples by itself, while no further sample has come and there are at least 4.
-    pub parts: Option<[[f64; 3]; 2]>,
+    /// The same for each half of the samples by itself. Between powers of two, and below four samples, where that is not known:
+    /// what it is on average for independent samples.
+    pub parts: [[f64; 3]; 2],
+    /// Whether it is known.
+    pub is_complete: bool,
+}
+
+impl Halves {
+    fn without_parts(level: u32, whole: [f64; 3]) -> Self {
+        let part = whole.map(|value| value * std::f64::consts::SQRT_2);
+        Self {
+            level,
+            whole,
+            parts: [part, part],
+            is_complete: false,
+        }
+    }
 }
 
 /// The sums of blocks of samples of the pixels of one tile: the picture's first, then those of each layer, each row by row.
@@ -198,13 +213,13 @@ impl Film {
         let [quarter, half, three_quarters] =
             [marks.quarter, marks.half, marks.three_quarters].map(|mean| mean.map(f64::from));
         if !samples.is_power_of_two() {
-            return Some(Halves {
-                level,
-                whole: each(|c| half[c] - quarter[c]),
-                parts: None,
-            });
+            return Some(Halves::without_parts(level, each(|c| half[c] - quarter[c])));
         }
         let mean = self.planes[0][index].map(|sum| sum / f64::from(samples));
+        let whole = each(|c| mean[c] - half[c]);
+        if level < 2 {
+            return Some(Halves::without_parts(level, whole));
+        }
         let first = each(|c| half[c] - quarter[c]);
         let second = each(|c| {
             let third_quarter = 3.0 * three_quarters[c] - 2.0 * half[c];
@@ -212,8 +227,9 @@ impl Film {
         });
         Some(Halves {
             level,
-            whole: each(|c| mean[c] - half[c]),
-            parts: (level >= 2).then_some([first, second]),
+            whole,
+            parts: [first, second],
+            is_complete: true,
         })
     }
 
@@ -355,8 +371,9 @@ mod tests {
             assert_eq!(halves.level, count.ilog2());
             let whole = mean(0..full) - mean(0..full / 2);
             assert!((halves.whole[0] - whole).abs() < 1e-4, "{count}");
-            assert_eq!(halves.parts.is_some(), count == full && count >= 4);
-            if let Some([first, second]) = halves.parts {
+            assert_eq!(halves.is_complete, count == full && count >= 4);
+            if halves.is_complete {
+                let [first, second] = halves.parts;
                 let (quarter, half) = (full / 4, full / 2);
                 let expected = mean(0..half) - mean(0..quarter);
                 assert!((first[0] - expected).abs() < 1e-4, "{count}");

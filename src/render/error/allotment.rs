@@ -11,8 +11,9 @@
 
 use rayon::prelude::*;
 
-use super::{Decay, ErrorEstimator, variance_over_drop};
+use super::{Decay, ErrorEstimator};
 use crate::render::film::Film;
+use crate::scene::RenderSettings;
 
 /// Bits of an `f32` that tell a cell: the exponent's and three more, so eight cells to an octave.
 const CELL_BITS: u32 = 11;
@@ -26,10 +27,34 @@ const LEAST_SHARE: f64 = 1.0 / 32.0;
 /// The need for samples over a film.
 #[derive(Clone, Debug)]
 pub struct Allotment {
-    decay: Decay,
+    curve: Curve,
     /// Per pixel: its variance over that of the decay curve.
     noise: Vec<f32>,
     cells: Vec<Cell>,
+}
+
+/// The variance of a pixel of noise 1, kept at every power of two, where it is asked for again and again.
+#[derive(Clone, Debug)]
+struct Curve {
+    decay: Decay,
+    at_powers: [f64; 1 + RenderSettings::MAX_SAMPLES.ilog2() as usize],
+}
+
+impl Curve {
+    fn new(decay: Decay) -> Self {
+        Self {
+            decay,
+            at_powers: std::array::from_fn(|level| decay.variance(1 << level)),
+        }
+    }
+
+    fn variance(&self, samples: u32) -> f64 {
+        if samples.is_power_of_two() {
+            self.at_powers[samples.ilog2() as usize]
+        } else {
+            self.decay.variance(samples)
+        }
+    }
 }
 
 /// Pixels with the same number of samples and about the same noise.
@@ -65,16 +90,16 @@ impl Allotment {
     pub fn new(film: &Film, estimator: &ErrorEstimator) -> Self {
         let region = film.region();
         let (width, height) = (region.width as usize, region.height as usize);
-        let decay = *estimator.decay();
-        let spreads = estimator.spreads();
+        let curve = Curve::new(estimator.decay());
+        let falls = estimator.falls();
         let own: Vec<f32> = (0..region.pixel_count())
             .into_par_iter()
             .map(|index| {
                 let samples = film.samples(index);
-                let scale = variance_over_drop(&decay, samples) / decay.variance(samples);
+                let scale = estimator.variance_over_fall(samples) / curve.variance(samples);
                 #[expect(clippy::cast_possible_truncation, reason = "precise enough to compare")]
                 {
-                    (f64::from(spreads[index]) * scale) as f32
+                    (f64::from(falls[index]) * scale) as f32
                 }
             })
             .collect();
@@ -110,7 +135,7 @@ impl Allotment {
             })
         });
         Self {
-            decay,
+            curve,
             cells: cells.collect(),
             noise,
         }
@@ -119,7 +144,7 @@ impl Allotment {
     /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where no pixel gets more than
     /// `most`.
     pub fn for_variance(&self, share: f64, most: u32) -> Forecast {
-        let variance = |cell: &Cell, samples| noise_at(cell.place) * self.decay.variance(samples);
+        let variance = |cell: &Cell, samples| noise_at(cell.place) * self.curve.variance(samples);
         let goal = share * self.sum(|cell| variance(cell, cell.samples));
         let left =
             |threshold: f64| self.sum(|cell| variance(cell, self.target(cell, threshold, most)));
@@ -172,7 +197,7 @@ impl Allotment {
         if doubled == samples {
             return 0.0;
         }
-        let fall = self.decay.variance(samples) - self.decay.variance(doubled);
+        let fall = self.curve.variance(samples) - self.curve.variance(doubled);
         noise_at(cell.place) * fall / f64::from(doubled - samples)
     }
 
@@ -197,21 +222,8 @@ fn doubled(samples: u32, most: u32) -> u32 {
     samples.saturating_mul(2).min(most).max(samples)
 }
 
-/// The neighbours of a pixel within 5 × 5 that lie on the other colour of a chessboard, as steps in x and y.
-const NEIGHBOURS: [[isize; 2]; 12] = [
-    [-1, -2],
-    [1, -2],
-    [-2, -1],
-    [0, -1],
-    [2, -1],
-    [-1, 0],
-    [1, 0],
-    [-2, 1],
-    [0, 1],
-    [2, 1],
-    [-1, 2],
-    [1, 2],
-];
+/// The nearest neighbours of a pixel, as steps in x and y: on a chessboard, they have the other colour.
+const NEIGHBOURS: [[isize; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
 
 /// The mean of `values` over the [`NEIGHBOURS`] of one.
 fn of_neighbours(values: &[f32], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> f32 {

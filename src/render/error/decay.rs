@@ -1,102 +1,141 @@
 //! How the variance of a pixel's mean falls as its samples grow.
 //!
-//! A pixel's samples are one scrambled low-discrepancy sequence, so the error falls faster than that of independent samples
+//! A pixel's samples are one scrambled low-discrepancy sequence, so the error falls faster than that of independent samples,
 //! and nothing about one sequence alone tells how fast. What tells is how much the mean moved whenever the samples doubled.
 //!
 //! Let `V(n)` be the variance of the mean of the first `n` samples and `n = 2ᵏ`. Scrambling makes the two halves of the
 //! sequence exchangeable, so the mean of all is uncorrelated with the difference of the halves, and
 //! `V(n/2) − V(n) = E[(mean of n − mean of n/2)²]` exactly: the *drop* of level `k`, which is observed. Summed over all levels
-//! still to come, drops give back `V(n)`. Those are extrapolated by a sum of power laws, fitted to the drops seen so far:
-//! `n⁻¹` as for independent samples, `n^−1.5` as at edges in two dimensions, `n⁻²` between, and `n⁻³` of smooth integrands.
-//! Sources: Owen, Scrambled net variance for integrals of smooth functions, 1997, for the last; He & Wang, On the convergence
-//! rate of randomized quasi-Monte Carlo for discontinuous functions, 2015, for the second.
-
-/// By how much each power law falls when the samples double.
-const RATIOS: [f64; 4] = [0.5, 0.353_553_390_593_273_8, 0.25, 0.125];
-
-/// How much less a drop counts than the one after it: old ones are steadier, new ones say more about what comes.
-const MEMORY: f64 = 0.6;
-
-/// The first level whose drops are fitted where there are two later ones: before it, most pixels have not settled.
-const FIRST_LEVEL: u32 = 2;
+//! still to come, drops give back `V(n)`.
+//!
+//! Drops are looked at in pairs, the *fall* from `n/4` to `n`: in two dimensions a sequence is better at powers of four than
+//! between them, so drops go up and down while falls do not. From falls one factor of four apart comes their ratio, and from it
+//! all that are to come. Two laws are taken for likely: a single power of `n`, and a part that falls as for independent samples,
+//! `n⁻¹`, beside one that falls as for smooth integrands, `n⁻²`. The truth was between the two in every scene measured: their
+//! geometric mean is taken, and their distance tells how much it may be off.
 
 /// Highest level: twice the most samples a pixel can get.
 const MOST_LEVEL: u32 = 25;
 
+/// By what variance falls with four times as many independent samples.
+const INDEPENDENT: f64 = 0.25;
+/// The same where it falls as n⁻².
+const SMOOTH: f64 = 1.0 / 16.0;
+
+/// The largest ratio that is believed. More than for independent samples is chance; cut off at once, chance would always make
+/// estimates smaller.
+const LARGEST: f64 = 0.3;
+/// The smallest: the error of rounding ends every fall.
+const SMALLEST: f64 = 1e-6;
+
+/// How much the last but one ratio of falls counts beside the last, whose levels are the others.
+const OLDER_SHARE: f64 = 0.4;
+
 /// The fall of variance, up to a factor: what matters is the variance at one number of samples over that at another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
-    /// Of the drop at level [`Self::level`], the part of each power law.
-    parts: [f64; RATIOS.len()],
+    /// By what it falls with four times as many samples.
+    ratio: f64,
+    /// The level at which the two laws agree by definition: variances are multiples of that there.
     level: u32,
 }
 
 impl Decay {
     /// That of independent samples: what is assumed before anything is seen.
-    pub const HALVING: Self = Self {
-        parts: [1.0, 0.0, 0.0, 0.0],
+    pub const INDEPENDENT: Self = Self {
+        ratio: INDEPENDENT,
         level: 0,
     };
 
-    /// Fits `links`: number `i` is the drop at level `i + 2` over the drop at level `i + 1`.
-    pub fn fit(links: &[f64]) -> Self {
-        let usable = |link: &&f64| link.is_finite() && **link > 0.0;
-        let count = links.iter().take_while(usable).count();
-        let Some(level) = u32::try_from(count).ok().filter(|&count| count > 0) else {
-            return Self::HALVING;
+    /// As it is at `level`, from `links`: number `i` is the drop at level `i + 2` over the drop at level `i + 1`.
+    pub fn at(level: u32, links: &[f64]) -> Self {
+        let level = level.min(MOST_LEVEL);
+        let link = |level: u32| {
+            let link = links.get(level.checked_sub(2)? as usize)?;
+            (link.is_finite() && *link > 0.0).then_some(*link)
         };
-        // Levels 1 to `top`; the drop at `top` is 1.
-        let top = level + 1;
-        let mut drops = vec![1.0];
-        for link in links[..count].iter().rev() {
-            drops.push(drops.last().expect("is not empty") / link);
-        }
-        let first = FIRST_LEVEL.min(top - 1);
-        let mut rows = Vec::new();
-        for (age, drop) in (0..=top - first).zip(&drops) {
-            // All but the newest were seen twice.
-            let weight = MEMORY.powi(age.cast_signed()) * if age == 0 { 1.0 } else { 2_f64.sqrt() };
-            rows.push(Row {
-                values: RATIOS.map(|ratio| weight * ratio.powi(-age.cast_signed()) / drop),
-                target: weight,
-            });
-        }
+        // The fall to a level over the fall to two levels below: (d₀ + d₁) / (d₂ + d₃), by links d₀/d₁, d₁/d₂, d₂/d₃.
+        let falls = |level: u32| {
+            let (newest, middle, oldest) = (link(level)?, link(level - 1)?, link(level - 2)?);
+            Some((newest + 1.0) * middle * oldest / (oldest + 1.0))
+        };
+        let square = |level: u32| link(level).map(|link| link * link);
+        let ratio = match level {
+            0 | 1 => None,
+            2 | 3 => square(level),
+            _ => {
+                let older = if level == 4 {
+                    square(3)
+                } else {
+                    falls(level - 1)
+                };
+                falls(level).zip(older).map(|(last, older)| {
+                    libm::pow(last, 1.0 - OLDER_SHARE) * libm::pow(older, OLDER_SHARE)
+                })
+            }
+        };
         Self {
-            parts: non_negative_least_squares(&rows),
-            level: top,
+            ratio: ratio.unwrap_or(INDEPENDENT).clamp(SMALLEST, LARGEST),
+            level,
         }
     }
 
-    /// The drop at level `k`.
-    fn drop(&self, level: u32) -> f64 {
-        self.sum(level, |_| 1.0)
+    /// By what a drop is smaller than the one before it.
+    pub fn link(&self) -> f64 {
+        self.ratio.sqrt()
     }
 
-    /// The drop at `level` over that at the level before.
-    pub fn ratio(&self, level: u32) -> f64 {
-        let before = self.sum(level, |ratio| 1.0 / ratio);
-        if before > 0.0 {
-            self.drop(level) / before
+    /// The variance left over the fall to this level: what turns an observed fall into an error.
+    pub fn variance_over_fall(&self) -> f64 {
+        let [power, mixture] = self.laws();
+        (power * mixture).sqrt()
+    }
+
+    /// By what factor the two laws disagree about it, as a logarithm.
+    pub fn disagreement(&self) -> f64 {
+        let [power, mixture] = self.laws();
+        libm::log(mixture / power)
+    }
+
+    /// What is left over the fall, by a power law and by the mixture.
+    fn laws(&self) -> [f64; 2] {
+        let left = |ratio: f64| ratio / (1.0 - ratio);
+        let [independent, smooth] = self.parts();
+        let mixture = if self.ratio < SMOOTH {
+            left(self.ratio)
         } else {
-            0.5
-        }
+            independent * left(INDEPENDENT) + smooth * left(SMOOTH)
+        };
+        [left(self.ratio), mixture]
     }
 
-    /// The variance left over the drop at `level`: what turns an observed drop into an error.
-    pub fn variance_over_drop(&self, level: u32) -> f64 {
-        let drop = self.drop(level);
-        if drop > 0.0 {
-            self.sum(level, remainder) / drop
-        } else {
-            1.0
-        }
+    /// The parts of the fall in the mixture.
+    fn parts(&self) -> [f64; 2] {
+        let smooth = (1.0 / self.ratio - 1.0 / INDEPENDENT) / (1.0 / SMOOTH - 1.0 / INDEPENDENT);
+        [1.0 - smooth, smooth]
     }
 
-    /// The variance of the mean of the first `samples`, in the unit of [`Self::drop`].
+    /// The variance of the mean of the first `samples`.
     pub fn variance(&self, samples: u32) -> f64 {
         let samples = samples.max(1);
         let level = samples.next_power_of_two().trailing_zeros();
-        self.sum(level, remainder) + self.within(samples, level)
+        self.at_power(level) + self.within(samples, level)
+    }
+
+    /// The variance of the mean of 2ᵏ samples; 1 at [`Self::level`].
+    fn at_power(&self, level: u32) -> f64 {
+        let quarterings = (f64::from(level) - f64::from(self.level)) / 2.0;
+        let power = libm::pow(self.ratio.min(INDEPENDENT), quarterings);
+        if self.ratio < SMOOTH || self.ratio >= INDEPENDENT {
+            return power;
+        }
+        let [independent, smooth] = self.parts();
+        // What is left of each part at the level, which is one and a fifteenth over three and fifteen.
+        let (independent, smooth) = (independent / 3.0, smooth / 15.0);
+        let mixture = (independent * libm::pow(INDEPENDENT, quarterings)
+            + smooth * libm::pow(SMOOTH, quarterings))
+            / (independent + smooth);
+        (power * mixture).sqrt()
     }
 
     /// Expected square of the difference between the mean of the first `samples` and that of all 2ᵏ.
@@ -107,7 +146,7 @@ impl Decay {
             return 0.0;
         }
         let half = 1 << (level - 1);
-        let drop = self.drop(level);
+        let drop = self.at_power(level - 1) - self.at_power(level);
         if samples <= half {
             return drop + self.within(samples, level - 1);
         }
@@ -115,144 +154,68 @@ impl Decay {
         let rest = 1.0 - first;
         (first - rest).powi(2) * drop + rest.powi(2) * self.within(samples - half, level - 1)
     }
-
-    fn sum(&self, level: u32, factor: impl Fn(f64) -> f64) -> f64 {
-        let age = level.min(MOST_LEVEL).cast_signed() - self.level.cast_signed();
-        let terms = self.parts.iter().zip(RATIOS);
-        terms
-            .map(|(part, ratio)| part * ratio.powi(age) * factor(ratio))
-            .sum()
-    }
-}
-
-/// All drops to come over the present one, where each is `ratio` of the one before.
-fn remainder(ratio: f64) -> f64 {
-    ratio / (1.0 - ratio)
-}
-
-/// One equation of a least squares problem: the values' weighted sum should be the target.
-#[derive(Debug)]
-struct Row {
-    values: [f64; RATIOS.len()],
-    target: f64,
-}
-
-/// The weights of at least 0 that bring the rows nearest to their targets. There are so few unknowns that every set of those
-/// above 0 is tried.
-fn non_negative_least_squares(rows: &[Row]) -> [f64; RATIOS.len()] {
-    let mut best = (f64::INFINITY, Decay::HALVING.parts);
-    for set in 1_usize..1 << RATIOS.len() {
-        let chosen: Vec<usize> = (0..RATIOS.len()).filter(|i| set >> i & 1 == 1).collect();
-        if chosen.len() > rows.len() {
-            continue;
-        }
-        let Some(weights) = least_squares(rows, &chosen) else {
-            continue;
-        };
-        let residual: f64 = rows
-            .iter()
-            .map(|row| {
-                let sum: f64 = row.values.iter().zip(weights).map(|(v, w)| v * w).sum();
-                (sum - row.target).powi(2)
-            })
-            .sum();
-        if weights.iter().all(|&weight| weight >= 0.0) && residual < best.0 {
-            best = (residual, weights);
-        }
-    }
-    best.1
-}
-
-/// Least squares in the `chosen` unknowns, the others 0, by the normal equations; `None` where they hardly differ.
-fn least_squares(rows: &[Row], chosen: &[usize]) -> Option<[f64; RATIOS.len()]> {
-    let size = chosen.len();
-    let mut matrix = [[0.0; RATIOS.len() + 1]; RATIOS.len()];
-    for row in rows {
-        for (line, &i) in matrix.iter_mut().zip(chosen) {
-            for (cell, &j) in line.iter_mut().zip(chosen) {
-                *cell += row.values[i] * row.values[j];
-            }
-            line[size] += row.values[i] * row.target;
-        }
-    }
-    // The matrix is symmetric and positive, so elimination needs no change of rows.
-    for pivot in 0..size {
-        let largest = matrix[pivot][pivot];
-        if largest.is_nan() || largest <= 1e-12 {
-            return None;
-        }
-        let line = matrix[pivot];
-        for other in (0..size).filter(|&other| other != pivot) {
-            let factor = matrix[other][pivot] / largest;
-            for column in pivot..=size {
-                matrix[other][column] -= factor * line[column];
-            }
-        }
-    }
-    let mut weights = [0.0; RATIOS.len()];
-    for (line, (row, &i)) in matrix.iter().zip(chosen).enumerate() {
-        weights[i] = row[size] / row[line];
-    }
-    Some(weights)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Links of drops that fall by `ratio` at every level.
-    fn steady(ratio: f64, levels: usize) -> Vec<f64> {
-        vec![ratio; levels]
-    }
-
+    /// A power law is found again as far as the mixture lets it: exactly where both are the same, and between the two else.
     #[test]
     fn power_laws_are_found_again() {
-        for ratio in RATIOS {
-            for levels in 2..9_u32 {
-                let decay = Decay::fit(&steady(ratio, levels as usize));
-                let left = decay.variance_over_drop(levels);
-                let expected = ratio / (1.0 - ratio);
+        for (link, doubt) in [(0.5, 1e-12), (0.25, 1e-12), (0.125, 1e-12), (0.354, 0.3)] {
+            for level in 2..12 {
+                let decay = Decay::at(level, &[link; 12]);
+                let fall = 1.0 + 1.0 / link;
+                let expected = link / (1.0 - link);
+                let found = decay.variance_over_fall() * fall;
                 assert!(
-                    (left / expected - 1.0).abs() < 1e-3,
-                    "{ratio}, {levels}: {left}"
+                    found >= expected * (1.0 - 1e-12) && found <= expected * (1.0 + doubt),
+                    "{link}, {level}: {found}, {expected}"
                 );
-                let fall = decay.variance(1 << (levels + 1)) / decay.variance(1 << levels);
-                assert!((fall / ratio - 1.0).abs() < 1e-3, "{ratio}, {levels}");
+                let four_times = decay.variance(1 << (level + 2)) / decay.variance(1 << level);
+                assert!(four_times >= link * link * (1.0 - 1e-12) && four_times < 0.251);
             }
         }
     }
 
+    /// Drops that go up and down as those of nets do: V = 4⁻ᵏ, three quarters of it at even k, five at odd.
     #[test]
-    fn a_mixture_is_extrapolated_by_its_slowest_part() {
-        // Drops of 1 · 2⁻ᵏ + 40 · 8⁻ᵏ: at first the smooth part falls, later the rough one is left.
-        let drop = |level: i32| 0.5_f64.powi(level) + 40.0 * 0.125_f64.powi(level);
-        let links: Vec<f64> = (2..=8).map(|level| drop(level) / drop(level - 1)).collect();
-        let decay = Decay::fit(&links);
-        let expected = (0.5_f64.powi(8) + 40.0 * 0.125_f64.powi(8) / 7.0) / drop(8);
-        assert!((decay.variance_over_drop(8) / expected - 1.0).abs() < 0.01);
+    fn going_up_and_down_does_not_mislead() {
+        let variance = |k: i32| 0.25_f64.powi(k) * if k % 2 == 0 { 0.75 } else { 1.25 };
+        let drop = |k: i32| variance(k - 1) - variance(k);
+        let links: Vec<f64> = (2..=10).map(|k| drop(k) / drop(k - 1)).collect();
+        for level in 4..=10_u32 {
+            let k = level.cast_signed();
+            let fall = drop(k) + drop(k - 1);
+            let found = Decay::at(level, &links).variance_over_fall() * fall;
+            let ratio = found / variance(k);
+            assert!((0.8..1.25).contains(&ratio), "{level}: {ratio}");
+        }
     }
 
     #[test]
     fn without_usable_drops_samples_count_as_independent() {
-        for links in [&[][..], &[f64::NAN], &[0.0, 0.5], &[-1.0, 0.5]] {
-            assert_eq!(Decay::fit(links), Decay::HALVING, "{links:?}");
+        for links in [&[][..], &[f64::NAN, 0.5, 0.5], &[0.0, 0.5, 0.5]] {
+            for level in [0, 1, 2, 4] {
+                assert_eq!(Decay::at(level, links).ratio, INDEPENDENT, "{links:?}");
+            }
         }
-        assert_eq!(Decay::HALVING.variance_over_drop(7), 1.0);
     }
 
     /// The variance of the mean of any number of independent samples is 1/n of one's.
     #[test]
     fn independent_samples_are_exact_at_every_count() {
-        let one = Decay::HALVING.variance(1);
+        let one = Decay::INDEPENDENT.variance(1);
         for samples in 1..200 {
-            let share = Decay::HALVING.variance(samples) * f64::from(samples) / one;
+            let share = Decay::INDEPENDENT.variance(samples) * f64::from(samples) / one;
             assert!((share - 1.0).abs() < 1e-12, "{samples}: {share}");
         }
     }
 
     /// Scrambled nets between two powers of two, against the sequence itself: the integral of a quarter disk (a jump along a
     /// curve), whose variance over 4,000 pixels is known to 1 / √2000 = 2.3 %. 5 standard deviations and the extrapolation's own
-    /// error leave 20 %; below 8 samples nets are so much better at powers of four that no smooth law holds.
+    /// error leave 25 %.
     #[test]
     fn counts_between_powers_of_two_follow_the_sequence() {
         use crate::render::sampler::{Decision, Dimension, Sampler};
@@ -269,11 +232,11 @@ mod tests {
         }
         let drop = |level: u32| squares[1 << (level - 1)] - squares[1 << level];
         let links: Vec<f64> = (2..=6).map(|level| drop(level) / drop(level - 1)).collect();
-        let decay = Decay::fit(&links);
+        let decay = Decay::at(6, &links);
         for samples in [12, 20, 24, 40, 48, 56, 80, 96] {
             let predicted = decay.variance(samples) / decay.variance(64) * squares[64];
             let ratio = predicted / squares[samples as usize];
-            assert!((0.8..1.25).contains(&ratio), "{samples}: {ratio}");
+            assert!((0.75..1.33).contains(&ratio), "{samples}: {ratio}");
         }
     }
 }

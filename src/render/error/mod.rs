@@ -19,7 +19,7 @@ pub use decay::Decay;
 pub use outlook::Outlook;
 
 use super::Image;
-use super::film::Film;
+use super::film::{Film, Halves};
 
 /// What is added to the square of the reference's value in relative errors, so that black pixels count little.
 /// The product's definition of `relmse`.
@@ -31,14 +31,14 @@ const NORMAL_95: f64 = 1.96;
 /// Most standard deviations of an interval, which few pixels would make endless.
 const MOST_DEVIATIONS: f64 = 4.0;
 
-/// Relative standard deviation of an estimated mean square for which the model of decay is to blame, not chance: for a decay
-/// as of independent samples, and what is added as the decay is faster. Measured over the gallery against references.
-const MODEL_DOUBT: f64 = 0.06;
-const MODEL_DOUBT_OF_FAST_DECAY: f64 = 0.15;
+/// Relative standard deviation of an estimated mean square for which the model of decay is to blame, not chance, where its two
+/// laws agree, and the part of their disagreement that comes on top. Measured over the gallery against references.
+const MODEL_DOUBT: f64 = 0.08;
+const DOUBT_OF_DISAGREEMENT: f64 = 0.5;
 
 /// The same at 4 samples, where no law holds yet, and by how much it falls each time they double.
-const EARLY_DOUBT: f64 = 0.4;
-const EARLY_DOUBT_FALL: f64 = 0.63;
+const EARLY_DOUBT: f64 = 0.3;
+const EARLY_DOUBT_FALL: f64 = 0.6;
 
 /// A value and the interval that holds the truth in 95 of 100 cases.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -89,10 +89,8 @@ impl ErrorEstimate {
 /// What is added up over pixels with the same number of samples, once for errors and once for relative errors.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Squared drops over all channels, the square root of each being the move of the mean at the last doubling.
-    drop: f64,
-    /// Twice the same at the doubling before.
-    drop_before: f64,
+    /// Squared moves of the mean over all channels when samples went from a quarter to all.
+    fall: f64,
     /// Squares of the product of the moves within the two halves, over channels.
     products: f64,
     /// Their squares.
@@ -101,8 +99,7 @@ struct Sums {
 
 impl Sums {
     fn add(&mut self, other: &Self) {
-        self.drop += other.drop;
-        self.drop_before += other.drop_before;
+        self.fall += other.fall;
         self.products += other.products;
         self.squared_products += other.squared_products;
     }
@@ -129,14 +126,15 @@ const RELATIVE: usize = 1;
 /// Estimates the error of a film, again and again while it fills.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
-    /// By level: sums of drops over all pixels that have reached it, and of the drops one level below over the same pixels.
+    /// By level: sums of drops over all pixels that have reached it, and of those of both their halves, one level below.
     history: [Vec<[f64; 2]>; 2],
-    decays: [Decay; 2],
+    /// What follows from it, by level.
+    decays: [Vec<Decay>; 2],
     groups: Vec<Group>,
     unmeasured: u64,
-    /// Per pixel: relative squared drop, mean over channels.
-    spreads: Vec<f32>,
-    /// The largest move of a channel that one pixel in a thousand exceeds, as an error.
+    /// Per pixel: relative squared fall, mean over channels.
+    falls: Vec<f32>,
+    /// What the error of the worst channel exceeds in one pixel of a thousand.
     percentile_999: f64,
 }
 
@@ -146,10 +144,10 @@ impl ErrorEstimator {
     pub fn new(pixels: usize) -> Self {
         Self {
             history: [Vec::new(), Vec::new()],
-            decays: [Decay::HALVING; 2],
+            decays: [Vec::new(), Vec::new()],
             groups: Vec::new(),
             unmeasured: 0,
-            spreads: vec![0.0; pixels],
+            falls: vec![0.0; pixels],
             percentile_999: 0.0,
         }
     }
@@ -160,52 +158,60 @@ impl ErrorEstimator {
         let survey = Survey::of(film);
         let width = film.region().width as usize;
         let rows: Vec<RowSums> = self
-            .spreads
+            .falls
             .par_chunks_mut(width)
             .enumerate()
-            .map(|(y, spreads)| survey.row(film, y, spreads, selected))
+            .map(|(y, falls)| survey.row(film, y, falls, selected))
             .collect();
 
         self.groups.clear();
         self.unmeasured = 0;
         for row in rows {
-            self.unmeasured += row.unmeasured;
-            for group in row.groups {
-                let known = self.groups.iter_mut().find(|g| g.samples == group.samples);
-                match known {
-                    Some(known) => {
-                        known.pixels += group.pixels;
-                        for (known, sums) in known.measures.iter_mut().zip(&group.measures) {
-                            known.add(sums);
-                        }
-                    }
-                    None => self.groups.push(group),
-                }
-            }
-            for (level, measures) in row.reached {
-                for (history, [drop, before]) in self.history.iter_mut().zip(measures) {
-                    let level = level as usize;
-                    if history.len() <= level {
-                        history.resize(level + 1, [0.0; 2]);
-                    }
-                    history[level][0] += drop;
-                    history[level][1] += before;
-                }
-            }
+            self.take_in(row);
         }
         self.groups.sort_by_key(|group| group.samples);
-        for (decay, history) in self.decays.iter_mut().zip(&self.history) {
-            *decay = Decay::fit(&links(history));
+        for (decays, history) in self.decays.iter_mut().zip(&self.history) {
+            let links = links(history);
+            let levels = 0..=u32::try_from(history.len()).expect("few levels");
+            *decays = levels.map(|level| Decay::at(level, &links)).collect();
         }
         self.percentile_999 = self.percentile(film, &survey);
     }
 
+    fn take_in(&mut self, row: RowSums) {
+        self.unmeasured += row.unmeasured;
+        for group in row.groups {
+            let known = self
+                .groups
+                .iter_mut()
+                .find(|known| known.samples == group.samples);
+            let Some(known) = known else {
+                self.groups.push(group);
+                continue;
+            };
+            known.pixels += group.pixels;
+            for (known, sums) in known.measures.iter_mut().zip(&group.measures) {
+                known.add(sums);
+            }
+        }
+        for (level, measures) in row.reached {
+            let level = level as usize;
+            for (history, [drop, before]) in self.history.iter_mut().zip(measures) {
+                if history.len() <= level {
+                    history.resize(level + 1, [0.0; 2]);
+                }
+                history[level][0] += drop;
+                history[level][1] += before;
+            }
+        }
+    }
+
     /// Says that every pixel has `samples` by now, where all had the same number at the last [`Self::update`].
     pub fn advance(&mut self, samples: u32) {
-        if let [group] = self.groups.as_mut_slice() {
-            let decay = &self.decays[ABSOLUTE];
+        if let [group] = *self.groups.as_slice() {
+            let decay = self.decay_at(ABSOLUTE, group.level());
             self.percentile_999 *= (decay.variance(samples) / decay.variance(group.samples)).sqrt();
-            group.samples = samples;
+            self.groups[0].samples = samples;
         }
     }
 
@@ -216,11 +222,8 @@ impl ErrorEstimator {
         if pixels == 0 || self.groups.iter().any(|group| group.samples < 4) {
             return None;
         }
-        let total: f64 = self
-            .groups
-            .iter()
-            .map(|group| group.pixels as f64 * f64::from(group.samples))
-            .sum();
+        let samples = |group: &Group| group.pixels as f64 * f64::from(group.samples);
+        let total: f64 = self.groups.iter().map(samples).sum();
         Some(ErrorEstimate {
             samples_per_pixel: total / pixels as f64,
             rmse: self.mean_square(ABSOLUTE, pixels).sqrt(),
@@ -233,7 +236,7 @@ impl ErrorEstimator {
     /// Number of pixels.
     #[must_use]
     pub fn pixels(&self) -> f64 {
-        self.spreads.len() as f64
+        self.falls.len() as f64
     }
 
     /// The error of each pixel and channel of `film`, whose state was taken in last: the root of its mean square over the
@@ -242,28 +245,22 @@ impl ErrorEstimator {
     pub fn image(&self, film: &Film) -> Image {
         let region = film.region();
         let survey = Survey::of(film);
-        let factor = |x: usize, y: usize| {
-            let samples = film.samples(y * survey.width + x);
-            if samples < 2 {
-                return 0.0;
-            }
-            self.factor(ABSOLUTE, samples)
-        };
         let pixel = |index: usize| {
             let (x, y) = (index % survey.width, index / survey.width);
-            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            let (mut sum, mut count) = ([0.0; 3], 0.0_f64);
             for row in y.saturating_sub(1)..=(y + 1).min(survey.height - 1) {
                 for column in x.saturating_sub(1)..=(x + 1).min(survey.width - 1) {
-                    let moved = survey.moves[row * survey.width + column].map(f64::from);
-                    if moved.iter().all(|value| value.is_finite()) {
-                        let factor = factor(column, row);
+                    let index = row * survey.width + column;
+                    let moved = survey.moves[index].map(f64::from);
+                    if survey.is_measured(index) {
+                        let factor = self.factor(ABSOLUTE, film.samples(index));
                         sum = [0, 1, 2].map(|c| sum[c] + factor * moved[c] * moved[c]);
                         count += 1.0;
                     }
                 }
             }
             #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
-            sum.map(|sum: f64| (sum / f64::max(count, 1.0)).sqrt() as f32)
+            sum.map(|sum: f64| (sum / count.max(1.0)).sqrt() as f32)
         };
         Image {
             width: region.width,
@@ -275,21 +272,43 @@ impl ErrorEstimator {
         }
     }
 
-    /// The fall of the relative error.
+    /// The decay of the relative error where most of it is.
     #[must_use]
-    pub fn decay(&self) -> &Decay {
-        &self.decays[RELATIVE]
+    pub fn decay(&self) -> Decay {
+        let level = self.noisiest_group(RELATIVE).map_or(0, Group::level);
+        self.decay_at(RELATIVE, level)
     }
 
-    /// Relative squared drop of each pixel at its last power of two, mean over channels.
+    /// The samples of the pixels where most of the relative error is.
     #[must_use]
-    pub fn spreads(&self) -> &[f32] {
-        &self.spreads
+    pub fn noisiest_samples(&self) -> Option<u32> {
+        Some(self.noisiest_group(RELATIVE)?.samples)
     }
 
-    /// Variance over drop for pixels with `samples`.
+    /// Relative squared fall of each pixel at its last power of two, mean over channels.
+    #[must_use]
+    pub fn falls(&self) -> &[f32] {
+        &self.falls
+    }
+
+    /// What turns the fall of a pixel with `samples` into its relative variance.
+    #[must_use]
+    pub fn variance_over_fall(&self, samples: u32) -> f64 {
+        self.factor(RELATIVE, samples)
+    }
+
+    fn decay_at(&self, measure: usize, level: u32) -> Decay {
+        let known = self.decays[measure].get(level as usize);
+        *known.unwrap_or(&Decay::INDEPENDENT)
+    }
+
     fn factor(&self, measure: usize, samples: u32) -> f64 {
-        variance_over_drop(&self.decays[measure], samples)
+        let level = samples.max(1).ilog2();
+        let decay = self.decay_at(measure, level);
+        if samples.is_power_of_two() {
+            return decay.variance_over_fall();
+        }
+        decay.variance_over_fall() * decay.variance(samples) / decay.variance(1 << level)
     }
 
     fn mean_square(&self, measure: usize, pixels: u64) -> Interval {
@@ -297,8 +316,10 @@ impl ErrorEstimator {
         for group in &self.groups {
             let sums = &group.measures[measure];
             let factor = self.factor(measure, group.samples);
-            variance += factor * sums.drop;
-            let scale = (2.0 * factor * self.decays[measure].ratio(group.level())).powi(2);
+            variance += factor * sums.fall;
+            // From the square of a half's move to the variance of the mean of all.
+            let decay = self.decay_at(measure, group.level());
+            let scale = (2.0 * factor * (1.0 + decay.link())).powi(2);
             products += scale * sums.products;
             squared_products += scale * scale * sums.squared_products;
         }
@@ -312,18 +333,13 @@ impl ErrorEstimator {
         }
         // Let a and b be the errors of a pixel's halves. Its own squared error is |a + b|² / 4, and what is seen |a − b|² / 4:
         // they differ by the product a · b, whose square is estimated by that of the moves within the halves. It is large where
-        // both halves are noisy, and small where one rare sample makes all the error, as that is seen in full. Either of the two
-        // squares has half of the difference's variance.
-        let chance = products / (variance * variance) / 2.0;
-        let steepness = self.steepness(measure);
-        let of_drop = (1.0 + steepness).powi(2);
-        let of_drop_before = steepness.powi(2) / 2.0;
-        let level = self.largest_group().map_or(0, Group::level);
-        let settled = self.decays[measure].variance_over_drop(level);
+        // both halves are noisy, and small where one rare sample makes all the error, as that is seen in full. Half of its
+        // variance is the true square's own; the estimate, which sees more than one difference but not the law, has as much.
+        let chance = products / (variance * variance);
+        let noisiest = self.noisiest_group(measure).map_or(0, Group::level);
         let doubt = MODEL_DOUBT
-            + MODEL_DOUBT_OF_FAST_DECAY * (1.0 - settled).max(0.0)
-            + EARLY_DOUBT * EARLY_DOUBT_FALL.powi(level.cast_signed() - 2);
-        let chance = chance * (1.0 + of_drop + of_drop_before);
+            + DOUBT_OF_DISAGREEMENT * self.decay_at(measure, noisiest).disagreement().abs()
+            + EARLY_DOUBT * EARLY_DOUBT_FALL.powi(noisiest.cast_signed() - 2);
         // Where few pixels make most of it, that variance is itself uncertain: Student's distribution, with half as many degrees
         // of freedom as there are such pixels, expanded to first order.
         let pixels_that_count = products * products / squared_products;
@@ -343,36 +359,30 @@ impl ErrorEstimator {
         }
     }
 
-    /// By how many per cent the factor from drop to variance grows with one per cent of the last link.
-    fn steepness(&self, measure: usize) -> f64 {
-        const STEP: f64 = 1.05;
-        let mut links = links(&self.history[measure]);
-        let Some((last, group)) = links.last_mut().zip(self.largest_group()) else {
-            return 0.0;
-        };
-        *last *= STEP;
-        let moved = Decay::fit(&links).variance_over_drop(group.level());
-        let present = self.decays[measure].variance_over_drop(group.level());
-        // No power law is steeper than the slowest and the next one in balance.
-        ((moved / present).ln() / STEP.ln()).clamp(0.0, 1.5)
-    }
-
-    fn largest_group(&self) -> Option<&Group> {
-        self.groups.iter().max_by_key(|group| group.pixels)
+    /// The pixels with the same number of samples that make most of the error.
+    fn noisiest_group(&self, measure: usize) -> Option<&Group> {
+        let variance =
+            |group: &Group| self.factor(measure, group.samples) * group.measures[measure].fall;
+        self.groups
+            .iter()
+            .max_by(|a, b| variance(a).total_cmp(&variance(b)))
     }
 
     fn percentile(&self, film: &Film, survey: &Survey) -> f64 {
-        let factors: Vec<(u32, f64)> = self
-            .groups
-            .iter()
-            .map(|group| (group.samples, self.factor(ABSOLUTE, group.samples).sqrt()))
-            .collect();
-        let mut errors: Vec<f64> = (0..self.spreads.len())
+        // The move at one doubling is spread as errors are; moves over several are more even.
+        let factor = |group: &Group| {
+            let link = self.decay_at(ABSOLUTE, group.level()).link();
+            let over_drop = self.factor(ABSOLUTE, group.samples) * (1.0 + 1.0 / link);
+            (group.samples, over_drop.sqrt())
+        };
+        let factors: Vec<(u32, f64)> = self.groups.iter().map(factor).collect();
+        let mut errors: Vec<f64> = (0..self.falls.len())
+            .filter(|&index| survey.is_measured(index))
             .filter_map(|index| {
                 let samples = film.samples(index);
                 let (_, factor) = factors.iter().find(|(count, _)| *count == samples)?;
-                let moved = survey.moves[index].map(f32::abs);
-                Some(f64::from(moved[0].max(moved[1]).max(moved[2])) * factor)
+                let [r, g, b] = film.halves(index)?.whole.map(f64::abs);
+                Some(r.max(g).max(b) * factor)
             })
             .collect();
         if errors.is_empty() {
@@ -381,12 +391,6 @@ impl ErrorEstimator {
         let rank = errors.len() - 1 - errors.len() / 1000;
         *errors.select_nth_unstable_by(rank, f64::total_cmp).1
     }
-}
-
-/// What the drop at the last power of two must be multiplied with to give the variance after `samples`.
-fn variance_over_drop(decay: &Decay, samples: u32) -> f64 {
-    let level = samples.ilog2();
-    decay.variance_over_drop(level) * decay.variance(samples) / decay.variance(1 << level)
 }
 
 /// The drop at each level from 2 over that at the level before.
@@ -400,16 +404,23 @@ struct Survey {
     width: usize,
     height: usize,
     means: Vec<[f32; 3]>,
-    /// Mean of all samples minus mean of the first half, at the last power of two.
+    /// By how much the mean moved when samples went from a quarter to all, at the last power of two; not a number where it is
+    /// not measured.
     moves: Vec<[f32; 3]>,
 }
 
 /// Of one row of pixels.
 struct RowSums {
     groups: Vec<Group>,
-    /// For each level that pixels have just reached, the sums of drops there and, twice, one level below.
+    /// For each level that pixels have just reached, the sums of drops there and, of both halves, one level below.
     reached: Vec<(u32, [[f64; 2]; 2])>,
     unmeasured: u64,
+}
+
+/// Squared moves of a pixel's mean from a quarter to all of its samples, from all three doublings that are seen.
+fn squared_fall(halves: &Halves) -> [f64; 3] {
+    let [first, second] = halves.parts;
+    [0, 1, 2].map(|c| halves.whole[c].powi(2) + f64::midpoint(first[c].powi(2), second[c].powi(2)))
 }
 
 impl Survey {
@@ -417,15 +428,14 @@ impl Survey {
         let region = film.region();
         let values = (0..region.pixel_count()).into_par_iter().map(|index| {
             let mean = film.mean_at(index);
-            #[expect(clippy::cast_possible_truncation, reason = "a difference of f32")]
-            let moved = film
-                .halves(index)
-                .map_or([0.0; 3], |halves| halves.whole.map(|value| value as f32));
-            if is_finite(mean) && is_finite(moved) {
-                (mean, moved)
-            } else {
-                // Marks the pixel, and looks black to its neighbours.
-                ([0.0; 3], [f32::NAN; 3])
+            let moved = film.halves(index).map(|halves| {
+                #[expect(clippy::cast_possible_truncation, reason = "of means that are f32")]
+                squared_fall(&halves).map(|square| square.sqrt() as f32)
+            });
+            match moved {
+                Some(moved) if is_finite(mean) && is_finite(moved) => (mean, moved),
+                // Looks black to its neighbours.
+                _ => ([0.0; 3], [f32::NAN; 3]),
             }
         });
         let (means, moves) = values.unzip();
@@ -437,14 +447,12 @@ impl Survey {
         }
     }
 
-    /// Adds up row `y`, and writes the relative spread of its pixels.
-    fn row(
-        &self,
-        film: &Film,
-        y: usize,
-        spreads: &mut [f32],
-        selected: Option<&[bool]>,
-    ) -> RowSums {
+    fn is_measured(&self, index: usize) -> bool {
+        is_finite(self.moves[index])
+    }
+
+    /// Adds up row `y`, and writes the relative falls of its pixels.
+    fn row(&self, film: &Film, y: usize, falls: &mut [f32], selected: Option<&[bool]>) -> RowSums {
         let mut sums = RowSums {
             groups: Vec::new(),
             reached: Vec::new(),
@@ -453,10 +461,9 @@ impl Survey {
         let columns: Vec<Column> = (0..self.width).map(|x| self.column(x, y)).collect();
         for x in 0..self.width {
             let index = y * self.width + x;
-            let moved = self.moves[index].map(f64::from);
-            let Some(halves) = film.halves(index).filter(|_| is_finite(self.moves[index])) else {
+            let Some(halves) = film.halves(index).filter(|_| self.is_measured(index)) else {
                 sums.unmeasured += 1;
-                spreads[x] = 0.0;
+                falls[x] = 0.0;
                 continue;
             };
             let around = [
@@ -468,31 +475,31 @@ impl Survey {
                 let reference = expected(f64::from(self.means[index][c]), around, c);
                 1.0 / (reference * reference + RELATIVE_FLOOR)
             });
-            let weighted = |a: [f64; 3], b: [f64; 3]| {
-                [
-                    a[0] * b[0] + a[1] * b[1] + a[2] * b[2],
-                    a[0] * b[0] * weights[0] + a[1] * b[1] * weights[1] + a[2] * b[2] * weights[2],
-                ]
+            let both = |values: [f64; 3]| {
+                let [r, g, b] = values;
+                let [weight_r, weight_g, weight_b] = weights;
+                [r + g + b, r * weight_r + g * weight_g + b * weight_b]
             };
-            let drop = weighted(moved, moved);
+            let product = |a: [f64; 3], b: [f64; 3]| both([0, 1, 2].map(|c| a[c] * b[c]));
+            let [first, second] = halves.parts;
+            let fall = both(squared_fall(&halves));
+            let products = product(first, second);
             #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
             {
-                spreads[x] = (drop[RELATIVE] / 3.0) as f32;
+                falls[x] = (fall[RELATIVE] / 3.0) as f32;
             }
-            // Between powers of two the parts are gone; the whole stands for both.
-            let [first, second] = halves.parts.unwrap_or([moved, moved]);
-            let products = weighted(first, second);
             let group = sums.group(film.samples(index));
             group.pixels += 1;
             for measure in [ABSOLUTE, RELATIVE] {
                 let product = products[measure].powi(2);
                 let sums = &mut group.measures[measure];
-                sums.drop += drop[measure];
+                sums.fall += fall[measure];
                 sums.products += product;
                 sums.squared_products += product * product;
             }
-            if halves.parts.is_some() && selected.is_none_or(|selected| selected[index]) {
-                let (first, second) = (weighted(first, first), weighted(second, second));
+            if halves.is_complete && selected.is_none_or(|selected| selected[index]) {
+                let drop = product(halves.whole, halves.whole);
+                let (first, second) = (product(first, first), product(second, second));
                 let reached = sums.reached(halves.level);
                 for measure in [ABSOLUTE, RELATIVE] {
                     reached[measure][0] += drop[measure];
@@ -512,7 +519,7 @@ impl Survey {
                 let moved = f64::from(self.moves[index][c]);
                 column.sum[c] += value;
                 column.squares[c] += value * value;
-                column.drops[c] += if moved.is_finite() {
+                column.falls[c] += if moved.is_finite() {
                     moved * moved
                 } else {
                     0.0
@@ -528,7 +535,7 @@ impl Survey {
 struct Column {
     sum: [f64; 3],
     squares: [f64; 3],
-    drops: [f64; 3],
+    falls: [f64; 3],
 }
 
 /// What a pixel's channel `c` of mean `value` most likely is in truth, from the 3 × 3 pixels around it: its own value where they
@@ -539,7 +546,8 @@ fn expected(value: f64, around: [&Column; 3], c: usize) -> f64 {
         around.iter().map(|column| field(column)[c]).sum()
     };
     let (sum, squares) = (over(|column| &column.sum), over(|column| &column.squares));
-    let noise = over(|column| &column.drops) / 9.0;
+    // A third of the fall is the variance, if samples count as independent.
+    let noise = over(|column| &column.falls) / 27.0;
     let others = (sum - value) / 8.0;
     let spread = squares / 9.0 - 2.0 * others * sum / 9.0 + others * others;
     let own_share = if noise < spread {

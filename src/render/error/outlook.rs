@@ -56,7 +56,7 @@ impl Outlook<'_> {
                 .is_reached
                 .then_some(self.samples + forecast.samples);
         }
-        let present = self.estimator.largest_group()?.samples;
+        let present = self.estimator.noisiest_samples()?;
         let decay = self.estimator.decay();
         let goal = share * decay.variance(present);
         // Between the powers of two before and after, on the straight line in logarithms.
