@@ -6,6 +6,7 @@ mod bench;
 mod compare;
 mod info;
 mod render;
+mod report;
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -36,6 +37,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene or mesh to a PNG or EXR file
     Render(RenderArguments),
+    /// Measure how the error of a scene's picture falls with run time
+    Report(report::ReportArguments),
     /// Say what a mesh, scene or rendered picture holds
     Info(info::InfoArguments),
     /// Measure how far a picture is from a reference, and draw the difference
@@ -74,6 +77,7 @@ impl Command {
     pub fn run(self) -> Result<()> {
         match self {
             Self::Render(arguments) => render::run(&arguments),
+            Self::Report(arguments) => report::run(&arguments),
             Self::Info(arguments) => info::run(&arguments),
             Self::Compare(arguments) => compare::run(&arguments),
             Self::Bench(arguments) => bench::run(&arguments),

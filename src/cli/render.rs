@@ -398,7 +398,10 @@ fn render_watched(
 
 /// Runs `work` with its progress shown on a terminal, and nothing shown where there is none. `how_far` tells the done part of
 /// the whole, and what to say about it.
-fn with_progress_bar<T>(how_far: impl Fn() -> (f64, String) + Sync, work: impl FnOnce() -> T) -> T {
+pub(super) fn with_progress_bar<T>(
+    how_far: impl Fn() -> (f64, String) + Sync,
+    work: impl FnOnce() -> T,
+) -> T {
     if !std::io::stderr().is_terminal() {
         return work();
     }

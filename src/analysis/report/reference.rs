@@ -1,0 +1,164 @@
+//! What is taken for the truth, and how wrong that is itself.
+
+use crate::render::{
+    ErrorEstimate, Image, Interval, PreparedScene, RenderProgress, RunConfig, render,
+};
+use crate::scene::{Choice, LightSampling, Mode, Scene, SceneError, Stop};
+
+use super::digits::{percent, three_digits};
+
+/// What renders are measured against.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The picture that is taken for the truth.
+    pub image: Image,
+    /// Where it is from.
+    pub origin: Origin,
+}
+
+/// Where a reference is from.
+#[derive(Clone, Debug)]
+pub enum Origin {
+    /// Every pixel's exact answer is this radiance.
+    Exact {
+        /// Red, green, blue.
+        radiance: [f32; 3],
+    },
+    /// A picture made before; how wrong it is is not known.
+    File {
+        /// As it was named.
+        name: String,
+    },
+    /// Made by this program, independently of what is measured against it.
+    Rendered {
+        /// Its random numbers.
+        seed: u64,
+        /// Of every pixel.
+        samples_per_pixel: u32,
+        /// How it found light; `None` where the mode has no choice.
+        light_sampling: Option<LightSampling>,
+        /// What it took.
+        render_seconds: f64,
+        /// How wrong it is, estimated.
+        error: Option<ErrorEstimate>,
+        /// Samples that were infinite or not a number.
+        non_finite_samples: u64,
+    },
+}
+
+impl Reference {
+    /// An even picture of this size.
+    #[must_use]
+    pub fn exact(radiance: [f32; 3], width: u32, height: u32) -> Self {
+        let mut image = Image::black(width, height);
+        image.pixels.fill(radiance);
+        Self {
+            image,
+            origin: Origin::Exact { radiance },
+        }
+    }
+
+    /// Renders one for `scene`: with its own seed, in mode `path` by another way of finding light, with `samples_per_pixel` for
+    /// every pixel, and without the bias of `render.clamp`. `None` when cancelled.
+    ///
+    /// # Errors
+    /// What about the scene cannot be rendered.
+    pub fn render(
+        scene: &Scene,
+        seed: u64,
+        samples_per_pixel: u32,
+        run: &RunConfig,
+        progress: &RenderProgress,
+    ) -> Result<Option<Self>, SceneError> {
+        let mut scene = scene.clone();
+        let settings = &mut scene.render;
+        settings.seed = seed;
+        settings.samples_per_pixel = samples_per_pixel;
+        settings.stop = Stop::default();
+        settings.error_estimate = true;
+        settings.clamp = None;
+        settings.light_sampling = match settings.light_sampling {
+            LightSampling::Mis => LightSampling::Nee,
+            LightSampling::Nee | LightSampling::Bsdf => LightSampling::Mis,
+        };
+        let light_sampling = (settings.mode == Mode::Path).then_some(settings.light_sampling);
+
+        let Some(prepared) = PreparedScene::prepare(&scene, None, &run.cancel)? else {
+            return Ok(None);
+        };
+        Ok(
+            render(&prepared, None, run, progress, None).map(|outcome| Self {
+                image: outcome.image,
+                origin: Origin::Rendered {
+                    seed,
+                    samples_per_pixel,
+                    light_sampling,
+                    render_seconds: outcome.stats.render_seconds,
+                    error: outcome.stats.error,
+                    non_finite_samples: outcome.stats.non_finite_samples,
+                },
+            }),
+        )
+    }
+
+    /// Root mean square of its own error; `None` where it is not known.
+    #[must_use]
+    pub fn rmse(&self) -> Option<Interval> {
+        self.own(|error| error.rmse)
+    }
+
+    /// Mean of its own squared relative error; `None` where it is not known.
+    #[must_use]
+    pub fn relmse(&self) -> Option<Interval> {
+        self.own(|error| error.relmse)
+    }
+
+    fn own(&self, part: impl Fn(&ErrorEstimate) -> Interval) -> Option<Interval> {
+        match &self.origin {
+            Origin::Exact { .. } => Some(Interval {
+                value: 0.0,
+                low: 0.0,
+                high: 0.0,
+            }),
+            Origin::File { .. } => None,
+            Origin::Rendered { error, .. } => error.as_ref().map(part),
+        }
+    }
+
+    /// What it is, in a line.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        match &self.origin {
+            Origin::Exact { radiance } => {
+                let [r, g, b] = radiance;
+                format!("the exact answer, radiance {r}, {g}, {b} in every pixel")
+            }
+            Origin::File { name } => format!("{name}, whose own error is not known"),
+            Origin::Rendered {
+                seed,
+                samples_per_pixel,
+                light_sampling,
+                ..
+            } => {
+                let way = light_sampling.map_or_else(String::new, |way| {
+                    format!(", light_sampling {}", way.name())
+                });
+                format!(
+                    "a render of {samples_per_pixel} samples per pixel, seed {seed}{way}; {}",
+                    self.describe_error()
+                )
+            }
+        }
+    }
+
+    fn describe_error(&self) -> String {
+        match (self.rmse(), self.relmse()) {
+            (Some(rmse), Some(relmse)) => format!(
+                "its own error, estimated: {} noise, RMSE {}",
+                percent(relmse.sqrt().value),
+                three_digits(rmse.value)
+            ),
+            _ => "its own error is not known".to_owned(),
+        }
+    }
+}

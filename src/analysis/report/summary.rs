@@ -1,0 +1,260 @@
+//! What the trials of a variant say together.
+
+use serde::Serialize;
+
+use super::fit::{TimeTo, log_slope, time_to};
+use super::reference::Reference;
+use super::study::Variant;
+use super::trial::{Measurement, Trial};
+use crate::analysis::bench::Spread;
+use crate::render::{Clamped, ErrorEstimate, Interval, NOISE_TARGETS};
+
+/// Samples from which points count for slopes: with fewer, what a render does once weighs too much.
+const SLOPE_FROM: f64 = 4.0;
+
+/// Over the seeds of a variant.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// What it took to prepare the scene.
+    pub build_seconds: Spread,
+    /// By number of samples.
+    pub points: Vec<SummaryPoint>,
+    /// Exponent with which the true RMSE falls with render time, from 4 samples on.
+    pub slope: Option<f64>,
+    /// The same of the true noise.
+    pub noise_slope: Option<f64>,
+    /// At the last point.
+    pub efficiency: Efficiency,
+    /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
+    pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
+    /// Samples that were infinite or not a number, of all trials.
+    pub non_finite_samples: u64,
+    /// Samples with less than no light, of all trials.
+    pub negative_samples: u64,
+    /// Samples of all trials, and the mean of the shares.
+    pub clamped: Clamped,
+    /// The most pixels that could not be measured, in any trial, as a value was infinite or not a number.
+    pub unmeasured_pixels: u64,
+}
+
+/// The same moment of all trials.
+#[derive(Clone, Copy, Debug)]
+pub struct SummaryPoint {
+    /// Median of the trials' means over pixels.
+    pub samples_per_pixel: f64,
+    /// Wall time of rendering.
+    pub seconds: Spread,
+    /// Wall time of preparing and rendering.
+    pub seconds_with_build: Spread,
+    /// Time of all processors, of rendering.
+    pub cpu_seconds: Spread,
+    /// What the renders know by themselves; `None` before all of them can tell.
+    pub estimated: Option<Estimated>,
+    /// Distance from the reference.
+    pub measured_rmse: Spread,
+    /// The same, relative.
+    pub measured_relmse: Spread,
+    /// From which the reference's own error is taken away.
+    pub true_rmse: Spread,
+    /// The same, relative.
+    pub true_relmse: Spread,
+}
+
+/// What renders know of their own error.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimated {
+    /// Root mean square error.
+    pub rmse: Spread,
+    /// Medians of the ends of the interval.
+    pub rmse_interval: [f64; 2],
+    /// Mean squared relative error.
+    pub relmse: Spread,
+    /// Medians of the ends of the interval.
+    pub relmse_interval: [f64; 2],
+}
+
+/// What time buys: 1 / (relMSE · seconds), median. Four times as much halves the noise of the same time.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Efficiency {
+    /// Of wall time.
+    pub wall: f64,
+    /// Of the time of all processors.
+    pub cpu: f64,
+}
+
+impl SummaryPoint {
+    /// The true noise, √relmse.
+    #[must_use]
+    pub fn true_noise(&self) -> Spread {
+        root(self.true_relmse)
+    }
+
+    /// The estimated noise.
+    #[must_use]
+    pub fn estimated_noise(&self) -> Option<Spread> {
+        Some(root(self.estimated?.relmse))
+    }
+}
+
+fn root(Spread { median, min, max }: Spread) -> Spread {
+    Spread {
+        median: median.sqrt(),
+        min: min.sqrt(),
+        max: max.sqrt(),
+    }
+}
+
+impl Summary {
+    /// Of these trials; a moment that not all have reached is left out. `None` without a trial.
+    #[must_use]
+    pub fn of(variant: &Variant, reference: &Reference) -> Option<Self> {
+        let trials = &variant.trials;
+        let moments = trials.iter().map(|trial| trial.measurements.len()).min()?;
+        let points: Vec<_> = (0..moments)
+            .filter_map(|moment| point(trials, moment, reference))
+            .collect();
+        let curve = |error: fn(&SummaryPoint) -> f64, from: f64| -> Vec<(f64, f64)> {
+            let late = points.iter().filter(|p| p.samples_per_pixel >= from);
+            late.map(|p| (p.seconds.median, error(p))).collect()
+        };
+        let noise: fn(&SummaryPoint) -> f64 = |point| point.true_noise().median;
+        let noise_slope = log_slope(&curve(noise, SLOPE_FROM));
+        let noise_curve = curve(noise, 0.0);
+        let pixels = reference.image.pixels.len() as u64;
+        Some(Self {
+            build_seconds: spread(trials.iter().map(|trial| trial.build_seconds))?,
+            slope: log_slope(&curve(|point| point.true_rmse.median, SLOPE_FROM)),
+            noise_slope,
+            efficiency: efficiency(trials, moments, reference),
+            time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, noise_slope)),
+            non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
+            negative_samples: trials.iter().map(|t| t.stats.negative_samples).sum(),
+            clamped: Clamped {
+                samples: trials.iter().map(|t| t.stats.clamped.samples).sum(),
+                energy_share: {
+                    let shares = trials.iter().map(|t| t.stats.clamped.energy_share);
+                    shares.sum::<f64>() / trials.len() as f64
+                },
+            },
+            unmeasured_pixels: {
+                let measurements = trials.iter().flat_map(|trial| &trial.measurements);
+                let unmeasured = measurements.map(|m| pixels - m.measured.compared_pixels);
+                unmeasured.max().unwrap_or_default()
+            },
+            points,
+        })
+    }
+}
+
+fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
+    Spread::of(values.collect())
+}
+
+/// Moment number `moment` of all trials.
+fn point(trials: &[Trial], moment: usize, reference: &Reference) -> Option<SummaryPoint> {
+    let of = |value: &dyn Fn(&Measurement) -> f64| {
+        spread(trials.iter().map(|t| value(&t.measurements[moment])))
+    };
+    let truth = |m: &Measurement| m.true_errors(reference);
+    let with_build = trials
+        .iter()
+        .map(|t| t.build_seconds + t.measurements[moment].seconds);
+    Some(SummaryPoint {
+        samples_per_pixel: of(&|m| m.samples_per_pixel)?.median,
+        seconds: of(&|m| m.seconds)?,
+        seconds_with_build: spread(with_build)?,
+        cpu_seconds: of(&|m| m.cpu_seconds)?,
+        estimated: estimated(trials, moment),
+        measured_rmse: of(&|m| m.measured.rmse())?,
+        measured_relmse: of(&|m| m.measured.relmse)?,
+        true_rmse: of(&|m| truth(m).mse.sqrt())?,
+        true_relmse: of(&|m| truth(m).relmse)?,
+    })
+}
+
+fn estimated(trials: &[Trial], moment: usize) -> Option<Estimated> {
+    let estimates: Option<Vec<ErrorEstimate>> = trials
+        .iter()
+        .map(|trial| trial.measurements[moment].estimated)
+        .collect();
+    let estimates = estimates?;
+    let of = |value: &dyn Fn(&ErrorEstimate) -> f64| spread(estimates.iter().map(value));
+    let ends = |interval: fn(&ErrorEstimate) -> Interval| {
+        let low = of(&|estimate| interval(estimate).low)?;
+        let high = of(&|estimate| interval(estimate).high)?;
+        Some([low.median, high.median])
+    };
+    Some(Estimated {
+        rmse: of(&|estimate| estimate.rmse.value)?,
+        rmse_interval: ends(|estimate| estimate.rmse)?,
+        relmse: of(&|estimate| estimate.relmse.value)?,
+        relmse_interval: ends(|estimate| estimate.relmse)?,
+    })
+}
+
+/// At the last of `moments`.
+fn efficiency(trials: &[Trial], moments: usize, reference: &Reference) -> Efficiency {
+    let of = |seconds: fn(&Measurement) -> f64| {
+        let each = trials.iter().filter_map(|trial| {
+            let last = trial.measurements.get(moments.checked_sub(1)?)?;
+            Some((last.true_errors(reference).relmse * seconds(last)).recip())
+        });
+        spread(each).map_or(f64::NAN, |spread| spread.median)
+    };
+    Efficiency {
+        wall: of(|m| m.seconds),
+        cpu: of(|m| m.cpu_seconds),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::report::test_data;
+
+    /// The data halve the noise when time doubles: 40 % after 1 s with 1 sample, 5 % after 8 s with 8, times a factor per seed.
+    #[test]
+    fn a_summary_has_the_medians_and_ends_over_the_seeds() {
+        let study = test_data::study();
+        let summary = Summary::of(&study.variants[0], &study.reference).expect("has trials");
+        assert_eq!(summary.points.len(), 4);
+        let last = summary.points[3];
+        assert_eq!(last.samples_per_pixel, 8.0);
+        assert_eq!(last.seconds.median, 8.0);
+        assert_eq!(last.seconds_with_build.median, 8.5);
+        assert_eq!(last.cpu_seconds.median, 16.0);
+        let noise = last.true_noise();
+        for (found, expected) in [
+            (noise.median, 0.05),
+            (noise.min, 0.04),
+            (noise.max, 0.06),
+            (summary.slope.expect("is there"), -1.0),
+            (summary.noise_slope.expect("is there"), -1.0),
+            (summary.efficiency.wall, 50.0),
+            (summary.efficiency.cpu, 25.0),
+            (last.estimated_noise().expect("is there").median, 0.05),
+        ] {
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
+        assert!(summary.points[1].estimated.is_none());
+        // 10 % is a point, 3 % and 1 % are ahead.
+        let times = summary.time_to.map(|time| time.expect("falls"));
+        for (time, expected) in times.iter().zip([4.0, 40.0 / 3.0, 40.0]) {
+            assert!((time.seconds / expected - 1.0).abs() < 1e-9, "{time:?}");
+        }
+        assert_eq!(times.map(|time| time.predicted), [false, true, true]);
+        assert_eq!(summary.non_finite_samples, 6);
+        assert_eq!(summary.unmeasured_pixels, 0);
+    }
+
+    #[test]
+    fn moments_that_one_trial_lacks_are_left_out() {
+        let mut study = test_data::study();
+        study.variants[0].trials[1].measurements.pop();
+        let summary = Summary::of(&study.variants[0], &study.reference).expect("has trials");
+        assert_eq!(summary.points.len(), 3);
+        assert!((summary.efficiency.wall - 25.0).abs() < 1e-9);
+        study.variants[0].trials.clear();
+        assert!(Summary::of(&study.variants[0], &study.reference).is_none());
+    }
+}

@@ -1,0 +1,302 @@
+//! `raymini report` as a user calls it: its four files, what is in them, exit codes and messages.
+
+use std::f64::consts::PI;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use raymini::geometry::shapes;
+use raymini::io::{off, write_image};
+use raymini::render::Image;
+use raymini::scene::{Display, Output as Storage};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A folder with a tetrahedron under a light with a soft shadow, and a furnace: inside of a matt ball of radius 1 that reflects
+/// half, with a point light of intensity π in its middle, every point has a radiance of 1. Roulette makes the noise.
+fn folder() -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("is written");
+    };
+    write(
+        "tetra.off",
+        "OFF 4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n",
+    );
+    write(
+        "shadow.toml",
+        r#"
+[camera]
+eye = [2, -4, 2]
+[[objects]]
+mesh = "tetra.off"
+[[objects]]
+mesh = "builtin:ground"
+scale = 3
+[[lights]]
+kind = "disk"
+center = [2, -2, 4]
+target = [0, 0, 0]
+radius = 1
+radiance = [5, 5, 5]
+[render]
+width = 24
+height = 16
+samples_per_pixel = 8
+"#,
+    );
+    write("ball.off", &off::write(&shapes::icosphere(4)));
+    let furnace = format!(
+        r#"
+[camera]
+eye = [0.3, 0.2, 0.1]
+target = [1, 0, 0]
+vertical_fov = 90
+[materials.matt]
+diffuse = [0.5, 0.5, 0.5]
+[[objects]]
+mesh = "ball.off"
+material = "matt"
+[[lights]]
+position = [0, 0, 0]
+intensity = [{PI}, {PI}, {PI}]
+[render]
+mode = "path"
+width = 24
+height = 16
+samples_per_pixel = 32
+max_bounces = 1000
+seed = 5
+"#
+    );
+    write("furnace.toml", &furnace);
+    folder
+}
+
+fn report(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder)
+        .arg("report")
+        .args(arguments)
+        .output()
+        .expect("starts")
+}
+
+/// Runs the program where it must succeed and write to `out`; the JSON it wrote there.
+fn succeed(folder: &Path, arguments: &[&str]) -> Value {
+    let output = report(folder, &[arguments, &["-o", "out"]].concat());
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {complaint}");
+    serde_json::from_str(&text(folder, "report.json")).expect("is JSON")
+}
+
+fn text(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join("out").join(name)).expect("is written")
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is a number"))
+}
+
+#[test]
+fn a_report_holds_every_point_of_every_seed_and_variant() {
+    let folder = folder();
+    let comparison = "render.filter=tent; render.samples_per_pixel=32";
+    let facts = succeed(
+        folder.path(),
+        &["shadow.toml", "--seeds", "2", "--compare", comparison],
+    );
+    // From the scene's 8 samples up to the least that are enough.
+    let samples: Vec<f64> = facts["points"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|point| number(&point["samples_per_pixel"]))
+        .collect();
+    assert_eq!(samples, [1.0, 2.0, 4.0, 8.0, 16.0]);
+    let point = &facts["points"][4];
+    for key in ["seconds", "cpu_seconds", "estimated_rmse", "true_rmse"] {
+        let (value, range) = (number(&point[key]), &point[format!("{key}_range")]);
+        assert!(value > 0.0, "{key}");
+        assert!(
+            (number(&range[0])..=number(&range[1])).contains(&value),
+            "{key}: {range}"
+        );
+    }
+    assert_eq!(facts["points"][1]["estimated_relmse"], Value::Null);
+    assert!(number(&point["true_relmse"]) < number(&point["measured_relmse"]));
+    assert!(number(&facts["slope"]) < 0.0 && number(&facts["noise_slope"]) < 0.0);
+    assert!(number(&facts["build_seconds"]) > 0.0);
+    for clock in ["wall", "cpu"] {
+        assert!(number(&facts["efficiency"][clock]) > 0.0);
+    }
+    for noise in ["0.10", "0.03", "0.01"] {
+        assert!(number(&facts["time_to"][noise]["seconds"]) > 0.0);
+    }
+    assert_eq!(facts["seeds"], json!([0, 1]));
+    assert_eq!(facts["finished"], true);
+    assert_eq!(facts["settings"]["samples_per_pixel"], 16);
+    assert!(number(&facts["machine"]["threads"]) >= 1.0);
+    for key in ["cpu", "os"] {
+        let fact = facts["machine"][key].as_str().expect("a text");
+        assert!(!fact.is_empty(), "{key}");
+    }
+    assert_eq!(facts["non_finite_samples"], 0);
+
+    let reference = &facts["reference"];
+    assert_eq!(reference["kind"], "rendered");
+    assert_eq!(reference["samples_per_pixel"], 16 * 32);
+    assert_eq!(reference["seed"], 2);
+    assert_eq!(reference["light_sampling"], Value::Null);
+    assert!(number(&reference["rmse"]) > 0.0);
+
+    let variant = &facts["variants"][0];
+    assert_eq!(variant["name"], comparison);
+    assert_eq!(variant["settings"]["filter"], "tent");
+    assert_eq!(variant["points"].as_array().expect("a list").len(), 6);
+
+    let csv = text(folder.path(), "report.csv");
+    assert_eq!(csv.lines().count(), 1 + 2 * (5 + 6));
+    let columns = csv.lines().map(|line| line.split(',').count());
+    assert!(columns.eq(std::iter::repeat_n(18, 23)), "{csv}");
+    let svg = text(folder.path(), "report.svg");
+    assert!(svg.starts_with("<svg") && svg.contains(comparison), "{svg}");
+    let page = text(folder.path(), "report.md");
+    assert!(page.contains("](report.svg)") && page.contains("estimated / true"));
+}
+
+/// At 32 samples and more, the noise is at least 1 %; the ball's faces lie up to 0.4 % inside the sphere.
+#[test]
+fn estimates_agree_with_the_true_error_of_a_furnace() {
+    let folder = folder();
+    let exact = ["--seeds", "3", "--spp", "128", "--exact", "1,1,1"];
+    let facts = succeed(folder.path(), &[&["furnace.toml"], &exact[..]].concat());
+    assert_eq!(facts["seeds"], json!([5, 6, 7]));
+    assert_eq!(facts["reference"]["kind"], "exact");
+    assert_eq!(facts["reference"]["radiance"], json!([1.0, 1.0, 1.0]));
+    for point in &facts["points"].as_array().expect("a list")[5..] {
+        for error in ["rmse", "relmse"] {
+            let found = number(&point[format!("true_{error}")]);
+            assert_eq!(found, number(&point[format!("measured_{error}")]));
+            let ratio = number(&point[format!("estimated_{error}")]) / found;
+            let ratio = if error == "relmse" {
+                ratio.sqrt()
+            } else {
+                ratio
+            };
+            assert!((0.8..1.25).contains(&ratio), "{error}: {ratio} at {point}");
+        }
+    }
+}
+
+#[test]
+fn a_reference_comes_from_another_estimator_or_from_a_file() {
+    let folder = folder();
+    let few = ["furnace.toml", "--seeds", "1", "--spp", "16"];
+    let rendered = succeed(
+        folder.path(),
+        &[&few[..], &["--reference-samples", "64"]].concat(),
+    );
+    assert_eq!(rendered["reference"]["light_sampling"], "nee");
+    assert_eq!(rendered["reference"]["samples_per_pixel"], 64);
+
+    let mut image = Image::black(24, 16);
+    image.pixels.fill([1.0; 3]);
+    let (display, storage) = (Display::default(), Storage::default());
+    let path = folder.path().join("one.exr");
+    write_image(&image, &[], &display, &storage, &path).expect("is written");
+    let given = succeed(
+        folder.path(),
+        &[&few[..], &["--reference", "one.exr"]].concat(),
+    );
+    assert_eq!(given["reference"]["kind"], "file");
+    assert_eq!(given["reference"]["file"], "one.exr");
+    assert_eq!(given["reference"]["rmse"], Value::Null);
+    assert!(number(&given["points"][0]["true_rmse"]) > 0.0);
+}
+
+#[test]
+fn an_adaptive_variant_has_points_at_its_rounds() {
+    let folder = folder();
+    let comparison = "render.stop.noise=0.02;render.samples_per_pixel=1024";
+    let facts = succeed(
+        folder.path(),
+        &[
+            "shadow.toml",
+            "--seeds",
+            "2",
+            "--reference-samples",
+            "256",
+            "--compare",
+            comparison,
+        ],
+    );
+    let points = facts["variants"][0]["points"].as_array().expect("a list");
+    assert!(points.len() >= 5, "{points:?}");
+    let last = points.last().expect("is there");
+    assert!(number(&last["samples_per_pixel"]) < 1024.0);
+}
+
+#[test]
+fn mistakes_are_told_with_exit_codes_1_and_2() {
+    let folder = folder();
+    let (display, storage) = (Display::default(), Storage::default());
+    let small = folder.path().join("small.exr");
+    write_image(&Image::black(3, 2), &[], &display, &storage, &small).expect("is written");
+    let cases: [(&[&str], i32, &str); 10] = [
+        (&["none.toml"], 1, "none.toml"),
+        (
+            &["shadow.toml", "--reference", "small.exr"],
+            1,
+            "small.exr: the reference is 3×2 pixels, but the scene's picture is 24×16",
+        ),
+        (
+            &["shadow.toml", "--reference", "no.exr"],
+            1,
+            "no.exr: there",
+        ),
+        (
+            &["shadow.toml", "--compare", "render.filtre=tent"],
+            1,
+            "--compare render.filtre=tent: ",
+        ),
+        (
+            &["shadow.toml", "--compare", "render.width=25"],
+            1,
+            "--compare render.width=25: all pictures must be of one size",
+        ),
+        (&["shadow.toml", "--compare", ";"], 1, "expected KEY=VALUE"),
+        (&["shadow.toml", "--spp", "8"], 2, "--spp"),
+        (&["shadow.toml", "--seeds", "0"], 2, "--seeds"),
+        (
+            &["shadow.toml", "--exact", "1,1"],
+            2,
+            "expected red, green, blue",
+        ),
+        (
+            &[
+                "shadow.toml",
+                "--exact",
+                "1,1,1",
+                "--reference",
+                "small.exr",
+            ],
+            2,
+            "cannot be used with",
+        ),
+    ];
+    for (arguments, code, expected) in cases {
+        let output = report(folder.path(), &[arguments, &["-o", "out"]].concat());
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{complaint}");
+        assert!(complaint.contains(expected), "{arguments:?}: {complaint}");
+    }
+    let output = report(folder.path(), &["shadow.toml", "-o", "tetra.off/out"]);
+    assert_eq!(output.status.code(), Some(1));
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        complaint.contains("the folder cannot be made"),
+        "{complaint}"
+    );
+}
