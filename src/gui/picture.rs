@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
 
 use crate::control::CancelToken;
-use crate::render::{Image, Layer, RenderProgress, RenderStats, TilePixels, display};
+use crate::render::{ErrorPoint, Image, Layer, RenderProgress, RenderStats, TilePixels, display};
 use crate::scene::{Display, Scene};
 
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
@@ -261,6 +261,10 @@ pub struct Picture {
     pub outcome: Outcome,
     /// From the click to the first tile on its way to the screen.
     pub first_tile: Option<Duration>,
+    /// What is known of its error, oldest first.
+    errors: Vec<ErrorPoint>,
+    /// When the last of it came.
+    newest_error: Instant,
     started: Instant,
     elapsed: Option<Duration>,
     texture: Option<TextureHandle>,
@@ -281,6 +285,8 @@ impl Picture {
             progress,
             outcome: Outcome::Running,
             first_tile: None,
+            errors: Vec::new(),
+            newest_error: started,
             started,
             elapsed: None,
             texture: None,
@@ -315,8 +321,24 @@ impl Picture {
         self.texture.as_ref().map(TextureHandle::id)
     }
 
+    /// Takes in what the render has learnt of its error since the last call.
+    pub fn take_errors(&mut self) {
+        let new = self.progress.errors_from(self.errors.len());
+        if !new.is_empty() {
+            self.errors.extend(new);
+            self.newest_error = Instant::now();
+        }
+    }
+
+    /// What is known of its error, oldest first.
+    #[must_use]
+    pub fn errors(&self) -> &[ErrorPoint] {
+        &self.errors
+    }
+
     /// Ends the picture.
     pub fn end(&mut self, outcome: Outcome) {
+        self.take_errors();
         self.outcome = outcome;
         self.elapsed = Some(self.started.elapsed());
     }
@@ -333,9 +355,17 @@ impl Picture {
         self.elapsed.unwrap_or_else(|| self.started.elapsed())
     }
 
-    /// Time the rest takes at the pace so far; `None` while that is a guess.
+    /// Time the rest takes: until the noise is low enough where that is foreseen, else at the pace so far; `None` while that is
+    /// a guess.
     #[must_use]
     pub fn remaining(&self) -> Option<Duration> {
+        if let Some((point, stop)) = self.errors.last().and_then(|p| Some((p, p.time_to_stop?))) {
+            let end = stop
+                .value
+                .min(self.scene.render.stop.seconds.unwrap_or(f64::INFINITY));
+            let since = self.newest_error.elapsed().as_secs_f64();
+            return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
+        }
         let done = self.progress.samples.fraction();
         let elapsed = self.elapsed().as_secs_f64();
         let known = done > 0.01 && elapsed > 0.2;

@@ -367,6 +367,9 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_news(ctx);
         self.take_gpu_faults();
+        if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
+            picture.take_errors();
+        }
         self.update_background_work();
     }
 
