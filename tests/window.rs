@@ -839,6 +839,47 @@ fn a_render_stops_when_its_time_is_up() {
     assert!(window.says("time is up"));
 }
 
+/// The error of each pixel is a layer to look at and to save.
+#[test]
+fn the_error_of_each_pixel_is_shown_and_saved() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 64);
+    window.render();
+    let buffer = std::sync::Arc::clone(&window.app().picture().unwrap().buffer);
+    assert_eq!(buffer.layers().last(), Some(&Layer::Error));
+    assert_eq!(buffer.shown_error_scale(), None);
+    window.operate("Layer");
+    window.operate("Error of each pixel");
+    window.harness.run_steps(5);
+    let scale = buffer.shown_error_scale().unwrap();
+    assert!(scale > 0.0 && scale < 1.0, "{scale}");
+    assert!(window.says("W/m²/sr or more"));
+    let (_, errors) = buffer.layer_images().pop().unwrap();
+    assert!(errors.pixels.iter().any(|rgb| rgb[1] > 0.0));
+
+    // A render that is looked at in this way shows its own errors.
+    window.render();
+    let again = window.app().picture().unwrap();
+    assert!(again.buffer.shown_error_scale().is_some());
+    assert!(again.first_tile.is_some());
+
+    let exr = files.path("layers.exr");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&exr);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    let file = exr::meta::MetaData::read_from_file(&exr, false).unwrap();
+    let channels = &file.headers[0].channels.list;
+    assert!(
+        channels
+            .iter()
+            .any(|c| c.name.to_string().starts_with("error.")),
+        "{channels:?}"
+    );
+}
+
 /// The window says what rays look for triangles in, and the picture does not depend on it.
 #[test]
 fn another_structure_gives_the_same_picture() {

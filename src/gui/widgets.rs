@@ -13,6 +13,9 @@ use crate::scene::{Choice, Rgb};
 /// Width of the labels at the left, in points.
 const LABEL_WIDTH: f32 = 104.0;
 
+/// Most height of a list to choose from: what the longest takes, all layers, in points.
+const COMBO_HEIGHT: f32 = 360.0;
+
 /// A part of the side panel with a heading to fold it by.
 pub fn section_ui(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
     ui.add_space(2.0);
@@ -379,6 +382,7 @@ pub fn combo_row_ui<T: PartialEq + Clone>(
         egui::ComboBox::from_id_salt(label)
             .selected_text(shown)
             .width(ui.available_width())
+            .height(COMBO_HEIGHT)
             .truncate()
             .show_ui(ui, |ui| {
                 for (choice, name) in choices {

@@ -8,6 +8,7 @@ use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
 use crate::gui::dialogs::{
     Dialog, buttons_ui, files::FilePurpose, modal_ui, question, shortcuts_ui,
 };
+use crate::gui::error_colors;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
@@ -140,6 +141,10 @@ impl App {
         if !showing_picture {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
+        }
+        let picture = self.picture.as_ref().filter(|_| showing_picture);
+        if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
+            error_colors::legend_ui(ui, frame, scale);
         }
         hovered_files_ui(ui, area);
     }

@@ -96,11 +96,14 @@ impl App {
             preview.device().limits().max_texture_dimension_2d
         });
         let size = &scene.render;
-        let layers = if scene.output.layers {
+        let mut layers = if scene.output.layers {
             Layer::all_of(&scene)
         } else {
             Vec::new()
         };
+        if !layers.is_empty() && scene.render.error_estimate {
+            layers.push(Layer::Error);
+        }
         let buffer = PictureBuffer::new([size.width, size.height], layers, scene.display, largest);
         let Some(buffer) = buffer.map(Arc::new) else {
             let text = format!(

@@ -139,7 +139,7 @@ fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings) {
         switch_row_ui(
             ui,
             "Estimate error",
-            "Estimate while rendering how far the picture is from the truth: for the noise in the status bar. It takes 36 bytes per pixel and changes no pixel of a render that does not stop early",
+            "Estimate while rendering how far the picture is from the truth: for the noise in the status bar and the error layer. It takes 36 bytes per pixel and changes no pixel of a render that does not stop early",
             &mut settings.error_estimate,
         )
         .on_disabled_hover_text("Stop at noise needs it: switch that off first");
@@ -447,7 +447,8 @@ pub fn layers_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         combo_row_ui(
             ui,
             "Layer",
-            "Which part of the picture to look at; the parts add up to the whole, shadow and occlusion are factors beside them",
+            "Which part of the picture to look at; the parts add up to the whole, shadow and occlusion are factors beside them, and \
+             the error is how far each pixel still is from the truth",
             state.shown_layer,
             &choices,
         );
@@ -506,7 +507,7 @@ fn layer_name(layer: Layer) -> &'static str {
         Layer::Indirect => "Indirect light",
         Layer::Shadow => "Shadow factor",
         Layer::Occlusion => "Occlusion factor",
-        Layer::Error => "Error",
+        Layer::Error => "Error of each pixel",
     }
 }
 
