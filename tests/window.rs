@@ -766,11 +766,13 @@ fn a_layer_of_the_picture_is_shown() {
     assert!(!window.has("Layer"));
 }
 
-/// A render ends at the noise that is asked for.
+/// A render ends at the noise that is asked for, and the plot shows how it came there, beside the renders before.
 #[test]
-fn a_render_stops_at_a_noise() {
+fn a_render_stops_at_a_noise_and_its_course_is_plotted() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
+    window.click("Error plot");
+    assert!(window.has("Render, and see the error fall"));
     set_samples(&mut window, 64);
     window.render();
     assert_eq!(window.finished().1.ending, Ending::Samples);
@@ -791,8 +793,24 @@ fn a_render_stops_at_a_noise() {
     assert_eq!(stats.ending, Ending::Noise);
     assert!(stats.error.unwrap().noise().value <= 0.015);
     assert!(window.says("down to 1.5 %"));
+    assert!(window.has("1.5 % is reached"));
     let share = window.app().picture().unwrap().progress.samples.fraction();
     assert!((share - 1.0).abs() < 1e-12);
+
+    // Both renders are in the plot, each with its points and its name.
+    let plot = window.app().error_plot();
+    let past: Vec<_> = plot.past().collect();
+    assert_eq!(past.len(), 1);
+    assert_eq!(past[0].name, "room, direct");
+    assert!(past[0].points.len() >= 5);
+    let picture = window.app().picture().unwrap();
+    assert!(picture.errors().len() >= 3);
+    assert_eq!(picture.name, "4,096 samples, stop at 1.5 %, other lights");
+    assert!(window.says("1  room, direct"));
+    assert!(window.says("2  4,096 samples"));
+    window.press(Modifiers::NONE, Key::F8);
+    window.harness.run_steps(30);
+    assert!(!window.says("1  room, direct"));
 
     // The scene's file keeps when to stop.
     let toml = files.path("stops.toml");
@@ -825,6 +843,9 @@ fn a_stop_at_a_noise_needs_the_estimate() {
     assert_eq!(window.scene().render.stop, raymini::scene::Stop::default());
     window.operate("Estimate error");
     assert!(!window.scene().render.error_estimate);
+    window.click("Error plot");
+    window.render();
+    assert!(window.says("is not estimated"));
 }
 
 #[test]

@@ -312,6 +312,8 @@ pub enum Outcome {
 
 /// A render and what the window shows of it.
 pub struct Picture {
+    /// What it is called among other renders.
+    pub name: String,
     /// The scene as it was when the render started.
     pub scene: Scene,
     /// Its pixels.
@@ -335,12 +337,14 @@ impl Picture {
     /// A picture whose render was asked for at `started`.
     #[must_use]
     pub fn new(
+        name: String,
         scene: Scene,
         buffer: Arc<PictureBuffer>,
         progress: RenderProgress,
         started: Instant,
     ) -> Self {
         Self {
+            name,
             scene,
             buffer,
             progress,

@@ -8,7 +8,6 @@ use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
 use crate::gui::dialogs::{
     Dialog, buttons_ui, files::FilePurpose, modal_ui, question, shortcuts_ui,
 };
-use crate::gui::error_colors;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
@@ -18,6 +17,7 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
+use crate::gui::{error_colors, error_plot};
 use crate::io;
 use crate::math::DBounds;
 
@@ -48,6 +48,15 @@ impl App {
                 self.panels_ui(ui, &mut commands);
             });
         self.panel_open = open;
+        let mut open = self.error_plot.open;
+        Panel::bottom("error plot")
+            .frame(bar(12, 8))
+            .default_size(error_plot::HEIGHT)
+            .size_range(error_plot::LEAST_HEIGHT..=480.0)
+            .show_collapsible(ui, &mut open, |ui| {
+                self.error_plot.plot_ui(ui, self.picture.as_ref());
+            });
+        self.error_plot.open = open;
         CentralPanel::default()
             .frame(Frame::new())
             .show(ui, |ui| self.central_ui(ui));

@@ -139,7 +139,8 @@ fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings) {
         switch_row_ui(
             ui,
             "Estimate error",
-            "Estimate while rendering how far the picture is from the truth: for the noise in the status bar and the error layer. It takes 36 bytes per pixel and changes no pixel of a render that does not stop early",
+            "Estimate while rendering how far the picture is from the truth: for the noise in the status bar, the error plot and the \
+             error layer. It takes 36 bytes per pixel and changes no pixel of a render that does not stop early",
             &mut settings.error_estimate,
         )
         .on_disabled_hover_text("Stop at noise needs it: switch that off first");
