@@ -31,6 +31,8 @@ pub enum Command {
     ShowPicture,
     /// Show or hide the side panel.
     TogglePanel,
+    /// Show or hide the error plot.
+    ToggleErrorPlot,
     /// Start rendering, in place of a running render.
     Render,
     /// Stop the running render.
@@ -41,7 +43,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -57,6 +59,7 @@ impl Command {
         Self::ShowPreview,
         Self::ShowPicture,
         Self::TogglePanel,
+        Self::ToggleErrorPlot,
         Self::ShowShortcuts,
     ];
 
@@ -77,6 +80,7 @@ impl Command {
             Self::ShowPreview => "Preview",
             Self::ShowPicture => "Picture",
             Self::TogglePanel => "Side panel",
+            Self::ToggleErrorPlot => "Error plot",
             Self::Render => "Render",
             Self::Cancel => "Cancel",
             Self::ShowShortcuts => "Keyboard and mouse",
@@ -100,6 +104,7 @@ impl Command {
             Self::ShowPreview => "Show the live preview",
             Self::ShowPicture => "Show the rendered picture",
             Self::TogglePanel => "Show or hide the side panel",
+            Self::ToggleErrorPlot => "Plot the noise of renders against time",
             Self::Render => "Render the picture; restarts a running render",
             Self::Cancel => "Stop the running render or load",
             Self::ShowShortcuts => "Show this sheet",
@@ -132,6 +137,7 @@ impl Command {
             Self::ShowPreview => const { &[plain(Key::Num1)] },
             Self::ShowPicture => const { &[plain(Key::Num2)] },
             Self::TogglePanel => const { &[plain(Key::F9)] },
+            Self::ToggleErrorPlot => const { &[plain(Key::F8)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
             Self::ShowShortcuts => const { &[plain(Key::F1), plain(Key::Questionmark)] },
@@ -167,7 +173,8 @@ impl Command {
             .into_iter()
             .flat_map(|command| command.shortcuts().iter().map(move |&keys| (keys, command)))
             .filter(|(keys, _)| {
-                let is_function_key = matches!(keys.logical_key, Key::F1 | Key::F5 | Key::F9);
+                let is_function_key =
+                    matches!(keys.logical_key, Key::F1 | Key::F5 | Key::F8 | Key::F9);
                 !typing || keys.modifiers.command || is_function_key
             })
             .collect();

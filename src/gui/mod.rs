@@ -8,6 +8,7 @@
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`]: the render as it fills in
+//! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`icons`],
 //!   [`theme`]: what is drawn
@@ -17,6 +18,8 @@ pub mod app;
 pub mod commands;
 pub mod dialogs;
 pub mod document;
+pub mod error_colors;
+pub mod error_plot;
 pub mod icons;
 pub mod jobs;
 pub mod messages;

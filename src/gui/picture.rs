@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 
 use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
 
+use super::error_colors;
 use crate::control::CancelToken;
-use crate::render::{Image, Layer, RenderProgress, RenderStats, TilePixels, display};
+use crate::render::{ErrorPoint, Image, Layer, RenderProgress, RenderStats, TilePixels, display};
 use crate::scene::{Display, Scene};
 
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
@@ -53,6 +54,39 @@ struct BufferState {
     /// Which of them is on the screen.
     shown: usize,
     display: Display,
+    /// The error with the last colour, see [`error_colors`]; `None` while nothing is known of it.
+    error_scale: Option<f32>,
+}
+
+impl BufferState {
+    /// How to show values of `layer`, or of the picture.
+    fn look(&self, layer: Option<Layer>) -> Look {
+        match layer {
+            Some(Layer::Error) => Look::Error(self.error_scale.unwrap_or_default()),
+            _ => Look::Light(self.display),
+        }
+    }
+}
+
+/// How values become colours.
+#[derive(Clone, Copy, Debug)]
+enum Look {
+    /// As light.
+    Light(Display),
+    /// As an error on a scale up to this one.
+    Error(f32),
+}
+
+impl Look {
+    fn color(self, rgb: [f32; 3]) -> Color32 {
+        match self {
+            Self::Light(display) => {
+                let [r, g, b] = display::encode_8(rgb, &display);
+                Color32::from_rgb(r, g, b)
+            }
+            Self::Error(scale) => error_colors::color(rgb, scale),
+        }
+    }
 }
 
 impl PictureBuffer {
@@ -87,6 +121,7 @@ impl PictureBuffer {
                 planes: std::iter::repeat_with(black).take(planes).collect(),
                 shown: 0,
                 display,
+                error_scale: None,
             }),
         })
     }
@@ -134,13 +169,43 @@ impl PictureBuffer {
         self.lock().display = display;
     }
 
-    /// Takes in a tile of the render and returns what to show; `None` where the reduced picture has no pixel of it.
+    /// Whether the layer of the error is on the screen.
+    #[must_use]
+    pub fn shows_error(&self) -> bool {
+        self.layer(self.lock().shown) == Some(Layer::Error)
+    }
+
+    /// The error that has the last colour, where the layer of the error is on the screen and known.
+    #[must_use]
+    pub fn shown_error_scale(&self) -> Option<f32> {
+        let state = self.lock();
+        let is_shown = self.layer(state.shown) == Some(Layer::Error);
+        state.error_scale.filter(|_| is_shown)
+    }
+
+    /// Takes in the error of every pixel, where it is kept. What shows it needs [`PictureBuffer::encode_all`].
+    pub fn set_error(&self, errors: Image) {
+        if let Some(index) = self.layers.iter().position(|&kept| kept == Layer::Error) {
+            let scale = error_colors::scale_of(&errors);
+            let mut state = self.lock();
+            state.planes[index + 1] = errors;
+            state.error_scale = Some(scale);
+        }
+    }
+
+    /// The layer of plane `index`; `None` for the picture.
+    fn layer(&self, index: usize) -> Option<Layer> {
+        index.checked_sub(1).map(|layer| self.layers[layer])
+    }
+
+    /// Takes in a tile of the render and returns what to show; `None` where the reduced picture has no pixel of it, or a
+    /// layer is on the screen that does not come in tiles.
     #[must_use]
     pub fn accept(&self, tile: &TilePixels<'_>) -> Option<EncodedTile> {
         let region = tile.region;
         let (display, rgb) = {
             let mut state = self.lock();
-            // The coarse picture that comes first has no layers.
+            // The coarse picture that comes first has no layers, and the error, which is the last, comes in no tile.
             let planes = std::iter::once(tile.rgb).chain(tile.layers.iter().map(Vec::as_slice));
             for (image, rgb) in state.planes.iter_mut().zip(planes) {
                 region.copy_into(rgb, image);
@@ -157,9 +222,10 @@ impl PictureBuffer {
                 },
             )
         };
+        let look = Look::Light(display);
         let encode = |x: u32, y: u32| {
             let index = (y - region.y) as usize * region.width as usize + (x - region.x) as usize;
-            color(rgb[index], &display)
+            look.color(rgb[index])
         };
         self.encode(
             region.x..region.x + region.width,
@@ -175,18 +241,18 @@ impl PictureBuffer {
                 return;
             }
             let rows = top..(top + ROWS_PER_BAND * self.step).min(self.height);
-            let (band, display) = {
+            let (band, look) = {
                 let state = self.lock();
                 let row = self.width as usize;
                 let range = rows.start as usize * row..rows.end as usize * row;
                 (
                     state.planes[state.shown].pixels[range].to_vec(),
-                    state.display,
+                    state.look(self.layer(state.shown)),
                 )
             };
             let encode = |x: u32, y: u32| {
                 let index = (y - rows.start) as usize * self.width as usize + x as usize;
-                color(band[index], &display)
+                look.color(band[index])
             };
             if let Some(tile) = self.encode(0..self.width, rows.clone(), encode) {
                 show(tile);
@@ -226,11 +292,6 @@ impl PictureBuffer {
     }
 }
 
-fn color(rgb: [f32; 3], display: &Display) -> Color32 {
-    let [r, g, b] = display::encode_8(rgb, display);
-    Color32::from_rgb(r, g, b)
-}
-
 /// How a render ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
@@ -251,6 +312,8 @@ pub enum Outcome {
 
 /// A render and what the window shows of it.
 pub struct Picture {
+    /// What it is called among other renders.
+    pub name: String,
     /// The scene as it was when the render started.
     pub scene: Scene,
     /// Its pixels.
@@ -261,6 +324,10 @@ pub struct Picture {
     pub outcome: Outcome,
     /// From the click to the first tile on its way to the screen.
     pub first_tile: Option<Duration>,
+    /// What is known of its error, oldest first.
+    errors: Vec<ErrorPoint>,
+    /// When the last of it came.
+    newest_error: Instant,
     started: Instant,
     elapsed: Option<Duration>,
     texture: Option<TextureHandle>,
@@ -270,17 +337,21 @@ impl Picture {
     /// A picture whose render was asked for at `started`.
     #[must_use]
     pub fn new(
+        name: String,
         scene: Scene,
         buffer: Arc<PictureBuffer>,
         progress: RenderProgress,
         started: Instant,
     ) -> Self {
         Self {
+            name,
             scene,
             buffer,
             progress,
             outcome: Outcome::Running,
             first_tile: None,
+            errors: Vec::new(),
+            newest_error: started,
             started,
             elapsed: None,
             texture: None,
@@ -315,8 +386,24 @@ impl Picture {
         self.texture.as_ref().map(TextureHandle::id)
     }
 
+    /// Takes in what the render has learnt of its error since the last call.
+    pub fn take_errors(&mut self) {
+        let new = self.progress.errors_from(self.errors.len());
+        if !new.is_empty() {
+            self.errors.extend(new);
+            self.newest_error = Instant::now();
+        }
+    }
+
+    /// What is known of its error, oldest first.
+    #[must_use]
+    pub fn errors(&self) -> &[ErrorPoint] {
+        &self.errors
+    }
+
     /// Ends the picture.
     pub fn end(&mut self, outcome: Outcome) {
+        self.take_errors();
         self.outcome = outcome;
         self.elapsed = Some(self.started.elapsed());
     }
@@ -333,9 +420,17 @@ impl Picture {
         self.elapsed.unwrap_or_else(|| self.started.elapsed())
     }
 
-    /// Time the rest takes at the pace so far; `None` while that is a guess.
+    /// Time the rest takes: until the noise is low enough where that is foreseen, else at the pace so far; `None` while that is
+    /// a guess.
     #[must_use]
     pub fn remaining(&self) -> Option<Duration> {
+        if let Some((point, stop)) = self.errors.last().and_then(|p| Some((p, p.time_to_stop?))) {
+            let end = stop
+                .value
+                .min(self.scene.render.stop.seconds.unwrap_or(f64::INFINITY));
+            let since = self.newest_error.elapsed().as_secs_f64();
+            return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
+        }
         let done = self.progress.samples.fraction();
         let elapsed = self.elapsed().as_secs_f64();
         let known = done > 0.01 && elapsed > 0.2;
@@ -488,6 +583,41 @@ mod tests {
             Color32::WHITE
         );
         assert_eq!(buffer.layer_images()[1].1.pixel(3, 3), [1.0; 3]);
+    }
+
+    #[test]
+    fn the_error_is_shown_by_a_scale_of_its_own() {
+        let layers = vec![Layer::Shadow, Layer::Error];
+        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
+        buffer.set_shown(Some(Layer::Error));
+        assert!(buffer.shows_error());
+        assert_eq!(buffer.shown_error_scale(), None);
+        let mut errors = Image {
+            width: 16,
+            height: 16,
+            pixels: vec![[0.001; 3]; 256],
+        };
+        errors.pixels[0] = [0.0; 3];
+        buffer.set_error(errors);
+        assert_eq!(buffer.shown_error_scale(), Some(0.001));
+        let mut shown = Vec::new();
+        buffer.encode_all(&CancelToken::new(), |band| shown.push(band));
+        let colors = &shown[0].pixels.pixels;
+        assert_eq!(colors[0], error_colors::color([0.0; 3], 1.0));
+        assert_eq!(colors[1], error_colors::color([1.0; 3], 1.0));
+
+        // Tiles bring no error, so what is on the screen stays.
+        let (region, rgb) = tile(Region::full(16, 16), 0.25);
+        let layers = [tile(region, 1.0).1];
+        let whole = TilePixels {
+            region,
+            rgb: &rgb,
+            layers: &layers,
+        };
+        assert!(buffer.accept(&whole).is_none());
+        assert_eq!(buffer.layer_images()[1].1.pixel(1, 0), [0.001; 3]);
+        buffer.set_shown(None);
+        assert_eq!(buffer.shown_error_scale(), None);
     }
 
     #[test]

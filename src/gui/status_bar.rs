@@ -6,8 +6,9 @@ use egui::{Align, CornerRadius, Layout, ProgressBar, RichText, Ui};
 
 use super::picture::{Outcome, Picture};
 use super::theme;
-use super::widgets::{counted, grouped};
-use crate::scene::Scene;
+use super::widgets::{chosen_percent, counted, format_number, grouped, noise_in_words};
+use crate::render::{Ending, RenderStats};
+use crate::scene::{RenderSettings, Scene, Stop};
 
 /// What runs or was last done.
 #[derive(Clone, Debug)]
@@ -79,20 +80,33 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
 
 fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
     let render = &picture.scene.render;
-    let what = format!(
-        "{} × {}, {}",
-        render.width,
-        render.height,
-        counted(render.samples_per_pixel as usize, "sample", "samples")
-    );
+    let size = format!("{} × {}", render.width, render.height);
     let mut parts = Vec::new();
+    let mut warnings = Vec::new();
+    if outdated {
+        let hint = if picture.is_running() {
+            "settings changed: Render restarts"
+        } else {
+            "settings changed since"
+        };
+        warnings.push(hint.to_owned());
+    }
     match &picture.outcome {
         Outcome::Running => {
             progress_ui(ui, picture.progress.samples.fraction());
-            parts.push(format!("Rendering {what}"));
+            let samples = counted(render.samples_per_pixel as usize, "sample", "samples");
+            let most = if render.stop == Stop::default() {
+                ""
+            } else {
+                "up to "
+            };
+            parts.push(format!("Rendering {size}, {most}{samples}"));
             parts.push(duration(picture.elapsed()));
             if let Some(remaining) = picture.remaining() {
                 parts.push(format!("{} left", duration(remaining)));
+            }
+            if let Some(point) = picture.errors().last() {
+                parts.push(format!("noise {}", noise_in_words(point.error.noise())));
             }
             parts.push(format!("{:.2} Mrays/s", picture.mrays_per_second()));
         }
@@ -100,14 +114,19 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             if !news.is_empty() {
                 parts.push(news.to_owned());
             }
-            parts.push(format!("{what} in {}", duration(picture.elapsed())));
+            let ending = ending(stats, render);
+            parts.push(format!(
+                "{size} in {}, {ending}",
+                duration(picture.elapsed())
+            ));
+            if let Some(error) = &stats.error {
+                parts.push(format!("noise {}", noise_in_words(error.noise())));
+            }
+            parts.push(samples(stats));
             let mrays = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
             parts.push(format!("{mrays:.2} Mrays/s"));
             parts.push(format!("hash {}", &hash[..hash.len().min(8)]));
-            if stats.non_finite_samples > 0 {
-                let count = grouped(stats.non_finite_samples);
-                parts.push(format!("{count} samples are not numbers"));
-            }
+            warnings.extend(faults(stats));
             if render.clamp.is_some() {
                 let share = stats.clamped.energy_share * 100.0;
                 parts.push(format!("clamping took {share:.2} % of the light"));
@@ -119,6 +138,9 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
                 "Cancelled at {share:.0} % after {}",
                 duration(picture.elapsed())
             ));
+            if let Some(point) = picture.errors().last() {
+                parts.push(format!("noise {}", noise_in_words(point.error.noise())));
+            }
             if !news.is_empty() {
                 parts.push(news.to_owned());
             }
@@ -128,16 +150,58 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
     if picture.buffer.step() > 1 {
         parts.push(format!("shown at 1/{} of its size", picture.buffer.step()));
     }
-    if outdated {
-        let hint = if picture.is_running() {
-            "settings changed: Render restarts"
-        } else {
-            "settings changed since"
-        };
-        ui.label(RichText::new(hint).color(ui.visuals().warn_fg_color));
+    for warning in warnings {
+        ui.label(RichText::new(warning).color(ui.visuals().warn_fg_color));
         ui.label(RichText::new("·").weak());
     }
     line_ui(ui, &parts.join("  ·  "));
+}
+
+/// Why a render ended.
+fn ending(stats: &RenderStats, render: &RenderSettings) -> String {
+    match (stats.ending, render.stop.noise) {
+        (Ending::Noise, Some(noise)) => format!("down to {}", chosen_percent(noise)),
+        (Ending::Noise, None) => "noise reached".to_owned(),
+        (Ending::Time, _) => "time is up".to_owned(),
+        (Ending::Samples, _) if render.stop.passes == Some(stats.passes) => {
+            counted(stats.passes as usize, "pass done", "passes done")
+        }
+        (Ending::Samples, Some(noise)) => {
+            format!("not down to {}: samples used up", chosen_percent(noise))
+        }
+        (Ending::Samples, None) => "all samples taken".to_owned(),
+    }
+}
+
+/// Samples of a pixel, and the fewest and the most where not all have the same.
+fn samples(stats: &RenderStats) -> String {
+    let mean = format_number(stats.samples_per_pixel, 1);
+    match stats.sample_range {
+        [1, 1] => "1 sample per pixel".to_owned(),
+        [least, most] if least == most => format!("{mean} samples per pixel"),
+        [least, most] => format!("{mean} samples per pixel ({least} – {most})"),
+    }
+}
+
+/// Samples that no picture should have.
+fn faults(stats: &RenderStats) -> Vec<String> {
+    let counts = [
+        (
+            stats.non_finite_samples,
+            ["is infinite or not a number", "are infinite or not numbers"],
+        ),
+        (
+            stats.negative_samples,
+            ["has less than no light", "have less than no light"],
+        ),
+    ];
+    let present = counts.into_iter().filter(|(count, _)| *count > 0);
+    present
+        .map(|(count, [one, many])| match count {
+            1 => format!("1 sample {one}"),
+            _ => format!("{} samples {many}", grouped(count)),
+        })
+        .collect()
 }
 
 fn progress_ui(ui: &mut Ui, share: f64) {
@@ -197,5 +261,31 @@ mod tests {
         assert_eq!(shown(59.99), "0 min 59 s");
         assert_eq!(shown(75.0), "1 min 15 s");
         assert_eq!(shown(7500.0), "2 h 05 min");
+    }
+
+    #[test]
+    fn the_end_of_a_render_is_told_in_words() {
+        let mut render = RenderSettings::default();
+        let mut stats = RenderStats {
+            samples_per_pixel: 40.24,
+            sample_range: [16, 64],
+            ..RenderStats::default()
+        };
+        assert_eq!(ending(&stats, &render), "all samples taken");
+        render.stop.noise = Some(0.03);
+        assert_eq!(ending(&stats, &render), "not down to 3 %: samples used up");
+        stats.ending = Ending::Noise;
+        assert_eq!(ending(&stats, &render), "down to 3 %");
+        assert_eq!(samples(&stats), "40.2 samples per pixel (16 – 64)");
+        assert!(faults(&stats).is_empty());
+        stats.non_finite_samples = 1;
+        stats.negative_samples = 1200;
+        assert_eq!(
+            faults(&stats),
+            [
+                "1 sample is infinite or not a number",
+                "1,200 samples have less than no light"
+            ]
+        );
     }
 }

@@ -32,6 +32,10 @@ pub enum Phase {
 
 /// What the bar needs to know.
 #[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is true or false whatever the others are"
+)]
 pub struct TopBarState {
     /// What the central area shows.
     pub view: View,
@@ -41,6 +45,8 @@ pub struct TopBarState {
     pub has_picture: bool,
     /// Whether the side panel shows.
     pub panel_open: bool,
+    /// Whether the error plot shows.
+    pub error_plot_open: bool,
     /// Whether the scene has unsaved changes.
     pub modified: bool,
 }
@@ -69,6 +75,8 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState, name: &str) -> Vec<Command> {
         ui.allocate_ui(size, |ui| menus_ui(ui, state, &mut asked));
         ui.add_space(10.0);
         view_switch_ui(ui, state, &mut asked);
+        ui.add_space(8.0);
+        error_plot_button_ui(ui, state, &mut asked);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             render_button_ui(ui, state, &mut asked);
             ui.add_space(8.0);
@@ -119,6 +127,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
                 Command::ShowPreview,
                 Command::ShowPicture,
                 Command::TogglePanel,
+                Command::ToggleErrorPlot,
             ] {
                 menu_item_ui(ui, state, command, asked);
             }
@@ -138,6 +147,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState, command: Command, asked: &mut V
         Command::ShowPreview => state.view == View::Preview,
         Command::ShowPicture => state.view == View::Picture,
         Command::TogglePanel => state.panel_open,
+        Command::ToggleErrorPlot => state.error_plot_open,
         _ => false,
     };
     let button = Button::new(command.label())
@@ -185,6 +195,18 @@ fn view_switch_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
         if response.clicked() {
             asked.push(command);
         }
+    }
+}
+
+/// The switch of the error plot.
+fn error_plot_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+    let command = Command::ToggleErrorPlot;
+    let button = Button::new(command.label())
+        .selected(state.error_plot_open)
+        .min_size(Vec2::new(86.0, theme::BAR_BUTTON_HEIGHT));
+    let response = ui.add(button).on_hover_text(command.tooltip(ui.ctx()));
+    if response.clicked() {
+        asked.push(command);
     }
 }
 

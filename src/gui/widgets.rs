@@ -7,10 +7,14 @@ use std::ops::RangeInclusive;
 use egui::{Align, Color32, DragValue, Layout, Response, RichText, Ui, Vec2};
 
 use crate::math::DVec3;
+use crate::render::Interval;
 use crate::scene::{Choice, Rgb};
 
 /// Width of the labels at the left, in points.
 const LABEL_WIDTH: f32 = 104.0;
+
+/// Most height of a list to choose from: what the longest takes, all layers, in points.
+const COMBO_HEIGHT: f32 = 360.0;
 
 /// A part of the side panel with a heading to fold it by.
 pub fn section_ui(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
@@ -149,6 +153,36 @@ pub fn counted(count: usize, one: &str, many: &str) -> String {
         1 => format!("1 {one}"),
         _ => format!("{} {many}", grouped(count as u64)),
     }
+}
+
+/// A share in percent with two digits, or three where they stand before the point.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    format!("{} %", percent_number(share))
+}
+
+/// A share that somebody chose, in percent, as it is.
+#[must_use]
+pub fn chosen_percent(share: f64) -> String {
+    format!("{} %", format_number(share * 100.0, 2))
+}
+
+/// A level of noise and the interval it lies in.
+#[must_use]
+pub fn noise_in_words(noise: Interval) -> String {
+    let [low, high] = [noise.low, noise.high].map(percent_number);
+    format!("{} ({low} – {high})", percent(noise.value))
+}
+
+fn percent_number(share: f64) -> String {
+    let percent = share * 100.0;
+    let decimals = match percent.abs() {
+        size if size >= 9.95 || size == 0.0 => 0,
+        size if size >= 0.995 => 1,
+        size if size >= 0.0995 => 2,
+        _ => 3,
+    };
+    format!("{percent:.decimals$}")
 }
 
 /// A row with a number.
@@ -348,6 +382,7 @@ pub fn combo_row_ui<T: PartialEq + Clone>(
         egui::ComboBox::from_id_salt(label)
             .selected_text(shown)
             .width(ui.available_width())
+            .height(COMBO_HEIGHT)
             .truncate()
             .show_ui(ui, |ui| {
                 for (choice, name) in choices {
@@ -392,6 +427,35 @@ pub fn switch_row_ui(ui: &mut Ui, label: &str, tooltip: &str, on: &mut bool) -> 
     })
 }
 
+/// A row with a number that may be left out: a switch, and where it is on, the number. `default` is what switching it on starts
+/// with; a value is shown `scale` times as large as it is. The number is called `number_name` by assistive technology.
+pub fn optional_number_row_ui(
+    ui: &mut Ui,
+    [label, number_name]: [&str; 2],
+    tooltip: &str,
+    value: &mut Option<f64>,
+    [default, scale]: [f64; 2],
+    number: &Number,
+) {
+    ui.horizontal(|ui| {
+        let mut is_on = value.is_some();
+        if switch_row_ui(ui, label, tooltip, &mut is_on).changed() {
+            *value = is_on.then_some(default);
+        }
+        let Some(value) = value else { return };
+        let mut shown = *value * scale;
+        let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
+        let response = ui
+            .add_sized(size, number.drag(&mut shown))
+            .accessible_name(number_name)
+            .on_hover_text(tooltip);
+        // Only an edit may touch the stored value: showing it would round it.
+        if response.changed() {
+            *value = shown / scale;
+        }
+    });
+}
+
 /// The button for the one thing to do next.
 pub fn primary_button(text: &str) -> egui::Button<'_> {
     egui::Button::new(RichText::new(text).strong().color(super::theme::ON_ACCENT))
@@ -415,6 +479,12 @@ mod tests {
         assert_eq!(grouped(1_234_567), "1,234,567");
         assert_eq!(grouped(999), "999");
         assert_eq!(counted(1, "light", "lights"), "1 light");
+        let shares = [0.0, 0.000_42, 0.0034, 0.021, 0.0996, 0.34, 1.25];
+        let shown = shares.map(percent);
+        assert_eq!(
+            shown,
+            ["0 %", "0.042 %", "0.34 %", "2.1 %", "10 %", "34 %", "125 %"]
+        );
     }
 
     #[test]

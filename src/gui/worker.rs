@@ -5,9 +5,9 @@
 //! first tile is a matter of milliseconds. A render works on its own copy of the scene: editing goes on meanwhile.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
@@ -19,7 +19,10 @@ use super::preview::sky::GpuSky;
 use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
-use crate::render::{self, PreparedScene, RenderOutcome, RenderProgress, RunConfig, TilePixels};
+use crate::render::{
+    self, Image, Layer, OnRound, PreparedScene, RenderOutcome, RenderProgress, Round, RunConfig,
+    TilePixels, Watch,
+};
 use crate::scene::{Object, Output, Scene};
 
 /// What a job tells the window. Failures are sentences for the user.
@@ -209,6 +212,9 @@ pub struct RenderRequest {
     pub tile_delay: Duration,
 }
 
+/// The share of a render's time that the error of each pixel may take while nobody looks at it.
+const ERROR_LAYER_SHARE: f64 = 0.02;
+
 /// Renders a scene, sending every tile.
 pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let previous = request.previous.as_ref();
@@ -235,11 +241,49 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
             job.send_within(Event::Tile(tile), delay);
         }
     };
-    let outcome = render::render(&prepared, None, &run, &request.progress, Some(&on_tile));
-    if let Some(RenderOutcome { image, stats, .. }) = outcome {
-        let hash = image.hash();
-        let stats = Box::new(stats);
-        job.send(Event::Rendered { hash, stats });
+    // What the layer of the error took when it was last made, in seconds.
+    let error_layer_seconds = Mutex::new(0.0);
+    let on_round = |round: &Round<'_>| {
+        let mut seconds = error_layer_seconds
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let is_cheap = *seconds <= ERROR_LAYER_SHARE * round.seconds;
+        if round.error.is_some() && (is_cheap || request.buffer.shows_error()) {
+            let started = Instant::now();
+            if let Some(errors) = round.error_image() {
+                show_error(job, &request.buffer, errors);
+            }
+            *seconds = started.elapsed().as_secs_f64();
+        }
+    };
+    let keeps_error = request.buffer.layers().contains(&Layer::Error);
+    let watch = Watch {
+        on_tile: Some(&on_tile),
+        on_round: keeps_error.then_some(&on_round as OnRound<'_>),
+    };
+    let outcome = render::render_watched(&prepared, None, &run, &request.progress, watch);
+    let Some(RenderOutcome {
+        image,
+        layers,
+        stats,
+        ..
+    }) = outcome
+    else {
+        return;
+    };
+    let hash = image.hash();
+    if let Some((_, errors)) = layers.into_iter().find(|(l, _)| *l == Layer::Error) {
+        show_error(job, &request.buffer, errors);
+    }
+    let stats = Box::new(stats);
+    job.send(Event::Rendered { hash, stats });
+}
+
+/// Keeps the error of each pixel, and shows it where it is the layer that is looked at.
+fn show_error(job: &Job<Event>, buffer: &PictureBuffer, errors: Image) {
+    buffer.set_error(errors);
+    if buffer.shows_error() {
+        encode(job, buffer);
     }
 }
 

@@ -17,6 +17,7 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
+use crate::gui::{error_colors, error_plot};
 use crate::io;
 use crate::math::DBounds;
 
@@ -47,6 +48,15 @@ impl App {
                 self.panels_ui(ui, &mut commands);
             });
         self.panel_open = open;
+        let mut open = self.error_plot.open;
+        Panel::bottom("error plot")
+            .frame(bar(12, 8))
+            .default_size(error_plot::HEIGHT)
+            .size_range(error_plot::LEAST_HEIGHT..=480.0)
+            .show_collapsible(ui, &mut open, |ui| {
+                self.error_plot.plot_ui(ui, self.picture.as_ref());
+            });
+        self.error_plot.open = open;
         CentralPanel::default()
             .frame(Frame::new())
             .show(ui, |ui| self.central_ui(ui));
@@ -140,6 +150,10 @@ impl App {
         if !showing_picture {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
+        }
+        let picture = self.picture.as_ref().filter(|_| showing_picture);
+        if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
+            error_colors::legend_ui(ui, frame, scale);
         }
         hovered_files_ui(ui, area);
     }

@@ -21,6 +21,7 @@ use std::time::Instant;
 use super::commands::Command;
 use super::dialogs::{Dialog, Intent};
 use super::document::Document;
+use super::error_plot::ErrorPlot;
 use super::jobs::{Jobs, Lane, News};
 use super::messages::Messages;
 use super::orbit;
@@ -72,6 +73,9 @@ pub struct App {
     /// Why the scene as it is cannot be rendered.
     problem: Option<String>,
     picture: Option<Picture>,
+    /// The name of the scene of the last picture.
+    picture_of: String,
+    error_plot: ErrorPlot,
     /// The layer of the picture to show, where it is kept; `None` shows all of it.
     shown_layer: Option<Layer>,
     /// A render was asked for at this time and waits for its geometry.
@@ -119,6 +123,8 @@ impl App {
             build_progress: Progress::new(),
             problem: None,
             picture: None,
+            picture_of: String::new(),
+            error_plot: ErrorPlot::default(),
             shown_layer: None,
             waiting_render: None,
             loading: None,
@@ -151,6 +157,12 @@ impl App {
     #[must_use]
     pub fn picture(&self) -> Option<&Picture> {
         self.picture.as_ref()
+    }
+
+    /// The renders of this session and their errors.
+    #[must_use]
+    pub fn error_plot(&self) -> &ErrorPlot {
+        &self.error_plot
     }
 
     /// The banners and the last news.
@@ -196,6 +208,7 @@ impl App {
             },
             has_picture: self.picture.as_ref().is_some_and(|p| p.texture().is_some()),
             panel_open: self.panel_open,
+            error_plot_open: self.error_plot.open,
             modified: self.document.is_modified(),
         }
     }
@@ -284,6 +297,7 @@ impl App {
             Command::ShowPreview => self.view = View::Preview,
             Command::ShowPicture => self.view = View::Picture,
             Command::TogglePanel => self.panel_open = !self.panel_open,
+            Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
             Command::Render => self.ask_for_render(),
             Command::Cancel => self.cancel(),
             Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
@@ -367,6 +381,9 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_news(ctx);
         self.take_gpu_faults();
+        if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
+            picture.take_errors();
+        }
         self.update_background_work();
     }
 

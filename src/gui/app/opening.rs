@@ -97,7 +97,7 @@ impl App {
         self.prepared = None;
         self.preparing = None;
         self.problem = None;
-        self.picture = None;
+        self.put_picture_away();
         self.waiting_render = None;
     }
 

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use super::{App, PreparedState};
 use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture};
+use crate::gui::error_plot::name_of_render;
 use crate::gui::jobs::Lane;
 use crate::gui::pick::world_bounds;
 use crate::gui::picture::{Outcome, Picture, PictureBuffer};
@@ -96,11 +97,14 @@ impl App {
             preview.device().limits().max_texture_dimension_2d
         });
         let size = &scene.render;
-        let layers = if scene.output.layers {
+        let mut layers = if scene.output.layers {
             Layer::all_of(&scene)
         } else {
             Vec::new()
         };
+        if !layers.is_empty() && scene.render.error_estimate {
+            layers.push(Layer::Error);
+        }
         let buffer = PictureBuffer::new([size.width, size.height], layers, scene.display, largest);
         let Some(buffer) = buffer.map(Arc::new) else {
             let text = format!(
@@ -112,8 +116,16 @@ impl App {
         };
         buffer.set_shown(self.shown_layer);
         let progress = RenderProgress::default();
-        let mut picture = Picture::new(scene.clone(), Arc::clone(&buffer), progress.clone(), asked);
-        if let Some(previous) = self.picture.take().filter(|_| self.view == View::Picture) {
+        let name = self.name_of_next_picture();
+        let mut picture = Picture::new(
+            name,
+            scene.clone(),
+            Arc::clone(&buffer),
+            progress.clone(),
+            asked,
+        );
+        let previous = self.put_picture_away();
+        if let Some(previous) = previous.filter(|_| self.view == View::Picture) {
             picture.continue_from(previous);
         }
         self.picture = Some(picture);
@@ -130,6 +142,22 @@ impl App {
         self.jobs.cancel(Lane::Encode);
         self.jobs
             .start(Lane::Render, move |job| worker::render(job, &request));
+    }
+
+    /// What the render that starts now is called among those of this session.
+    fn name_of_next_picture(&mut self) -> String {
+        let before = self.picture.as_ref().map(|picture| &picture.scene);
+        let before = before.map(|scene| (self.picture_of.as_str(), scene));
+        let name = name_of_render(self.document.name(), &self.document.scene, before);
+        self.document.name().clone_into(&mut self.picture_of);
+        name
+    }
+
+    /// Makes room for another picture; the error plot keeps its curve.
+    pub(super) fn put_picture_away(&mut self) -> Option<Picture> {
+        let picture = self.picture.take()?;
+        self.error_plot.keep(&picture);
+        Some(picture)
     }
 
     /// Starts a render anew whose scene was edited while it is looked at. In the preview, editing goes on beside it.

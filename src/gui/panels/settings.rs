@@ -2,7 +2,8 @@ use egui::Ui;
 
 use super::PanelState;
 use crate::gui::widgets::{
-    Number, choice_row_ui, combo_row_ui, integer_row_ui, number_row_ui, row_ui, switch_row_ui,
+    Number, choice_row_ui, combo_row_ui, counted, integer_row_ui, number_row_ui,
+    optional_number_row_ui, row_ui, switch_row_ui,
 };
 use crate::render::Layer;
 use crate::scene::{
@@ -51,11 +52,13 @@ pub fn image_ui(
     integer_row_ui(
         ui,
         "Samples",
-        "Camera rays per pixel: more give smoother edges and take longer",
+        "Camera rays per pixel: more give smoother edges and take longer. Where the render is to stop at a noise or after a time, it is \
+         the most a pixel gets",
         &mut settings.samples_per_pixel,
         1..=RenderSettings::MAX_SAMPLES,
         0.2,
     );
+    stop_ui(ui, settings);
     integer_row_ui(
         ui,
         "Seed",
@@ -75,6 +78,73 @@ pub fn image_ui(
         &choices,
     );
     structure_ui(ui, settings, structure);
+}
+
+/// Fewer samples than this may well not be enough for a noise that is asked for.
+const FEW_SAMPLES: u32 = 256;
+
+/// When a render ends before every pixel has its samples, and what that takes.
+fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    let stop = &mut settings.stop;
+    optional_number_row_ui(
+        ui,
+        ["Stop at noise", "Noise to stop at"],
+        "End the render as soon as the noise is down to this, in percent of the picture's brightness: 10 % is grainy, 3 % fair, 1 % \
+         clean. It is estimated while rendering",
+        &mut stop.noise,
+        [0.03, 100.0],
+        &Number::within(0.01..=1000.0, 0.02).with_suffix(" %"),
+    );
+    // A stop at a noise needs to know the noise.
+    settings.error_estimate |= stop.noise.is_some();
+    if stop.noise.is_some() && settings.samples_per_pixel < FEW_SAMPLES {
+        let samples = counted(settings.samples_per_pixel as usize, "sample", "samples");
+        let text = format!("A pixel gets {samples} at most: allow more to reach it");
+        ui.label(egui::RichText::new(text).weak().small());
+    }
+    optional_number_row_ui(
+        ui,
+        ["Stop after", "Time to stop after"],
+        "End the render after this time of rendering, in seconds",
+        &mut stop.seconds,
+        [10.0, 1.0],
+        &Number::within(0.01..=1e7, 0.1).with_suffix(" s"),
+    );
+    if let Some(passes) = stop.passes {
+        let mut is_on = true;
+        let label = "Stop at pass";
+        let tooltip = "The scene file ends the render after so many passes, to give a picture again that the clock ended";
+        ui.horizontal(|ui| {
+            switch_row_ui(ui, label, tooltip, &mut is_on);
+            ui.weak(passes.to_string());
+        });
+        stop.passes = stop.passes.filter(|_| is_on);
+    }
+    let may_stop = stop.noise.is_some() || stop.seconds.is_some();
+    if may_stop && settings.error_estimate {
+        ui.horizontal(|ui| {
+            switch_row_ui(
+                ui,
+                "Adaptive",
+                "Give more samples to the pixels that are still noisy, and none to those that are done; off gives all pixels the \
+                 same number",
+                &mut settings.adaptive,
+            );
+            let text = egui::RichText::new("samples where the error is");
+            let text = text.weak().small();
+            ui.add(egui::Label::new(text).truncate());
+        });
+    }
+    ui.add_enabled_ui(settings.stop.noise.is_none(), |ui| {
+        switch_row_ui(
+            ui,
+            "Estimate error",
+            "Estimate while rendering how far the picture is from the truth: for the noise in the status bar, the error plot and the \
+             error layer. It takes 36 bytes per pixel and changes no pixel of a render that does not stop early",
+            &mut settings.error_estimate,
+        )
+        .on_disabled_hover_text("Stop at noise needs it: switch that off first");
+    });
 }
 
 fn structure_ui(ui: &mut Ui, settings: &mut RenderSettings, structure: Option<StructureInUse>) {
@@ -378,7 +448,8 @@ pub fn layers_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         combo_row_ui(
             ui,
             "Layer",
-            "Which part of the picture to look at; the parts add up to the whole, shadow and occlusion are factors beside them",
+            "Which part of the picture to look at; the parts add up to the whole, shadow and occlusion are factors beside them, and \
+             the error is how far each pixel still is from the truth",
             state.shown_layer,
             &choices,
         );
@@ -437,7 +508,7 @@ fn layer_name(layer: Layer) -> &'static str {
         Layer::Indirect => "Indirect light",
         Layer::Shadow => "Shadow factor",
         Layer::Occlusion => "Occlusion factor",
-        Layer::Error => "Error",
+        Layer::Error => "Error of each pixel",
     }
 }
 

@@ -1,0 +1,147 @@
+//! The error of each pixel as colours: dark blue where there is none, up to yellow.
+//!
+//! Errors are small and differ by orders of magnitude between scenes, so the scale is that of the picture itself; the legend
+//! says what it is.
+
+use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Ui, Vec2};
+
+use super::widgets::format_number;
+use crate::render::Image;
+
+/// From no error to the largest on the scale, each brighter than the one before, so that it also reads without colours.
+const COLORS: [[u8; 3]; 5] = [
+    [0x0a, 0x0e, 0x3a],
+    [0x2a, 0x48, 0x9a],
+    [0x2f, 0x8f, 0x9c],
+    [0x8f, 0xc0, 0x5a],
+    [0xfd, 0xe9, 0x4b],
+];
+
+/// One pixel in so many may lie beyond the scale.
+const PIXELS_PER_OUTLIER: usize = 100;
+
+/// Size of the legend, and its distance from the picture's edges, in points.
+const LEGEND: Vec2 = Vec2::new(236.0, 44.0);
+const LEGEND_DISTANCE: f32 = 10.0;
+
+/// The error of a pixel: that of its worst channel.
+fn worst_channel(rgb: [f32; 3]) -> f32 {
+    rgb[0].max(rgb[1]).max(rgb[2])
+}
+
+/// The error that has the last colour: what one pixel in a hundred exceeds; 0 where there is no error at all.
+#[must_use]
+pub fn scale_of(errors: &Image) -> f32 {
+    let mut worst: Vec<f32> = errors
+        .pixels
+        .iter()
+        .map(|&rgb| worst_channel(rgb))
+        .collect();
+    worst.retain(|error| error.is_finite());
+    if worst.is_empty() {
+        return 0.0;
+    }
+    let rank = worst.len() - 1 - worst.len() / PIXELS_PER_OUTLIER;
+    *worst.select_nth_unstable_by(rank, f32::total_cmp).1
+}
+
+/// The colour of a pixel's error on a scale that ends at `scale`.
+#[must_use]
+pub fn color(rgb: [f32; 3], scale: f32) -> Color32 {
+    let error = worst_channel(rgb);
+    let share = if error > 0.0 && scale > 0.0 {
+        (error / scale).min(1.0)
+    } else {
+        0.0
+    };
+    color_of_share(share)
+}
+
+fn color_of_share(share: f32) -> Color32 {
+    let place = share * (COLORS.len() - 1) as f32;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at least 0 and less than the number of colours"
+    )]
+    let index = (place as usize).min(COLORS.len() - 2);
+    let [from, to] =
+        [index, index + 1].map(|i| Color32::from_rgb(COLORS[i][0], COLORS[i][1], COLORS[i][2]));
+    from.lerp_to_gamma(to, place - index as f32)
+}
+
+/// Draws what the colours mean into the lower left corner of the picture in `frame`.
+pub fn legend_ui(ui: &mut Ui, frame: Rect, scale: f32) {
+    let corner = frame.left_bottom() + Vec2::new(LEGEND_DISTANCE, -LEGEND_DISTANCE - LEGEND.y);
+    let area = Rect::from_min_size(corner, LEGEND);
+    let painter = ui.painter();
+    painter.rect_filled(area, 6.0, Color32::from_black_alpha(190));
+    let inside = area.shrink2(Vec2::new(10.0, 7.0));
+    let bar = Rect::from_min_max(inside.left_bottom() - Vec2::new(0.0, 9.0), inside.max);
+    let mut mesh = Mesh::default();
+    let mut share = 0.0;
+    for (corner, _) in (0..).step_by(2).zip(COLORS) {
+        let x = egui::lerp(bar.x_range(), share);
+        for y in [bar.top(), bar.bottom()] {
+            mesh.colored_vertex(Pos2::new(x, y), color_of_share(share));
+        }
+        if share > 0.0 {
+            mesh.add_triangle(corner - 2, corner - 1, corner);
+            mesh.add_triangle(corner - 1, corner, corner + 1);
+        }
+        share += 1.0 / (COLORS.len() - 1) as f32;
+    }
+    painter.add(mesh);
+
+    let text = format!("{} W/m²/sr or more", format_number(f64::from(scale), 4));
+    let ink = Color32::from_gray(0xe8);
+    let font = || FontId::proportional(11.0);
+    painter.text(inside.left_top(), Align2::LEFT_TOP, "Error 0", font(), ink);
+    painter.text(inside.right_top(), Align2::RIGHT_TOP, &text, font(), ink);
+    let response = ui.interact(
+        area,
+        ui.scope_id().with("error legend"),
+        egui::Sense::hover(),
+    );
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Error up to {text}"))
+    });
+    response.on_hover_text(
+        "Colours of the error of each pixel, in its worst channel, averaged over the pixels around it. One pixel in a hundred \
+         lies beyond the scale",
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_pixel_in_a_hundred_is_off_the_scale() {
+        let mut pixels: Vec<[f32; 3]> = (0..200_u16).map(|i| [0.0, f32::from(i), 0.0]).collect();
+        pixels.push([f32::NAN; 3]);
+        let errors = Image {
+            width: 201,
+            height: 1,
+            pixels,
+        };
+        assert_eq!(scale_of(&errors), 197.0);
+        assert_eq!(color([0.0, 500.0, 0.0], 197.0), color_of_share(1.0));
+    }
+
+    #[test]
+    fn larger_errors_are_brighter_and_nothing_breaks() {
+        let brightness = |share: f32| {
+            let [r, g, b, _] = color([share, 0.0, 0.0], 1.0).to_array();
+            u32::from(r) * 2 + u32::from(g) * 5 + u32::from(b)
+        };
+        let steps: Vec<u32> = (0..=20_u8)
+            .map(|i| brightness(f32::from(i) / 20.0))
+            .collect();
+        assert!(steps.is_sorted(), "{steps:?}");
+        let darkest = color_of_share(0.0);
+        assert_eq!(color([f32::NAN; 3], 1.0), darkest);
+        assert_eq!(color([1.0; 3], 0.0), darkest);
+        assert_eq!(color([f32::INFINITY; 3], 1.0), color_of_share(1.0));
+    }
+}
