@@ -166,7 +166,8 @@ fn a_report_holds_every_point_of_every_seed_and_variant() {
     assert!(page.contains("](report.svg)") && page.contains("estimated / true"));
 }
 
-/// At 32 samples and more, the noise is at least 1 %; the ball's faces lie up to 0.4 % inside the sphere.
+/// The ball's faces lie up to 0.4 % inside the sphere, less than the noise. Here the error falls fast at first and like that of
+/// independent samples later; while it turns, estimates are too small, but the interval must hold the truth.
 #[test]
 fn estimates_agree_with_the_true_error_of_a_furnace() {
     let folder = folder();
@@ -175,7 +176,7 @@ fn estimates_agree_with_the_true_error_of_a_furnace() {
     assert_eq!(facts["seeds"], json!([5, 6, 7]));
     assert_eq!(facts["reference"]["kind"], "exact");
     assert_eq!(facts["reference"]["radiance"], json!([1.0, 1.0, 1.0]));
-    for point in &facts["points"].as_array().expect("a list")[5..] {
+    for point in &facts["points"].as_array().expect("a list")[4..] {
         for error in ["rmse", "relmse"] {
             let found = number(&point[format!("true_{error}")]);
             assert_eq!(found, number(&point[format!("measured_{error}")]));
@@ -185,7 +186,13 @@ fn estimates_agree_with_the_true_error_of_a_furnace() {
             } else {
                 ratio
             };
-            assert!((0.8..1.25).contains(&ratio), "{error}: {ratio} at {point}");
+            let interval = &point[format!("estimated_{error}_interval")];
+            let is_right = if number(&point["samples_per_pixel"]) < 128.0 {
+                number(&interval[0]) <= found && found <= number(&interval[1])
+            } else {
+                (0.8..1.25).contains(&ratio)
+            };
+            assert!(is_right, "{error}: {ratio} at {point}");
         }
     }
 }
