@@ -377,6 +377,7 @@ impl ErrorEstimator {
         };
         let factors: Vec<(u32, f64)> = self.groups.iter().map(factor).collect();
         let mut errors: Vec<f64> = (0..self.falls.len())
+            .into_par_iter()
             .filter(|&index| survey.is_measured(index))
             .filter_map(|index| {
                 let samples = film.samples(index);
