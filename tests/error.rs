@@ -230,8 +230,8 @@ fn estimates_are_true_where_light_bounces() {
     assert_honest(&scene, "room", 0.8..=1.25, from_picture(&reference));
 }
 
-/// The truth lies in the 95 % interval 93 to 97 times of 100, over 2,100 pictures of 3 scenes: three times the standard deviation
-/// of the share is 1.4 %, which leaves room for no more than 0.6 % of deviation.
+/// The truth lies in the 95 % interval 93 to 97 times of 100, over 2,100 pictures of 3 scenes taken together: three times the
+/// standard deviation of the share is 1.4 %, which leaves room for no more than 0.6 % of deviation.
 #[test]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     let size = [24, 18];
