@@ -18,9 +18,11 @@ pub struct Film {
     marks: Option<Vec<Marks>>,
 }
 
-/// Means of a pixel on its way from one power of two, or the present number of samples where that is one, to the next.
+/// Means of a pixel on its way from one power of two, or the present number of samples where that is one, to the next, and what
+/// its samples took.
 #[derive(Clone, Copy, Debug, Default)]
 struct Marks {
+    rays: u32,
     quarter: [f32; 3],
     half: [f32; 3],
     three_quarters: [f32; 3],
@@ -57,6 +59,7 @@ impl Halves {
 pub struct TileSums {
     planes: Vec<Vec<[f64; 3]>>,
     samples: Vec<u32>,
+    rays: Vec<u32>,
 }
 
 impl TileSums {
@@ -65,17 +68,19 @@ impl TileSums {
         Self {
             planes: vec![vec![[0.0; 3]; pixels]; 1 + layers.len()],
             samples: vec![0; pixels],
+            rays: vec![0; pixels],
         }
     }
 
-    /// Adds a sample of the pixel number `index`.
-    pub fn add(&mut self, index: usize, layers: &[Layer], sample: &Gathered) {
+    /// Adds a sample of the pixel number `index` that took `rays`.
+    pub fn add(&mut self, index: usize, layers: &[Layer], sample: &Gathered, rays: u32) {
         let (picture, rest) = self.planes.split_first_mut().expect("the picture is there");
         add_to(&mut picture[index], sample.radiance.as_dvec3().to_array());
         for (plane, &layer) in rest.iter_mut().zip(layers) {
             add_to(&mut plane[index], sample.of(layer).as_dvec3().to_array());
         }
         self.samples[index] += 1;
+        self.rays[index] = self.rays[index].saturating_add(rays);
     }
 }
 
@@ -131,13 +136,15 @@ impl Film {
             let in_tile = row * width..(row + 1) * width;
             if let Some(marks) = &mut self.marks {
                 let states = marks[start..].iter_mut().zip(&self.samples[start..]);
-                let added = self.planes[0][start..]
+                let added = sums.samples[in_tile.clone()]
                     .iter()
-                    .zip(&sums.samples[in_tile.clone()]);
-                for ((mark, &before), (sum, &added)) in states.zip(added) {
+                    .zip(&sums.rays[in_tile.clone()]);
+                let added = self.planes[0][start..].iter().zip(added);
+                for ((mark, &before), (sum, (&added, &rays))) in states.zip(added) {
                     if added > 0 && before.is_power_of_two() {
                         mark.begin(mean_of(sum, before));
                     }
+                    mark.rays = mark.rays.saturating_add(rays);
                 }
             }
             for (plane, sums) in self.planes.iter_mut().zip(&sums.planes) {
@@ -170,6 +177,20 @@ impl Film {
     #[must_use]
     pub fn samples(&self, index: usize) -> u32 {
         self.samples[index]
+    }
+
+    /// How many rays the samples of the pixel number `index` took, 2³² − 1 at most; 0 where the film is not made for error
+    /// estimates.
+    #[must_use]
+    pub fn rays(&self, index: usize) -> u32 {
+        self.marks.as_ref().map_or(0, |marks| marks[index].rays)
+    }
+
+    /// Rays of all pixels, as far as [`Self::rays`] tells.
+    #[must_use]
+    pub fn total_rays(&self) -> u64 {
+        let marks = self.marks.iter().flatten();
+        marks.map(|marks| u64::from(marks.rays)).sum()
     }
 
     /// Mean radiance of the pixel number `index`; black where nothing was sampled.
@@ -311,7 +332,7 @@ mod tests {
         let mut sums = TileSums::new(&[Layer::Ambient], pixels);
         for index in 0..pixels {
             for &sample in samples {
-                sums.add(index, &[Layer::Ambient], &Gathered::seen(sample.into()));
+                sums.add(index, &[Layer::Ambient], &Gathered::seen(sample.into()), 2);
             }
         }
         sums
@@ -341,6 +362,8 @@ mod tests {
         assert_eq!(film.image().pixel(0, 0), [1.0, 2.0, 4.0]);
         assert_eq!(film.means(corner), [[[1.0, 0.5, 1.0]], [[0.0; 3]]]);
         assert_eq!((film.total_samples(), film.sample_range()), (9, [1, 4]));
+        assert_eq!((film.total_rays(), film.rays(2), film.rays(3)), (18, 2, 2));
+        assert_eq!(film.rays(5), 8);
     }
 
     #[test]

@@ -178,12 +178,14 @@ pub fn sample_tile(
                     if cancel.is_cancelled() {
                         return None;
                     }
+                    let before = counts.rays.total();
                     let mut sample = scene.gathered(begun, &mut counts.rays);
+                    let rays = counts.rays.total() - before;
                     counts.count_failures(&sample);
                     if let Some(most) = scene.clamp() {
                         counts.clamp(&mut sample, most);
                     }
-                    sums.add(place(x, y), layers, &sample);
+                    sums.add(place(x, y), layers, &sample, few(rays));
                 }
             }
             taken += count as u64 * u64::from(together.count);
@@ -192,6 +194,11 @@ pub fn sample_tile(
         progress.count_rays(counts.rays.total() - traced_before);
     }
     Some(TileBlock { sums, counts })
+}
+
+/// A number of rays; what is more than the largest gives that.
+fn few(rays: u64) -> u32 {
+    u32::try_from(rays).unwrap_or(u32::MAX)
 }
 
 /// A picture of `tile` from the first sample of the middle pixel of each block; `None` when cancelled.

@@ -1,13 +1,13 @@
 //! Where the next samples do most for a picture.
 //!
-//! Doubling a pixel's samples removes a known part of its variance ([`Decay`]) at a known price. The best picture for a number
-//! of samples is the one where no doubling left undone removes more per sample than any that was done: one threshold for all
-//! pixels. Pixels are sorted into cells by the logarithm of their noise, so that a threshold is found without looking at the
-//! pixels again.
+//! Doubling a pixel's samples removes a known part of its variance ([`Decay`]) at a known price: the rays they take. The best
+//! picture for a price is the one where no doubling left undone removes more for it than any that was done: one threshold for
+//! all pixels. Pixels are sorted into cells by the logarithm of what a sample is worth there, so that a threshold is found
+//! without looking at the pixels again.
 //!
-//! A pixel's own samples have no say in how many it gets: its noise is judged by those neighbours that lie on the other colour of
-//! a chessboard. Deciding by its own samples would stop early where they happened to miss something bright, and leave the
-//! picture too dark.
+//! A pixel's own samples have no say in how many it gets: its noise and its price are judged by those neighbours that lie on the
+//! other colour of a chessboard. Deciding by its own samples would stop early where they happened to miss something bright, and
+//! leave the picture too dark.
 
 use rayon::prelude::*;
 
@@ -28,8 +28,8 @@ const LEAST_SHARE: f64 = 1.0 / 32.0;
 #[derive(Clone, Debug)]
 pub struct Allotment {
     curve: Curve,
-    /// Per pixel: its variance over that of the decay curve.
-    noise: Vec<f32>,
+    /// Per pixel: its variance, over that of the decay curve, for the price of a sample.
+    worth: Vec<f32>,
     cells: Vec<Cell>,
 }
 
@@ -57,12 +57,28 @@ impl Curve {
     }
 }
 
-/// Pixels with the same number of samples and about the same noise.
+/// Pixels with the same number of samples, each of which is worth about the same.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     samples: u32,
     place: usize,
-    pixels: f64,
+    sums: PixelSums,
+}
+
+/// Sums over pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct PixelSums {
+    /// Of their variances, each over that of the decay curve.
+    noise: f64,
+    /// Of the prices of a sample in each.
+    price: f64,
+}
+
+/// What is known of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Judgement {
+    noise: f32,
+    price: f32,
 }
 
 /// What it takes to reach a level of noise.
@@ -70,7 +86,7 @@ struct Cell {
 pub struct Forecast {
     /// The gain per sample below which doublings are left undone.
     threshold: f64,
-    /// Samples still to take.
+    /// Samples still to take, at the mean price of those taken so far.
     pub samples: f64,
     /// Whether they suffice.
     pub is_reached: bool,
@@ -92,72 +108,73 @@ impl Allotment {
         let (width, height) = (region.width as usize, region.height as usize);
         let curve = Curve::new(estimator.decay());
         let falls = estimator.falls();
-        let own: Vec<f32> = (0..region.pixel_count())
+        let mean_rays = film.total_rays() as f64 / film.total_samples() as f64;
+        #[expect(clippy::cast_possible_truncation, reason = "precise enough to compare")]
+        let own: Vec<Judgement> = (0..region.pixel_count())
             .into_par_iter()
             .map(|index| {
                 let samples = film.samples(index);
                 let scale = estimator.variance_over_fall(samples) / curve.variance(samples);
-                #[expect(clippy::cast_possible_truncation, reason = "precise enough to compare")]
-                {
-                    (f64::from(falls[index]) * scale) as f32
+                let rays = f64::from(film.rays(index)) / f64::from(samples);
+                Judgement {
+                    noise: (f64::from(falls[index]) * scale) as f32,
+                    price: (rays / mean_rays) as f32,
                 }
             })
             .collect();
-        let mut noise = vec![0.0; own.len()];
-        noise
-            .par_chunks_mut(width)
-            .enumerate()
-            .for_each(|(y, row)| {
-                for (x, noise) in row.iter_mut().enumerate() {
-                    *noise = of_neighbours(&own, [width, height], [x, y]);
-                }
-            });
+        let judged: Vec<Judgement> = (0..own.len())
+            .into_par_iter()
+            .map(|index| of_neighbours(&own, [width, height], [index % width, index / width]))
+            .collect();
 
-        let mut counts: Vec<(u32, Vec<u64>)> = Vec::new();
-        for (index, &noise) in noise.iter().enumerate() {
+        let mut rows: Vec<(u32, Vec<PixelSums>)> = Vec::new();
+        for (index, pixel) in judged.iter().enumerate() {
             let samples = film.samples(index);
-            let known = counts.iter().position(|(known, _)| *known == samples);
+            let known = rows.iter().position(|(known, _)| *known == samples);
             let row = known.unwrap_or_else(|| {
-                counts.push((samples, vec![0; CELLS]));
-                counts.len() - 1
+                rows.push((samples, vec![PixelSums::default(); CELLS]));
+                rows.len() - 1
             });
-            counts[row].1[place_of(noise)] += 1;
+            let sums = &mut rows[row].1[place_of(pixel.worth())];
+            sums.noise += f64::from(pixel.noise);
+            sums.price += f64::from(pixel.price);
         }
-        let cells = counts.into_iter().flat_map(|(samples, row)| {
+        let cells = rows.into_iter().flat_map(|(samples, row)| {
             let filled = row
                 .into_iter()
                 .enumerate()
-                .filter(|(_, pixels)| *pixels > 0);
-            filled.map(move |(place, pixels)| Cell {
+                .filter(|(_, sums)| sums.price > 0.0);
+            filled.map(move |(place, sums)| Cell {
                 samples,
                 place,
-                pixels: pixels as f64,
+                sums,
             })
         });
         Self {
             curve,
             cells: cells.collect(),
-            noise,
+            worth: judged.iter().map(Judgement::worth).collect(),
         }
     }
 
     /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where no pixel gets more than
     /// `most`.
     pub fn for_variance(&self, share: f64, most: u32) -> Forecast {
-        let variance = |cell: &Cell, samples| noise_at(cell.place) * self.curve.variance(samples);
+        let variance = |cell: &Cell, samples| cell.sums.noise * self.curve.variance(samples);
         let goal = share * self.sum(|cell| variance(cell, cell.samples));
         let left =
             |threshold: f64| self.sum(|cell| variance(cell, self.target(cell, threshold, most)));
         let threshold = bisect(|threshold| left(threshold) <= goal);
+        let missing = |cell: &Cell| self.target(cell, threshold, most) - cell.samples;
         Forecast {
             threshold,
-            samples: self.sum(|cell| f64::from(self.target(cell, threshold, most) - cell.samples)),
+            samples: self.sum(|cell| cell.sums.price * f64::from(missing(cell))),
             is_reached: left(threshold) <= goal,
         }
     }
 
-    /// The pixels whose samples are to be doubled next on the way of `forecast`, or as far as `budget` more samples allow.
-    /// None gets more than `most` samples; `None` when all have them.
+    /// The pixels whose samples are to be doubled next on the way of `forecast`, or as far as `budget` more samples of mean price
+    /// allow. None gets more than `most` samples; `None` when all have them.
     pub fn select(
         &self,
         film: &Film,
@@ -165,11 +182,11 @@ impl Allotment {
         budget: f64,
         most: u32,
     ) -> Option<Vec<bool>> {
-        let total = self.sum(|cell| f64::from(cell.samples));
+        let total = self.sum(|cell| cell.sums.price * f64::from(cell.samples));
         let next = |threshold: f64| {
             self.sum(|cell| {
-                if self.gain(cell, cell.samples, most) > threshold {
-                    f64::from(doubled(cell.samples, most) - cell.samples)
+                if self.gain(cell.place, cell.samples, most) > threshold {
+                    cell.sums.price * f64::from(doubled(cell.samples, most) - cell.samples)
                 } else {
                     0.0
                 }
@@ -178,43 +195,35 @@ impl Allotment {
         let affordable = bisect(|threshold| next(threshold) >= budget);
         let worthwhile = bisect(|threshold| next(threshold) >= total * LEAST_SHARE);
         let threshold = forecast.threshold.max(affordable).min(worthwhile);
-        let is_selected = |(index, &noise): (usize, &f32)| {
-            let samples = film.samples(index);
-            let cell = Cell {
-                samples,
-                place: place_of(noise),
-                pixels: 1.0,
-            };
-            self.gain(&cell, samples, most) > threshold
+        let is_selected = |(index, &worth): (usize, &f32)| {
+            self.gain(place_of(worth), film.samples(index), most) > threshold
         };
-        let selected: Vec<bool> = self.noise.iter().enumerate().map(is_selected).collect();
+        let selected: Vec<bool> = self.worth.iter().enumerate().map(is_selected).collect();
         selected.contains(&true).then_some(selected)
     }
 
-    /// By how much a pixel's variance falls per sample, when its number is doubled from `samples`; 0 where it has the most.
-    fn gain(&self, cell: &Cell, samples: u32, most: u32) -> f64 {
+    /// By how much a pixel's variance falls for the price of a sample of mean price, when its number is doubled from `samples`;
+    /// 0 where it has the most.
+    fn gain(&self, place: usize, samples: u32, most: u32) -> f64 {
         let doubled = doubled(samples, most);
         if doubled == samples {
             return 0.0;
         }
         let fall = self.curve.variance(samples) - self.curve.variance(doubled);
-        noise_at(cell.place) * fall / f64::from(doubled - samples)
+        worth_at(place) * fall / f64::from(doubled - samples)
     }
 
     /// How many samples a pixel ends with.
     fn target(&self, cell: &Cell, threshold: f64, most: u32) -> u32 {
         let mut samples = cell.samples;
-        while self.gain(cell, samples, most) > threshold {
+        while self.gain(cell.place, samples, most) > threshold {
             samples = doubled(samples, most);
         }
         samples
     }
 
     fn sum(&self, value: impl Fn(&Cell) -> f64) -> f64 {
-        self.cells
-            .iter()
-            .map(|cell| cell.pixels * value(cell))
-            .sum()
+        self.cells.iter().map(value).sum()
     }
 }
 
@@ -225,28 +234,41 @@ fn doubled(samples: u32, most: u32) -> u32 {
 /// The nearest neighbours of a pixel, as steps in x and y: on a chessboard, they have the other colour.
 const NEIGHBOURS: [[isize; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
 
-/// The mean of `values` over the [`NEIGHBOURS`] of one.
-fn of_neighbours(values: &[f32], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> f32 {
-    let (mut sum, mut count) = (0.0, 0.0);
+impl Judgement {
+    fn worth(&self) -> f32 {
+        self.noise / self.price
+    }
+}
+
+/// The mean of the judgements of the [`NEIGHBOURS`] of one, or of itself where it has none.
+fn of_neighbours(own: &[Judgement], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> Judgement {
+    let (mut sum, mut count) = (Judgement::default(), 0.0);
     for [dx, dy] in NEIGHBOURS {
         let (Some(column), Some(row)) = (x.checked_add_signed(dx), y.checked_add_signed(dy)) else {
             continue;
         };
         if column < width && row < height {
-            sum += values[row * width + column];
+            sum.noise += own[row * width + column].noise;
+            sum.price += own[row * width + column].price;
             count += 1.0;
         }
     }
-    if count > 0.0 { sum / count } else { values[0] }
+    if count == 0.0 {
+        return own[0];
+    }
+    Judgement {
+        noise: sum.noise / count,
+        price: sum.price / count,
+    }
 }
 
-/// The cell of a noise of at least 0.
-fn place_of(noise: f32) -> usize {
-    (noise.to_bits() >> BITS_WITHIN_CELL) as usize
+/// The cell of a worth of at least 0.
+fn place_of(worth: f32) -> usize {
+    (worth.to_bits() >> BITS_WITHIN_CELL) as usize
 }
 
-/// The noise in the middle of a cell.
-fn noise_at(place: usize) -> f64 {
+/// The worth in the middle of a cell.
+fn worth_at(place: usize) -> f64 {
     if place == 0 {
         return 0.0;
     }
@@ -266,4 +288,66 @@ fn bisect(holds: impl Fn(f64) -> bool) -> f64 {
         }
     }
     libm::exp2(low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::render::film::{TileSums, block_after};
+    use crate::render::layers::Gathered;
+    use crate::render::tiles::Region;
+
+    const WIDTH: usize = 64;
+
+    /// A film of 64 × 64 pixels of the same noise after 64 independent samples each, whose samples take 1 ray in the left half
+    /// and `price` rays in the right one.
+    fn film(price: u32) -> Film {
+        let region = Region::full(64, 64);
+        let mut film = Film::new(region, &[], true);
+        let mut state = 1_u32;
+        while film.samples(0) < 64 {
+            let mut sums = TileSums::new(&[], region.pixel_count());
+            for index in 0..region.pixel_count() {
+                for _ in 0..block_after(film.samples(0)) {
+                    // Source of the constants: Numerical Recipes, 3rd edition, 7.1.
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    let value = if state >> 31 == 0 { 0.5 } else { 1.5 };
+                    let rays = if index % WIDTH < WIDTH / 2 { 1 } else { price };
+                    sums.add(index, &[], &Gathered::seen(Vec3::splat(value)), rays);
+                }
+            }
+            film.add(region, &sums);
+        }
+        film
+    }
+
+    /// The number of samples n that makes Σ σ²/n smallest for a given Σ c·n is as 1/√c. Doublings come within a factor of two.
+    #[test]
+    fn dear_samples_are_taken_where_they_pay() {
+        for (price, expected) in [(1, 1.0), (16, 4.0), (64, 8.0)] {
+            let film = film(price);
+            let mut estimator = ErrorEstimator::new(film.pixels());
+            estimator.update(&film, None);
+            let allotment = Allotment::new(&film, &estimator);
+            let most = 1 << 20;
+            let forecast = allotment.for_variance(1.0 / 64.0, most);
+            assert!(forecast.is_reached);
+            let samples = |is_right: bool| {
+                let of_half = |(index, _): &(usize, &f32)| (index % WIDTH >= WIDTH / 2) == is_right;
+                let half = allotment.worth.iter().enumerate().filter(of_half);
+                let target = |(index, &worth): (usize, &f32)| {
+                    let cell = Cell {
+                        samples: film.samples(index),
+                        place: place_of(worth),
+                        sums: PixelSums::default(),
+                    };
+                    f64::from(allotment.target(&cell, forecast.threshold, most))
+                };
+                half.map(target).sum::<f64>()
+            };
+            let ratio = samples(false) / samples(true) / expected;
+            assert!((0.71..1.41).contains(&ratio), "{price}: {ratio}");
+        }
+    }
 }
