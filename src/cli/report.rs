@@ -367,6 +367,13 @@ fn describe(study: &Study, folder: &Path) -> Result<()> {
                 three_digits(last.seconds.median)
             ))?;
         }
+        if let Some(honesty) = summary.honesty {
+            let [least, most] = honesty.estimated_over_true;
+            super::say(&format!(
+                "{}: estimated / true error {least:.2} to {most:.2} from 16 samples on, {} of {} intervals held the truth",
+                variant.name, honesty.intervals_held, honesty.intervals
+            ))?;
+        }
         if summary.non_finite_samples > 0 {
             eprintln!(
                 "warning: {}: {} samples were infinite or not a number",

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::fit::TimeTo;
 use super::reference::{Origin, Reference};
 use super::study::{Machine, Study, Variant};
-use super::summary::{Efficiency, Summary, SummaryPoint};
+use super::summary::{Efficiency, Honesty, Summary, SummaryPoint};
 use crate::analysis::bench::Spread;
 use crate::render::{Clamped, Interval, NOISE_TARGETS};
 use crate::scene::Choice;
@@ -54,6 +54,8 @@ struct VariantFacts<'a> {
     points: Vec<PointFacts>,
     slope: Option<f64>,
     noise_slope: Option<f64>,
+    /// Null where there is no estimate from 16 samples on.
+    honesty: Option<Honesty>,
     efficiency: Efficiency,
     time_to: BTreeMap<String, Option<TimeTo>>,
     non_finite_samples: u64,
@@ -170,6 +172,7 @@ impl<'a> VariantFacts<'a> {
             points: summary.points.iter().map(PointFacts::from).collect(),
             slope: summary.slope,
             noise_slope: summary.noise_slope,
+            honesty: summary.honesty,
             efficiency: summary.efficiency,
             time_to: times
                 .map(|(noise, time)| (format!("{noise:.2}"), time))

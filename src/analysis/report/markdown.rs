@@ -4,7 +4,7 @@ use super::digits::{percent, three_digits};
 use super::fit::TimeTo;
 use super::reference::Origin;
 use super::study::{Study, Variant};
-use super::summary::{Summary, SummaryPoint};
+use super::summary::{Honesty, Summary, SummaryPoint};
 use super::svg::{correction, seeds_in_words, settings, signed};
 use crate::analysis::bench::Spread;
 use crate::render::NOISE_TARGETS;
@@ -126,11 +126,16 @@ fn summaries(variants: &[(&Variant, Summary)]) -> String {
                 NONE.to_owned()
             }
         };
+        let [ratios, held] = summary
+            .honesty
+            .map_or_else(|| [NONE; 2].map(str::to_owned), honesty);
         let mut row = vec![
             code(variant, variants),
             number(summary.build_seconds.median),
             slope(summary.noise_slope),
             slope(summary.slope),
+            ratios,
+            held,
             number(summary.efficiency.wall),
             number(summary.efficiency.cpu),
         ];
@@ -143,14 +148,30 @@ fn summaries(variants: &[(&Variant, Summary)]) -> String {
         "build (s)",
         "slope of noise",
         "slope of RMSE",
+        "estimated / true",
+        "95 % intervals held",
         "efficiency, wall",
         "efficiency, CPU",
     ];
     head.extend(times.iter().map(String::as_str));
     table(&head, &rows.collect::<Vec<_>>())
-        + "\n\nEfficiency is 1 / (relMSE · seconds) at the last point. Times are seconds of rendering until the median noise is \
+        + "\n\nEstimates are compared with true errors, RMSE and noise, at all points from 16 samples on: the smallest and largest \
+        ratio of their medians, and how often the intervals of the renders held the truth. Efficiency is 1 / (relMSE · seconds) at the last point. Times are seconds of rendering until the median noise is \
         that low: between points by interpolation, *predicted* beyond the last point by following the slope, ≤ where already \
         the first point is below."
+}
+
+fn honesty(honesty: Honesty) -> [String; 2] {
+    let [least, most] = honesty.estimated_over_true;
+    let ratios = if least.is_finite() && most.is_finite() {
+        format!("{least:.2} – {most:.2}")
+    } else {
+        NONE.to_owned()
+    };
+    [
+        ratios,
+        format!("{} of {}", honesty.intervals_held, honesty.intervals),
+    ]
 }
 
 fn time(time: Option<TimeTo>) -> String {
@@ -336,7 +357,7 @@ mod tests {
             "![Noise against render time](report.svg)",
             "With 8 samples per pixel and after 8.00 s of rendering the picture has **5.00 % noise** (median of 3 seeds); \
              the renders themselves say 5.00 %, without a reference. Noise falls as render time to the power of −1.00.",
-            "| as the scene says | 0.500 | −1.00 | −1.00 | 50.0 | 25.0 | 4.00 | 13.3 (predicted) | 40.0 (predicted) |",
+            "| as the scene says | 0.500 | −1.00 | −1.00 | — | — | 50.0 | 25.0 | 4.00 | 13.3 (predicted) | 40.0 (predicted) |",
             "### `render.a=1, \"b\"`",
             "| 1 | 1.00 (1.00 – 1.00) | 2.00 | 40.0 % (32.0 % – 48.0 %) | — | — | 0.200 | — |",
             "| as the scene says | 6 | 0 | 0 | 0 % | 0 |",

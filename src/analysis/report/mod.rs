@@ -23,6 +23,6 @@ pub use json::to_json;
 pub use markdown::to_markdown;
 pub use reference::{Origin, Reference};
 pub use study::{Machine, Study, Variant};
-pub use summary::{Efficiency, Estimated, Summary, SummaryPoint};
+pub use summary::{Efficiency, Estimated, Honesty, Summary, SummaryPoint};
 pub use svg::to_chart;
 pub use trial::{Measurement, Trial, TrueErrors};

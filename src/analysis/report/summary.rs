@@ -5,12 +5,15 @@ use serde::Serialize;
 use super::fit::{TimeTo, log_slope, time_to};
 use super::reference::Reference;
 use super::study::Variant;
-use super::trial::{Measurement, Trial};
+use super::trial::{Measurement, Trial, TrueErrors};
 use crate::analysis::bench::Spread;
 use crate::render::{Clamped, ErrorEstimate, Interval, NOISE_TARGETS};
 
 /// Samples from which points count for slopes: with fewer, what a render does once weighs too much.
 const SLOPE_FROM: f64 = 4.0;
+
+/// Samples from which renders are taken at their word.
+const HONEST_FROM: f64 = 16.0;
 
 /// Over the seeds of a variant.
 #[derive(Clone, Debug)]
@@ -25,6 +28,8 @@ pub struct Summary {
     pub noise_slope: Option<f64>,
     /// At the last point.
     pub efficiency: Efficiency,
+    /// How well the renders know their own error; `None` where none says from [`HONEST_FROM`] samples on.
+    pub honesty: Option<Honesty>,
     /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
     /// Samples that were infinite or not a number, of all trials.
@@ -71,6 +76,19 @@ pub struct Estimated {
     pub relmse: Spread,
     /// Medians of the ends of the interval.
     pub relmse_interval: [f64; 2],
+    /// How many of the renders have the truth in their intervals, that of the RMSE and that of relmse.
+    pub intervals_held: [usize; 2],
+}
+
+/// What the renders say of themselves against the truth, at all points from [`HONEST_FROM`] samples on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Honesty {
+    /// The smallest and the largest estimate over the truth, medians over the seeds, of RMSE and noise.
+    pub estimated_over_true: [f64; 2],
+    /// How many of the 95 % intervals hold the truth, of RMSE and relmse of every render.
+    pub intervals_held: usize,
+    /// Of so many.
+    pub intervals: usize,
 }
 
 /// What time buys: 1 / (relMSE · seconds), median. Four times as much halves the noise of the same time.
@@ -125,6 +143,7 @@ impl Summary {
             build_seconds: spread(trials.iter().map(|trial| trial.build_seconds))?,
             slope: log_slope(&curve(|point| point.true_rmse.median, SLOPE_FROM)),
             noise_slope,
+            honesty: honesty(&points, trials.len()),
             efficiency: efficiency(trials, moments, reference),
             time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, noise_slope)),
             non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
@@ -164,7 +183,7 @@ fn point(trials: &[Trial], moment: usize, reference: &Reference) -> Option<Summa
         seconds: of(&|m| m.seconds)?,
         seconds_with_build: spread(with_build)?,
         cpu_seconds: of(&|m| m.cpu_seconds)?,
-        estimated: estimated(trials, moment),
+        estimated: estimated(trials, moment, reference),
         measured_rmse: of(&|m| m.measured.rmse())?,
         measured_relmse: of(&|m| m.measured.relmse)?,
         true_rmse: of(&|m| truth(m).mse.sqrt())?,
@@ -172,12 +191,16 @@ fn point(trials: &[Trial], moment: usize, reference: &Reference) -> Option<Summa
     })
 }
 
-fn estimated(trials: &[Trial], moment: usize) -> Option<Estimated> {
-    let estimates: Option<Vec<ErrorEstimate>> = trials
-        .iter()
-        .map(|trial| trial.measurements[moment].estimated)
-        .collect();
+fn estimated(trials: &[Trial], moment: usize, reference: &Reference) -> Option<Estimated> {
+    let measurements = trials.iter().map(|trial| &trial.measurements[moment]);
+    let estimates: Option<Vec<ErrorEstimate>> = measurements.clone().map(|m| m.estimated).collect();
     let estimates = estimates?;
+    let truths: Vec<_> = measurements.map(|m| m.true_errors(reference)).collect();
+    let held = |interval: fn(&ErrorEstimate) -> Interval, truth: fn(&TrueErrors) -> f64| {
+        let both = estimates.iter().zip(&truths);
+        both.filter(|(estimate, errors)| interval(estimate).contains(truth(errors)))
+            .count()
+    };
     let of = |value: &dyn Fn(&ErrorEstimate) -> f64| spread(estimates.iter().map(value));
     let ends = |interval: fn(&ErrorEstimate) -> Interval| {
         let low = of(&|estimate| interval(estimate).low)?;
@@ -189,6 +212,34 @@ fn estimated(trials: &[Trial], moment: usize) -> Option<Estimated> {
         rmse_interval: ends(|estimate| estimate.rmse)?,
         relmse: of(&|estimate| estimate.relmse.value)?,
         relmse_interval: ends(|estimate| estimate.relmse)?,
+        intervals_held: [
+            held(|estimate| estimate.rmse, |truth| truth.mse.sqrt()),
+            held(|estimate| estimate.relmse, |truth| truth.relmse),
+        ],
+    })
+}
+
+fn honesty(points: &[SummaryPoint], trials: usize) -> Option<Honesty> {
+    let late = points.iter().filter(|p| p.samples_per_pixel >= HONEST_FROM);
+    let pairs = late.filter_map(|point| Some((point, point.estimated?)));
+    let honesty = pairs.map(|(point, estimated)| {
+        let ratios = [
+            estimated.rmse.median / point.true_rmse.median,
+            (estimated.relmse.median / point.true_relmse.median).sqrt(),
+        ];
+        Honesty {
+            estimated_over_true: [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])],
+            intervals_held: estimated.intervals_held.iter().sum(),
+            intervals: 2 * trials,
+        }
+    });
+    honesty.reduce(|a, b| Honesty {
+        estimated_over_true: [
+            a.estimated_over_true[0].min(b.estimated_over_true[0]),
+            a.estimated_over_true[1].max(b.estimated_over_true[1]),
+        ],
+        intervals_held: a.intervals_held + b.intervals_held,
+        intervals: a.intervals + b.intervals,
     })
 }
 
@@ -210,7 +261,7 @@ fn efficiency(trials: &[Trial], moments: usize, reference: &Reference) -> Effici
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::report::test_data;
+    use crate::analysis::report::{Study, test_data};
 
     /// The data halve the noise when time doubles: 40 % after 1 s with 1 sample, 5 % after 8 s with 8, times a factor per seed.
     #[test]
@@ -245,6 +296,28 @@ mod tests {
         assert_eq!(times.map(|time| time.predicted), [false, true, true]);
         assert_eq!(summary.non_finite_samples, 6);
         assert_eq!(summary.unmeasured_pixels, 0);
+    }
+
+    /// By hand: an RMSE of 0.1 with the interval from 0.08 to 0.125 where 0.1 / 1.1 is true, and a relmse of 0.04 with that from
+    /// 0.032 to 0.05 where four times as much is.
+    #[test]
+    fn estimates_are_held_against_the_truth() {
+        let mut study = test_data::study();
+        assert_eq!(summary_of(&study).honesty, None, "fewer than 16 samples");
+        for trial in &mut study.variants[0].trials {
+            let mut measurement = test_data::measurement(16.0, 16.0, 0.01, 0.04);
+            measurement.measured.mse = 0.01 / 1.21;
+            measurement.measured.relmse = 0.16;
+            trial.measurements.push(measurement);
+        }
+        let honesty = summary_of(&study).honesty.expect("is there");
+        let [least, most] = honesty.estimated_over_true;
+        assert!((least - 0.5).abs() < 1e-9 && (most - 1.1).abs() < 1e-9);
+        assert_eq!((honesty.intervals_held, honesty.intervals), (3, 6));
+    }
+
+    fn summary_of(study: &Study) -> Summary {
+        Summary::of(&study.variants[0], &study.reference).expect("has trials")
     }
 
     #[test]

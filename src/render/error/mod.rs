@@ -53,6 +53,12 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Whether `truth` lies in it.
+    #[must_use]
+    pub fn contains(&self, truth: f64) -> bool {
+        (self.low..=self.high).contains(&truth)
+    }
+
     /// The interval of the square root.
     #[must_use]
     pub fn sqrt(self) -> Self {
