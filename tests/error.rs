@@ -103,6 +103,16 @@ fn room() -> Scene {
     scene
 }
 
+/// The same, where light is met by chance only.
+fn lit_by_chance() -> Scene {
+    let mut scene = room();
+    scene.render.light_sampling = LightSampling::Bsdf;
+    if let Light::Disk { visible, .. } = &mut scene.lights[0] {
+        *visible = true;
+    }
+    scene
+}
+
 /// A floor under a disk of radius 1 and radiance π at height 2, and the exact value of each pixel: the samples of a pixel all
 /// see the point at its centre. With a board, the half plane x < 0 at height 1 hides a part of the disk.
 fn lit_floor(has_board: bool, [width, height]: [u32; 2]) -> (Scene, Vec<f64>) {
@@ -179,12 +189,7 @@ fn seen_part_of_disk(point: DVec3, is_seen: impl Fn(f64) -> bool) -> f64 {
 
 /// Checks rounds from 16 samples on against exact values: the ratio of estimated to true error lies in `allowed`.
 #[track_caller]
-fn assert_honest(
-    scene: &Scene,
-    what: &str,
-    allowed: std::ops::RangeInclusive<f64>,
-    exact: impl Fn(usize, usize) -> f64,
-) {
+fn assert_honest(scene: &Scene, what: &str, exact: impl Fn(usize, usize) -> f64) {
     let mut tried = 0;
     for (image, estimate) in rounds(scene) {
         if estimate.samples_per_pixel < 16.0 {
@@ -197,7 +202,7 @@ fn assert_honest(
         ];
         for ratio in ratios {
             assert!(
-                allowed.contains(&ratio),
+                (0.8..=1.25).contains(&ratio),
                 "{what}, {} samples: {ratios:?}",
                 estimate.samples_per_pixel
             );
@@ -209,13 +214,10 @@ fn assert_honest(
 
 #[test]
 fn estimates_are_true_where_the_answer_is_known() {
-    // Every row of the penumbra sees the same edge at the same places, so that what a sequence of 32 makes of it does not
-    // average out over the picture.
-    for (has_board, what, allowed) in [(false, "disk", 0.8..=1.25), (true, "penumbra", 0.75..=1.35)]
-    {
+    for (has_board, what) in [(false, "disk"), (true, "penumbra")] {
         let (mut scene, exact) = lit_floor(has_board, [64, 48]);
         scene.render.samples_per_pixel = 1024;
-        assert_honest(&scene, what, allowed, |pixel, _| exact[pixel]);
+        assert_honest(&scene, what, |pixel, _| exact[pixel]);
     }
 }
 
@@ -227,11 +229,11 @@ fn estimates_are_true_where_light_bounces() {
     let reference = run(&scene).image;
     scene.render.seed = 1;
     scene.render.samples_per_pixel = 256;
-    assert_honest(&scene, "room", 0.8..=1.25, from_picture(&reference));
+    assert_honest(&scene, "room", from_picture(&reference));
 }
 
-/// The truth lies in the 95 % interval 93 to 97 times of 100, over 2,100 pictures of 3 scenes taken together: three times the
-/// standard deviation of the share is 1.4 %, which leaves room for no more than 0.6 % of deviation.
+/// The truth lies in the 95 % interval 93 to 97 times of 100, over 2,400 pictures of 4 scenes taken together, and in no scene less
+/// than 88 times: three times the standard deviation of the share is 1.3 % of all and 2.7 % of one scene.
 #[test]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     let size = [24, 18];
@@ -242,16 +244,20 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     };
     let (open, lit) = lit_floor(false, size);
     let (covered, shadowed) = lit_floor(true, size);
-    let mut reference = small(room());
-    reference.render.samples_per_pixel = 1 << 15;
-    reference.render.seed = 1 << 40;
-    let reference = run(&reference).image;
+    let reference = |scene: &Scene| {
+        let mut scene = small(scene.clone());
+        scene.render.samples_per_pixel = 1 << 15;
+        scene.render.seed = 1 << 40;
+        run(&scene).image
+    };
+    let by_chance = small(lit_by_chance());
+    let [light, chance] = [&room(), &by_chance].map(reference);
 
-    let mut held = [0_u32; 3];
+    let mut held = [0_u32; 4];
     let mut trials = 0;
     let mut try_scene = |number: usize, scene: &Scene, exact: &dyn Fn(usize, usize) -> f64| {
         let mut scene = scene.clone();
-        for seed in 0..700 {
+        for seed in 0..600 {
             scene.render.seed = seed;
             let outcome = run(&scene);
             let [_, relmse] = true_error(&outcome.image, exact);
@@ -262,10 +268,12 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     };
     try_scene(0, &small(open), &|pixel, _| lit[pixel]);
     try_scene(1, &small(covered), &|pixel, _| shadowed[pixel]);
-    try_scene(2, &small(room()), &from_picture(&reference));
-    assert_eq!(trials, 2100);
+    try_scene(2, &small(room()), &from_picture(&light));
+    try_scene(3, &by_chance, &from_picture(&chance));
+    assert_eq!(trials, 2400);
     let share = f64::from(held.iter().sum::<u32>()) / f64::from(trials);
-    assert!((0.93..=0.97).contains(&share), "{share}: {held:?} of 700");
+    assert!((0.93..=0.97).contains(&share), "{share}: {held:?} of 600");
+    assert!(held.iter().all(|&held| held >= 528), "{held:?} of 600");
 }
 
 fn with_noise_stop(mut scene: Scene, noise: f64, most: u32) -> Scene {
@@ -293,7 +301,7 @@ fn a_noise_target_is_met_with_fewer_samples_where_noise_is_uneven() {
     assert_eq!(even.sample_range[0], even.sample_range[1]);
     assert_eq!(adaptive.sample_range[0], 16);
     assert!(
-        adaptive.samples_per_pixel < 0.6 * even.samples_per_pixel,
+        adaptive.samples_per_pixel < 0.7 * even.samples_per_pixel,
         "{} and {}",
         adaptive.samples_per_pixel,
         even.samples_per_pixel
@@ -305,11 +313,7 @@ fn a_noise_target_is_met_with_fewer_samples_where_noise_is_uneven() {
 #[test]
 fn choosing_pixels_by_their_error_is_without_bias() {
     const SEEDS: u32 = 1000;
-    let mut scene = room();
-    scene.render.light_sampling = LightSampling::Bsdf;
-    if let Light::Disk { visible, .. } = &mut scene.lights[0] {
-        *visible = true;
-    }
+    let mut scene = lit_by_chance();
     scene.render.width = 12;
     scene.render.height = 8;
     scene.render.max_bounces = 2;

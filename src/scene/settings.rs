@@ -19,7 +19,7 @@ pub struct RenderSettings {
     pub stop: Stop,
     /// Whether a render that may stop early gives more samples to pixels where the error is larger.
     pub adaptive: bool,
-    /// Whether the error is estimated. It takes 36 bytes per pixel, and never changes the picture by itself.
+    /// Whether the error is estimated. It takes 40 bytes per pixel, and never changes the picture by itself.
     pub error_estimate: bool,
     /// Start of every random sequence; the same seed gives the same picture.
     pub seed: u64,

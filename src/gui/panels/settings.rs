@@ -140,7 +140,7 @@ fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             ui,
             "Estimate error",
             "Estimate while rendering how far the picture is from the truth: for the noise in the status bar, the error plot and the \
-             error layer. It takes 36 bytes per pixel and changes no pixel of a render that does not stop early",
+             error layer. It takes 40 bytes per pixel and changes no pixel of a render that does not stop early",
             &mut settings.error_estimate,
         )
         .on_disabled_hover_text("Stop at noise needs it: switch that off first");

@@ -13,7 +13,6 @@ use rayon::prelude::*;
 
 use super::{Decay, ErrorEstimator};
 use crate::render::film::Film;
-use crate::scene::RenderSettings;
 
 /// Bits of an `f32` that tell a cell: the exponent's and three more, so eight cells to an octave.
 const CELL_BITS: u32 = 11;
@@ -27,34 +26,10 @@ const LEAST_SHARE: f64 = 1.0 / 32.0;
 /// The need for samples over a film.
 #[derive(Clone, Debug)]
 pub struct Allotment {
-    curve: Curve,
+    decay: Decay,
     /// Per pixel: its variance, over that of the decay curve, for the price of a sample.
     worth: Vec<f32>,
     cells: Vec<Cell>,
-}
-
-/// The variance of a pixel of noise 1, kept at every power of two, where it is asked for again and again.
-#[derive(Clone, Debug)]
-struct Curve {
-    decay: Decay,
-    at_powers: [f64; 1 + RenderSettings::MAX_SAMPLES.ilog2() as usize],
-}
-
-impl Curve {
-    fn new(decay: Decay) -> Self {
-        Self {
-            decay,
-            at_powers: std::array::from_fn(|level| decay.variance(1 << level)),
-        }
-    }
-
-    fn variance(&self, samples: u32) -> f64 {
-        if samples.is_power_of_two() {
-            self.at_powers[samples.ilog2() as usize]
-        } else {
-            self.decay.variance(samples)
-        }
-    }
 }
 
 /// Pixels with the same number of samples, each of which is worth about the same.
@@ -106,7 +81,7 @@ impl Allotment {
     pub fn new(film: &Film, estimator: &ErrorEstimator) -> Self {
         let region = film.region();
         let (width, height) = (region.width as usize, region.height as usize);
-        let curve = Curve::new(estimator.decay());
+        let decay = estimator.decay();
         let falls = estimator.falls();
         let mean_rays = film.total_rays() as f64 / film.total_samples() as f64;
         #[expect(clippy::cast_possible_truncation, reason = "precise enough to compare")]
@@ -114,7 +89,7 @@ impl Allotment {
             .into_par_iter()
             .map(|index| {
                 let samples = film.samples(index);
-                let scale = estimator.variance_over_fall(samples) / curve.variance(samples);
+                let scale = estimator.variance_over_fall(samples) / decay.variance(samples);
                 let rays = f64::from(film.rays(index)) / f64::from(samples);
                 Judgement {
                     noise: (f64::from(falls[index]) * scale) as f32,
@@ -151,7 +126,7 @@ impl Allotment {
             })
         });
         Self {
-            curve,
+            decay,
             cells: cells.collect(),
             worth: judged.iter().map(Judgement::worth).collect(),
         }
@@ -160,7 +135,7 @@ impl Allotment {
     /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where no pixel gets more than
     /// `most`.
     pub fn for_variance(&self, share: f64, most: u32) -> Forecast {
-        let variance = |cell: &Cell, samples| cell.sums.noise * self.curve.variance(samples);
+        let variance = |cell: &Cell, samples| cell.sums.noise * self.decay.variance(samples);
         let goal = share * self.sum(|cell| variance(cell, cell.samples));
         let left =
             |threshold: f64| self.sum(|cell| variance(cell, self.target(cell, threshold, most)));
@@ -209,7 +184,7 @@ impl Allotment {
         if doubled == samples {
             return 0.0;
         }
-        let fall = self.curve.variance(samples) - self.curve.variance(doubled);
+        let fall = self.decay.variance(samples) - self.decay.variance(doubled);
         worth_at(place) * fall / f64::from(doubled - samples)
     }
 

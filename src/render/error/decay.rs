@@ -8,131 +8,233 @@
 //! `V(n/2) − V(n) = E[(mean of n − mean of n/2)²]` exactly: the *drop* of level `k`, which is observed. Summed over all levels
 //! still to come, drops give back `V(n)`.
 //!
-//! Drops are looked at in pairs, the *fall* from `n/4` to `n`: in two dimensions a sequence is better at powers of four than
-//! between them, so drops go up and down while falls do not. From falls one factor of four apart comes their ratio, and from it
-//! all that are to come. Two laws are taken for likely: a single power of `n`, and a part that falls as for independent samples,
-//! `n⁻¹`, beside one that falls as for smooth integrands, `n⁻²`. The truth was between the two in every scene measured: their
-//! geometric mean is taken, and their distance tells how much it may be off.
+//! From the drops of the past follow those to come, if the variance falls by a law. Which one, nobody knows: many are tried,
+//! each a power of `n` that may go up and down from one level to the next, as sequences in two dimensions are better at powers
+//! of four, and that may have beside it a part that falls as slowly as for independent samples ([`Law`]). What counts is the
+//! mean over all laws, each weighted by how well it explains the drops that were seen (Bayesian model averaging; Hoeting et
+//! al. 1999), and by how much they differ is how far it may be off. A drop that fits no law, as where a sequence happens to suit
+//! the edge of a shadow, makes all of them equally likely again, and not one of them wrong with certainty: deviations are taken
+//! for Student's.
+
+use std::sync::LazyLock;
+
+use crate::scene::RenderSettings;
 
 /// Highest level: twice the most samples a pixel can get.
-const MOST_LEVEL: u32 = 25;
+const MOST_LEVEL: u32 = RenderSettings::MAX_SAMPLES.ilog2() + 1;
+const LEVELS: usize = MOST_LEVEL as usize + 1;
+/// Levels in a law's tables before and after the one at which it is asked.
+const OFFSET: i32 = MOST_LEVEL.cast_signed();
 
-/// By what variance falls with four times as many independent samples.
-const INDEPENDENT: f64 = 0.25;
-/// The same where it falls as n⁻².
-const SMOOTH: f64 = 1.0 / 16.0;
+/// By what the variance falls when independent samples double. Nothing falls more slowly.
+const INDEPENDENT: f64 = 0.5;
+/// The same for the fastest law: about n⁻⁴·⁵.
+const FASTEST: f64 = 0.045;
+/// Number of powers between them.
+const POWERS: u32 = 14;
 
-/// The largest ratio that is believed. More than for independent samples is chance; cut off at once, chance would always make
-/// estimates smaller.
-const LARGEST: f64 = 0.3;
-/// The smallest: the error of rounding ends every fall.
-const SMALLEST: f64 = 1e-6;
+/// By which part the variance is larger at odd levels and smaller at even ones, and how likely that is before anything is seen.
+const SWINGS: [(f64, f64); 4] = [(0.0, 0.4), (0.1, 0.2), (0.2, 0.2), (0.3, 0.2)];
 
-/// How much the last but one ratio of falls counts beside the last, whose levels are the others.
-const OLDER_SHARE: f64 = 0.4;
+/// Which part of the variance falls as for independent samples, at the level where the law is asked, and how likely that is.
+const SLOW_PARTS: [(f64, f64); 7] = [
+    (0.0, 0.6),
+    (0.03, 0.4 / 6.0),
+    (0.06, 0.4 / 6.0),
+    (0.12, 0.4 / 6.0),
+    (0.25, 0.4 / 6.0),
+    (0.5, 0.4 / 6.0),
+    (0.75, 0.4 / 6.0),
+];
+
+/// Typical deviation of the logarithm of a link from the law: of the newest, what each level of age adds to it, and what is
+/// added at level 2, where no law holds yet, and half of that at each level that follows.
+const DEVIATION: f64 = 0.1;
+const DEVIATION_OF_AGE: f64 = 0.1;
+const EARLY_DEVIATION: f64 = 0.2;
+/// Degrees of freedom of the deviations.
+const FREEDOM: f64 = 4.0;
+
+/// The doubt before anything is seen: a factor of two.
+const IGNORANCE: f64 = std::f64::consts::LN_2;
+
+/// A way for the variance to fall: `V(2ᵏ) = (1 − m) rᵏ (1 ± a) + m 2⁻ᵏ`, up to a factor, where `k` counts from the level at which
+/// the law is asked.
+#[derive(Clone, Debug)]
+struct Law {
+    /// Logarithm of how likely it is before anything is seen.
+    prior: f64,
+    /// For even and odd levels at which it is asked: the variance, over that at this level, at each level from [`MOST_LEVEL`]
+    /// below to as many above.
+    variances: [Vec<f64>; 2],
+    /// The logarithms of the drops there.
+    drops: [Vec<f64>; 2],
+}
+
+static LAWS: LazyLock<Vec<Law>> = LazyLock::new(|| {
+    let mut laws = Vec::new();
+    for power in 0..POWERS {
+        let way = f64::from(power) / f64::from(POWERS - 1);
+        let ratio = FASTEST * libm::pow(INDEPENDENT / FASTEST, way);
+        for (swing, swing_prior) in SWINGS {
+            for (slow_part, slow_prior) in SLOW_PARTS {
+                let always_falls = ratio * (1.0 + swing) < 1.0 - swing;
+                let is_new = power + 1 < POWERS || slow_part == 0.0;
+                if always_falls && is_new {
+                    laws.push(Law::new(ratio, swing, slow_part, swing_prior * slow_prior));
+                }
+            }
+        }
+    }
+    laws
+});
+
+impl Law {
+    fn new(ratio: f64, swing: f64, slow_part: f64, prior: f64) -> Self {
+        let variances = [1.0, -1.0].map(|sign| {
+            let raw = (-OFFSET - 1..=OFFSET).map(|offset| {
+                let steps = f64::from(offset);
+                let swing = if offset % 2 == 0 { -swing } else { swing } * sign;
+                (1.0 - slow_part) * libm::pow(ratio, steps) * (1.0 + swing)
+                    + slow_part * libm::pow(INDEPENDENT, steps)
+            });
+            raw.collect::<Vec<f64>>()
+        });
+        let present = OFFSET as usize + 1;
+        Self {
+            prior: libm::log(prior),
+            variances: variances.each_ref().map(|variances| {
+                let relative = |variance: &f64| variance / variances[present];
+                variances[1..].iter().map(relative).collect()
+            }),
+            drops: variances.each_ref().map(|variances| {
+                let drop = |pair: &[f64]| libm::log((pair[0] - pair[1]) / variances[present]);
+                variances.windows(2).map(drop).collect()
+            }),
+        }
+    }
+
+    /// The variance at level `at` over that at `level`, where it is asked.
+    fn variance(&self, level: u32, at: u32) -> f64 {
+        self.variances[(level % 2) as usize][place(level, at)]
+    }
+
+    /// Logarithm of the drop at level `at` over the variance at `level`, where it is asked.
+    fn drop(&self, level: u32, at: u32) -> f64 {
+        self.drops[(level % 2) as usize][place(level, at)]
+    }
+
+    /// Logarithm of what is left at `level` over the fall to it.
+    fn variance_over_fall(&self, level: u32) -> f64 {
+        -libm::log(self.variance(level, level - 2) - 1.0)
+    }
+
+    /// Logarithm of how likely it is with these links, each with its level.
+    fn likelihood(&self, level: u32, seen: &[(u32, f64)]) -> f64 {
+        let of_link = |&(at, link): &(u32, f64)| {
+            let early = EARLY_DEVIATION * libm::exp2(2.0 - f64::from(at));
+            let age = DEVIATION_OF_AGE * f64::from(level - at);
+            let scale = DEVIATION * DEVIATION + age * age + early * early;
+            let deviation = link - (self.drop(level, at) - self.drop(level, at - 1));
+            libm::log1p(deviation * deviation / (scale * FREEDOM)) * (FREEDOM + 1.0) / -2.0
+        };
+        self.prior + seen.iter().map(of_link).sum::<f64>()
+    }
+}
+
+/// Where the tables of a law asked at `level` have the level `at`.
+fn place(level: u32, at: u32) -> usize {
+    (MOST_LEVEL + at - level) as usize
+}
 
 /// The fall of variance, up to a factor: what matters is the variance at one number of samples over that at another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
-    /// By what it falls with four times as many samples.
-    ratio: f64,
-    /// The level at which the two laws agree by definition: variances are multiples of that there.
-    level: u32,
+    /// The variance of the mean of 2ᵏ samples over that at the level where the decay was asked.
+    at_powers: [f64; LEVELS],
+    link: f64,
+    variance_over_fall: f64,
+    doubt: f64,
 }
 
 impl Decay {
-    /// That of independent samples: what is assumed before anything is seen.
-    pub const INDEPENDENT: Self = Self {
-        ratio: INDEPENDENT,
-        level: 0,
-    };
+    /// That of independent samples, at `level`: what is assumed before anything is seen.
+    pub fn independent(level: u32) -> Self {
+        let power = |k: usize| libm::exp2(f64::from(level) - k as f64);
+        Self {
+            at_powers: std::array::from_fn(power),
+            link: INDEPENDENT,
+            // The drops left sum to the last one, and the one before was twice that.
+            variance_over_fall: 1.0 / 3.0,
+            doubt: IGNORANCE,
+        }
+    }
 
     /// As it is at `level`, from `links`: number `i` is the drop at level `i + 2` over the drop at level `i + 1`.
     pub fn at(level: u32, links: &[f64]) -> Self {
         let level = level.min(MOST_LEVEL);
-        let link = |level: u32| {
-            let link = links.get(level.checked_sub(2)? as usize)?;
-            (link.is_finite() && *link > 0.0).then_some(*link)
+        let seen: Vec<(u32, f64)> = (2..=level)
+            .zip(links)
+            .filter(|(_, link)| link.is_finite() && **link > 0.0)
+            .map(|(at, link)| (at, libm::log(*link)))
+            .collect();
+        if seen.is_empty() {
+            return Self::independent(level);
+        }
+        let mut weights: Vec<f64> = LAWS.iter().map(|l| l.likelihood(level, &seen)).collect();
+        let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for weight in &mut weights {
+            *weight = libm::exp(*weight - most);
+        }
+        let total: f64 = weights.iter().sum();
+        let mean = |value: &dyn Fn(&Law) -> f64| {
+            let weighted = LAWS.iter().zip(&weights).map(|(law, w)| w * value(law));
+            weighted.sum::<f64>() / total
         };
-        // The fall to a level over the fall to two levels below: (d₀ + d₁) / (d₂ + d₃), by links d₀/d₁, d₁/d₂, d₂/d₃.
-        let falls = |level: u32| {
-            let (newest, middle, oldest) = (link(level)?, link(level - 1)?, link(level - 2)?);
-            Some((newest + 1.0) * middle * oldest / (oldest + 1.0))
+        let over_fall = mean(&|law| law.variance_over_fall(level));
+        let spread = mean(&|law| (law.variance_over_fall(level) - over_fall).powi(2));
+        // Always the mean of the variance of more samples over that of fewer: no power of a large ratio outweighs all others.
+        let at_power = |at: u32| {
+            if at < level {
+                mean(&|law| law.variance(level, at).recip()).recip()
+            } else {
+                mean(&|law| law.variance(level, at))
+            }
         };
-        // The drop at a level over that two levels below.
-        let drops = |level: u32| Some(link(level)? * link(level - 1)?);
-        let mean = |last: Option<f64>, older: Option<f64>| {
-            Some(libm::pow(last?, 1.0 - OLDER_SHARE) * libm::pow(older?, OLDER_SHARE))
-        };
-        let ratio = match level {
-            0 | 1 => None,
-            2 => link(level).map(|link| link * link),
-            3 => drops(level),
-            4 => mean(falls(level), drops(level)),
-            _ => mean(falls(level), falls(level - 1)),
-        };
+        let mut at_powers = [0.0; LEVELS];
+        for (variance, at) in at_powers.iter_mut().zip(0..) {
+            *variance = at_power(at);
+        }
         Self {
-            ratio: ratio.unwrap_or(INDEPENDENT).clamp(SMALLEST, LARGEST),
-            level,
+            at_powers,
+            link: libm::exp(mean(&|law| {
+                law.drop(level, level) - law.drop(level, level - 1)
+            })),
+            variance_over_fall: libm::exp(over_fall),
+            doubt: spread.sqrt(),
         }
     }
 
     /// By what a drop is smaller than the one before it.
     pub fn link(&self) -> f64 {
-        self.ratio.sqrt()
+        self.link
     }
 
-    /// The variance left over the fall to this level: what turns an observed fall into an error.
+    /// The variance left over the fall to this level, from a quarter of the samples on: what turns an observed fall into an error.
     pub fn variance_over_fall(&self) -> f64 {
-        let [power, mixture] = self.laws();
-        (power * mixture).sqrt()
+        self.variance_over_fall
     }
 
-    /// By what factor the two laws disagree about it, as a logarithm.
-    pub fn disagreement(&self) -> f64 {
-        let [power, mixture] = self.laws();
-        libm::log(mixture / power)
-    }
-
-    /// What is left over the fall, by a power law and by the mixture.
-    fn laws(&self) -> [f64; 2] {
-        let left = |ratio: f64| ratio / (1.0 - ratio);
-        let [independent, smooth] = self.parts();
-        let mixture = if self.ratio < SMOOTH {
-            left(self.ratio)
-        } else {
-            independent * left(INDEPENDENT) + smooth * left(SMOOTH)
-        };
-        [left(self.ratio), mixture]
-    }
-
-    /// The parts of the fall in the mixture.
-    fn parts(&self) -> [f64; 2] {
-        let smooth = (1.0 / self.ratio - 1.0 / INDEPENDENT) / (1.0 / SMOOTH - 1.0 / INDEPENDENT);
-        [1.0 - smooth, smooth]
+    /// By how much that may be off: the standard deviation of its logarithm.
+    pub fn doubt(&self) -> f64 {
+        self.doubt
     }
 
     /// The variance of the mean of the first `samples`.
     pub fn variance(&self, samples: u32) -> f64 {
         let samples = samples.max(1);
-        let level = samples.next_power_of_two().trailing_zeros();
-        self.at_power(level) + self.within(samples, level)
-    }
-
-    /// The variance of the mean of 2ᵏ samples; 1 at [`Self::level`].
-    fn at_power(&self, level: u32) -> f64 {
-        let quarterings = (f64::from(level) - f64::from(self.level)) / 2.0;
-        let power = libm::pow(self.ratio.min(INDEPENDENT), quarterings);
-        if self.ratio < SMOOTH || self.ratio >= INDEPENDENT {
-            return power;
-        }
-        let [independent, smooth] = self.parts();
-        // What is left of each part at the level, which is one and a fifteenth over three and fifteen.
-        let (independent, smooth) = (independent / 3.0, smooth / 15.0);
-        let mixture = (independent * libm::pow(INDEPENDENT, quarterings)
-            + smooth * libm::pow(SMOOTH, quarterings))
-            / (independent + smooth);
-        (power * mixture).sqrt()
+        let level = samples.next_power_of_two().ilog2().min(MOST_LEVEL);
+        self.at_powers[level as usize] + self.within(samples, level)
     }
 
     /// Expected square of the difference between the mean of the first `samples` and that of all 2ᵏ.
@@ -143,7 +245,7 @@ impl Decay {
             return 0.0;
         }
         let half = 1 << (level - 1);
-        let drop = self.at_power(level - 1) - self.at_power(level);
+        let drop = self.at_powers[level as usize - 1] - self.at_powers[level as usize];
         if samples <= half {
             return drop + self.within(samples, level - 1);
         }
@@ -157,21 +259,42 @@ impl Decay {
 mod tests {
     use super::*;
 
-    /// A power law is found again as far as the mixture lets it: exactly where both are the same, and between the two else.
+    /// Power laws: what is left is known to be link / (1 − link) last drops. The mean over all laws never believes one alone: within
+    /// a quarter of the root mean square for what real pictures show, and wider the faster the fall.
     #[test]
     fn power_laws_are_found_again() {
-        for (link, doubt) in [(0.5, 1e-12), (0.25, 1e-12), (0.125, 1e-12), (0.354, 0.31)] {
-            for level in 2..12 {
-                let decay = Decay::at(level, &[link; 12]);
+        for (link, allowed) in [
+            (0.5, 1.25),
+            (0.42, 1.25),
+            (0.354, 1.25),
+            (0.25, 1.25),
+            (0.125, 1.5),
+        ] {
+            for level in 4..16 {
+                let decay = Decay::at(level, &[link; 16]);
                 let fall = 1.0 + 1.0 / link;
-                let expected = link / (1.0 - link);
-                let found = decay.variance_over_fall() * fall;
+                let found = (decay.variance_over_fall() * fall / (link / (1.0 - link))).sqrt();
                 assert!(
-                    found >= expected * (1.0 - 1e-12) && found <= expected * (1.0 + doubt),
-                    "{link}, {level}: {found}, {expected}"
+                    found > 1.0 / allowed && found < allowed,
+                    "{link}, {level}: {found}"
                 );
-                let four_times = decay.variance(1 << (level + 2)) / decay.variance(1 << level);
-                assert!(four_times >= link * link * (1.0 - 1e-12) && four_times < 0.251);
+                let twice = decay.variance(1 << (level + 1)) / decay.variance(1 << level);
+                assert!(twice > link / 1.5 && twice < link * 1.5, "{twice}, {link}");
+            }
+        }
+    }
+
+    /// One step that no law explains, as where an edge suits the sequence, is doubted, and two steps later forgotten: what is left
+    /// is a third of the fall again.
+    #[test]
+    fn one_lucky_level_does_not_decide() {
+        let lucky = [0.5, 0.5, 0.5, 0.05, 0.5, 0.5];
+        for level in [5, 7] {
+            let [without, with] = [&[0.5; 6], &lucky].map(|links| Decay::at(level, links));
+            let ratio = (with.variance_over_fall() / without.variance_over_fall()).sqrt();
+            match level {
+                5 => assert!(with.doubt() > 2.0 * without.doubt(), "{with:?}"),
+                _ => assert!(ratio > 0.8 && ratio < 1.25, "{ratio}"),
             }
         }
     }
@@ -193,9 +316,13 @@ mod tests {
 
     #[test]
     fn without_usable_drops_samples_count_as_independent() {
-        for links in [&[][..], &[f64::NAN, 0.5, 0.5], &[0.0, 0.5, 0.5]] {
+        for links in [&[][..], &[f64::NAN; 3], &[0.0, f64::INFINITY, -1.0]] {
             for level in [0, 1, 2, 4] {
-                assert_eq!(Decay::at(level, links).ratio, INDEPENDENT, "{links:?}");
+                assert_eq!(
+                    Decay::at(level, links),
+                    Decay::independent(level),
+                    "{links:?}"
+                );
             }
         }
     }
@@ -203,9 +330,10 @@ mod tests {
     /// The variance of the mean of any number of independent samples is 1/n of one's.
     #[test]
     fn independent_samples_are_exact_at_every_count() {
-        let one = Decay::INDEPENDENT.variance(1);
+        let decay = Decay::independent(4);
+        let one = decay.variance(1);
         for samples in 1..200 {
-            let share = Decay::INDEPENDENT.variance(samples) * f64::from(samples) / one;
+            let share = decay.variance(samples) * f64::from(samples) / one;
             assert!((share - 1.0).abs() < 1e-12, "{samples}: {share}");
         }
     }

@@ -31,16 +31,6 @@ const NORMAL_95: f64 = 1.96;
 /// Most standard deviations of an interval, which few pixels would make endless.
 const MOST_DEVIATIONS: f64 = 4.0;
 
-/// Relative standard deviation of an estimated mean square for which the model of decay is to blame, not chance, where its two
-/// laws agree, and the part of their disagreement that comes on top: so large that the intervals over the scenes of
-/// `tests/error.rs`, taken together, hold the truth as often as they say. On large pictures they are wider than need be.
-const MODEL_DOUBT: f64 = 0.08;
-const DOUBT_OF_DISAGREEMENT: f64 = 0.5;
-
-/// The same at 4 samples, where no law holds yet, and by how much it falls each time they double.
-const EARLY_DOUBT: f64 = 0.3;
-const EARLY_DOUBT_FALL: f64 = 0.6;
-
 /// A value and the interval that holds the truth in 95 of 100 cases.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
@@ -135,8 +125,8 @@ const RELATIVE: usize = 1;
 pub struct ErrorEstimator {
     /// By level: sums of drops over all pixels that have reached it, and of those of both their halves, one level below.
     history: [Vec<[f64; 2]>; 2],
-    /// What follows from it, by level.
-    decays: [Vec<Decay>; 2],
+    /// What follows from it at the levels of the groups.
+    decays: [Vec<(u32, Decay)>; 2],
     groups: Vec<Group>,
     unmeasured: u64,
     /// Per pixel: relative squared fall, mean over channels.
@@ -179,8 +169,10 @@ impl ErrorEstimator {
         self.groups.sort_by_key(|group| group.samples);
         for (decays, history) in self.decays.iter_mut().zip(&self.history) {
             let links = links(history);
-            let levels = 0..=u32::try_from(history.len()).expect("few levels");
-            *decays = levels.map(|level| Decay::at(level, &links)).collect();
+            let mut levels: Vec<u32> = self.groups.iter().map(Group::level).collect();
+            levels.dedup();
+            let decay = |level| (level, Decay::at(level, &links));
+            *decays = levels.into_iter().map(decay).collect();
         }
         self.percentile_999 = self.percentile(film, &survey);
     }
@@ -305,8 +297,8 @@ impl ErrorEstimator {
     }
 
     fn decay_at(&self, measure: usize, level: u32) -> Decay {
-        let known = self.decays[measure].get(level as usize);
-        *known.unwrap_or(&Decay::INDEPENDENT)
+        let known = self.decays[measure].iter().find(|(at, _)| *at == level);
+        known.map_or_else(|| Decay::independent(level), |(_, decay)| *decay)
     }
 
     fn factor(&self, measure: usize, samples: u32) -> f64 {
@@ -344,9 +336,7 @@ impl ErrorEstimator {
         // variance is the true square's own; the estimate, which sees more than one difference but not the law, has as much.
         let chance = products / (variance * variance);
         let noisiest = self.noisiest_group(measure).map_or(0, Group::level);
-        let doubt = MODEL_DOUBT
-            + DOUBT_OF_DISAGREEMENT * self.decay_at(measure, noisiest).disagreement().abs()
-            + EARLY_DOUBT * EARLY_DOUBT_FALL.powi(noisiest.cast_signed() - 2);
+        let doubt = self.decay_at(measure, noisiest).doubt();
         // Where few pixels make most of it, that variance is itself uncertain: Student's distribution, with half as many degrees
         // of freedom as there are such pixels, expanded to first order.
         let pixels_that_count = products * products / squared_products;
