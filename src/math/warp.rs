@@ -51,6 +51,12 @@ pub fn cosine_hemisphere_pdf(w: Vec3) -> f32 {
     w.z.max(0.0) / PI
 }
 
+/// Density of [`cosine_hemisphere`] turned [`around`] the unit vector `normal`, at the unit vector `w`, per steradian.
+#[must_use]
+pub fn cosine_pdf_around(normal: Vec3, w: Vec3) -> f32 {
+    normal.dot(w).max(0.0) / PI
+}
+
 /// The unit square onto a triangle, as weights of its corners, evenly over its area.
 ///
 /// Source: Turk, Generating Random Points in Triangles, Graphics Gems, 1990.

@@ -1,8 +1,6 @@
 //! The `direct` mode: at the first surface that is neither mirror nor glass, the light that arrives straight from lights and
 //! background. Mirrors and glass are followed along one path, never a tree.
 
-use std::f32::consts::PI;
-
 use super::camera::CameraRay;
 use super::fresnel::fresnel;
 use super::layers::{Beginning, ByLobe, Gathered};
@@ -270,7 +268,7 @@ impl Shading<'_> {
                     sum += brought * Vec3::splat(1.0 / chosen.probability);
                 }
             } else {
-                let aim = chosen.aim(lights, at.position, emitter_points.next_2d(turn));
+                let aim = chosen.aim(lights, &at, emitter_points.next_2d(turn));
                 if let Some(ray) = self.aim_at_sample(&aim.sample, |_| 1.0) {
                     sum += self.light_along(&ray, None);
                 }
@@ -333,7 +331,10 @@ impl Shading<'_> {
                 let normal = self.point.shading_normal;
                 let weight = |wi: Vec3| {
                     let towards = Ray::new(from, sample.position - from);
-                    power_heuristic(disk.pdf_solid_angle(&towards, 1.0), cosine_pdf(normal, wi))
+                    power_heuristic(
+                        disk.pdf_solid_angle(&towards, 1.0),
+                        warp::cosine_pdf_around(normal, wi),
+                    )
                 };
                 let looked_for = self.look_for_disk(disk, numbers.directions.next_2d(turn));
                 [self.aim_at_sample(&sample, weight), looked_for]
@@ -389,7 +390,7 @@ impl Shading<'_> {
         if reflected.sum() == Vec3::ZERO || emitted == Vec3::ZERO {
             return None;
         }
-        let pdf = cosine_pdf(normal, wi);
+        let pdf = warp::cosine_pdf_around(normal, wi);
         let weight = power_heuristic(pdf, disk.pdf_solid_angle(&ray, t));
         let ray = self.point.ray_to(disk.in_front(ray.at(t)));
         Some(ShadowRay {
@@ -507,9 +508,4 @@ impl LightNumbers {
             directions: shading.turns(Decision::NearLight, item, count),
         }
     }
-}
-
-/// Density of cosine-distributed directions about `normal`, per steradian.
-fn cosine_pdf(normal: Vec3, wi: Vec3) -> f32 {
-    normal.dot(wi).max(0.0) / PI
 }

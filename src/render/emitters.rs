@@ -173,7 +173,7 @@ impl Emitters {
             }
             Choice::ByPlace(tree) => (self.choose_by_place(tree, at, choice())?, u),
         };
-        Some(chosen.aim(lights, at.position, u))
+        Some(chosen.aim(lights, at, u))
     }
 
     /// The one that `u` stands for, and what is left of `u`, uniform in `[0, 1)` again.
@@ -299,14 +299,20 @@ impl Chosen<'_> {
         }
     }
 
-    /// Aims at a point of it from `from`: `u` uniform over the unit square.
+    /// Aims at a point of it from `at`: `u` uniform over the unit square.
     #[inline]
-    pub fn aim(&self, lights: &[PreparedLight], from: Vec3, u: Vec2) -> Aim {
+    pub fn aim(&self, lights: &[PreparedLight], at: &Receiver, u: Vec2) -> Aim {
         let probability = self.probability;
+        let from = at.position;
         match *self.emitter {
             Emitter::Light(index) => {
                 let light = &lights[index as usize];
-                let mut sample = light.sample(from, u);
+                let mut sample = match light {
+                    PreparedLight::Disk(disk) if light.visible_disk().is_none() => {
+                        disk.sample_alone(at, u)
+                    }
+                    _ => light.sample(from, u),
+                };
                 sample.irradiance /= probability;
                 sample.solid_angle /= probability;
                 let can_be_met = light.visible_disk().is_some();

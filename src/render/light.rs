@@ -1,6 +1,6 @@
 use std::f32::consts::PI;
 
-use super::light_tree::{Luminary, Shines};
+use super::light_tree::{Luminary, Receiver, Shines};
 use crate::math::{Bounds, DVec3, Ray, SceneFrame, Vec2, Vec3, color::luminance, robust, warp};
 use crate::scene::Light;
 
@@ -166,11 +166,19 @@ impl PreparedLight {
     pub fn sample(&self, from: Vec3, u: Vec2) -> LightSample {
         match self {
             Self::Point { .. } => self.center(from),
-            Self::Disk(disk) => {
-                let [x, y] = disk.radii;
-                let place = warp::concentric_disk(u);
-                disk.seen_from(from, disk.center + x * place.x + y * place.y)
-            }
+            Self::Disk(disk) => disk.sample(from, u),
+        }
+    }
+}
+
+impl LightSample {
+    /// No light, from somewhere at `position`.
+    fn nothing(position: Vec3) -> Self {
+        Self {
+            position,
+            wi: Vec3::ZERO,
+            solid_angle: 0.0,
+            irradiance: Vec3::ZERO,
         }
     }
 }
@@ -193,6 +201,14 @@ impl PreparedDisk {
             height: normal.as_dvec3().dot(center.as_dvec3()),
             lift: normal * normal.abs().dot(error),
         }
+    }
+
+    /// A point of the disk, uniform over its area by `u`.
+    #[inline]
+    fn sample(&self, from: Vec3, u: Vec2) -> LightSample {
+        let [x, y] = self.radii;
+        let place = warp::concentric_disk(u);
+        self.seen_from(from, self.center + x * place.x + y * place.y)
     }
 
     /// What the disk's point `position`, standing for the whole area, sends to `from`.
@@ -282,6 +298,38 @@ impl PreparedDisk {
             self.radiance
         } else {
             Vec3::ZERO
+        }
+    }
+
+    /// A point of the disk by `u`, for light on `at` that nothing else can find. Where the disk is near, half of the points are
+    /// those that directions of the hemisphere over `at` meet, by the cosine, and light counts by the density of both ways
+    /// together (Veach's balance heuristic for one sample), so that no point counts for more than twice the hemisphere; the
+    /// irradiance is 0 where a direction meets none.
+    pub fn sample_alone(&self, at: &Receiver, u: Vec2) -> LightSample {
+        if !self.is_near(at.position) {
+            return self.sample(at.position, u);
+        }
+        let twice = u.x * 2.0;
+        let by_area = if twice < 1.0 {
+            self.sample(at.position, Vec2::new(twice, u.y))
+        } else {
+            let u = Vec2::new(twice - 1.0, u.y);
+            let wi = warp::around(at.normal, warp::cosine_hemisphere(u));
+            let ray = Ray::new(at.position, wi);
+            let Some(t) = self.intersect(&ray, f32::INFINITY) else {
+                return LightSample::nothing(self.center);
+            };
+            self.seen_from(at.position, ray.at(t))
+        };
+        if by_area.solid_angle == 0.0 {
+            return LightSample::nothing(self.center);
+        }
+        let by_cosine = warp::cosine_pdf_around(at.normal, by_area.wi);
+        let solid_angle = 2.0 / (by_area.solid_angle.recip() + by_cosine);
+        LightSample {
+            solid_angle,
+            irradiance: self.radiance * solid_angle,
+            ..by_area
         }
     }
 

@@ -22,10 +22,10 @@ use crate::scene::{LightSampling, RenderSettings};
 /// Scattering events before roulette may end a path.
 const ROULETTE_FROM: u32 = 4;
 /// What a path must carry to be left alone; one that carries less goes on as often as its share of this, and then carries this. So
-/// rays are saved where they bring little, and no path that brings much is lost early.
+/// rays are saved where they bring little, no path that brings much is lost early, and no path ever carries more than its surfaces
+/// reflect: ending some that carry much would make the rest of them carry more at every bounce, without bound where an albedo is
+/// near 1. Where nothing is absorbed, paths end by `max_bounces`.
 const ENOUGH: f32 = 0.5;
-/// The most likely a path goes on under roulette, so that it ends even where nothing is absorbed.
-const MOST_SURVIVAL: f32 = 0.95;
 
 /// The light that arrives against `ray`, a camera ray that makes that `hit`.
 pub fn gather(
@@ -120,11 +120,13 @@ pub fn gather(
         // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
         if settings.roulette && bounce + 1 >= ROULETTE_FROM {
             let carried = throughput.max_element() * concentration;
-            let survival = (carried / ENOUGH).min(MOST_SURVIVAL);
-            if sampler.next_1d(Dimension::at(Decision::Roulette, bounce)) >= survival {
-                break;
+            let survival = carried / ENOUGH;
+            if survival < 1.0 {
+                if sampler.next_1d(Dimension::at(Decision::Roulette, bounce)) >= survival {
+                    break;
+                }
+                throughput /= survival;
             }
-            throughput /= survival;
         } else if throughput == Vec3::ZERO {
             break;
         }
