@@ -10,8 +10,8 @@
 //! - [`picture`]: the render as it fills in
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
-//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`icons`],
-//!   [`theme`]: what is drawn
+//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
+//!   [`icons`], [`theme`]: what is drawn
 //! - `start`: opening the window, and words for when it does not open
 
 pub mod app;
@@ -22,6 +22,7 @@ pub mod error_colors;
 pub mod error_plot;
 pub mod icons;
 pub mod jobs;
+pub mod log_plot;
 pub mod messages;
 pub mod orbit;
 pub mod panels;
