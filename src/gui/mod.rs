@@ -9,6 +9,7 @@
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`]: the render as it fills in
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
+//! - [`report`]: error against run time, measured over several renders
 //! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
@@ -30,6 +31,7 @@ pub mod pick;
 pub mod picture;
 pub mod preview;
 pub mod preview_image;
+pub mod report;
 pub mod selection;
 mod start;
 pub mod status_bar;
