@@ -35,15 +35,17 @@ pub enum Command {
     ToggleErrorPlot,
     /// Start rendering, in place of a running render.
     Render,
-    /// Stop the running render.
+    /// Stop the running render or report.
     Cancel,
+    /// Describe, watch or look at a report of error against run time.
+    Report,
     /// Show the sheet of shortcuts.
     ShowShortcuts,
 }
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -53,6 +55,7 @@ impl Command {
         Self::Quit,
         Self::Render,
         Self::Cancel,
+        Self::Report,
         Self::FrameAll,
         Self::FrameSelected,
         Self::ResetCamera,
@@ -83,6 +86,7 @@ impl Command {
             Self::ToggleErrorPlot => "Error plot",
             Self::Render => "Render",
             Self::Cancel => "Cancel",
+            Self::Report => "Report…",
             Self::ShowShortcuts => "Keyboard and mouse",
         }
     }
@@ -106,7 +110,8 @@ impl Command {
             Self::TogglePanel => "Show or hide the side panel",
             Self::ToggleErrorPlot => "Plot the noise of renders against time",
             Self::Render => "Render the picture; restarts a running render",
-            Self::Cancel => "Stop the running render or load",
+            Self::Cancel => "Stop the running render, report or load",
+            Self::Report => "Measure how the error falls with time, over several renders",
             Self::ShowShortcuts => "Show this sheet",
         }
     }
@@ -140,6 +145,7 @@ impl Command {
             Self::ToggleErrorPlot => const { &[plain(Key::F8)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
+            Self::Report => const { &[command_shift(Key::R)] },
             Self::ShowShortcuts => const { &[plain(Key::F1), plain(Key::Questionmark)] },
         }
     }

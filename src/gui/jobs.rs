@@ -39,14 +39,18 @@ pub enum Lane {
     Dialog,
     /// Reading a folder for the path field.
     List,
+    /// Measuring error against run time.
+    Report,
+    /// Waiting for the desktop to show a folder.
+    ShowFolder,
 }
 
-const LANES: usize = 8;
+const LANES: usize = 10;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.
     fn must_end(self) -> bool {
-        matches!(self, Self::SaveScene | Self::SavePicture)
+        matches!(self, Self::SaveScene | Self::SavePicture | Self::Report)
     }
 }
 

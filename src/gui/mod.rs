@@ -9,9 +9,10 @@
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`]: the render as it fills in
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
+//! - [`report`]: error against run time, measured over several renders
 //! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
-//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`icons`],
-//!   [`theme`]: what is drawn
+//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
+//!   [`icons`], [`theme`]: what is drawn
 //! - `start`: opening the window, and words for when it does not open
 
 pub mod app;
@@ -22,6 +23,7 @@ pub mod error_colors;
 pub mod error_plot;
 pub mod icons;
 pub mod jobs;
+pub mod log_plot;
 pub mod messages;
 pub mod orbit;
 pub mod panels;
@@ -29,6 +31,7 @@ pub mod pick;
 pub mod picture;
 pub mod preview;
 pub mod preview_image;
+pub mod report;
 pub mod selection;
 mod start;
 pub mod status_bar;

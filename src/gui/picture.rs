@@ -431,12 +431,7 @@ impl Picture {
             let since = self.newest_error.elapsed().as_secs_f64();
             return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
         }
-        let done = self.progress.samples.fraction();
-        let elapsed = self.elapsed().as_secs_f64();
-        let known = done > 0.01 && elapsed > 0.2;
-        known
-            .then(|| Duration::try_from_secs_f64(elapsed * (1.0 - done) / done).ok())
-            .flatten()
+        time_left(self.progress.samples.fraction(), self.elapsed())
     }
 
     /// Million rays per second so far.
@@ -444,6 +439,16 @@ impl Picture {
     pub fn mrays_per_second(&self) -> f64 {
         self.progress.rays() as f64 / self.elapsed().as_secs_f64().max(1e-9) / 1e6
     }
+}
+
+/// Time that the rest of some work takes at the pace so far; `None` while that is a guess. `done`: the done part, `0..=1`.
+#[must_use]
+pub fn time_left(done: f64, elapsed: Duration) -> Option<Duration> {
+    let elapsed = elapsed.as_secs_f64();
+    let known = done > 0.01 && elapsed > 0.2;
+    known
+        .then(|| Duration::try_from_secs_f64(elapsed * (1.0 - done) / done).ok())
+        .flatten()
 }
 
 impl std::fmt::Debug for Picture {

@@ -5,6 +5,7 @@ use std::time::Duration;
 use egui::{Align, CornerRadius, Layout, ProgressBar, RichText, Ui};
 
 use super::picture::{Outcome, Picture};
+use super::report::Run;
 use super::theme;
 use super::widgets::{chosen_percent, counted, format_number, grouped, noise_in_words};
 use crate::render::{Ending, RenderStats};
@@ -27,6 +28,8 @@ pub enum Activity<'a> {
         /// How far the structure is, `0..=1`.
         share: f64,
     },
+    /// A report is being made.
+    Reporting(&'a Run),
     /// A render runs or has ended.
     Picture {
         /// It.
@@ -73,6 +76,10 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
                 progress_ui(ui, *share);
             }
             line_ui(ui, "Preparing the scene…");
+        }
+        Activity::Reporting(run) => {
+            progress_ui(ui, run.progress.how_far().0);
+            line_ui(ui, &format!("Report: {}", run.describe()));
         }
         Activity::Picture { picture, outdated } => picture_ui(ui, picture, *outdated, news),
     }
@@ -204,7 +211,8 @@ fn faults(stats: &RenderStats) -> Vec<String> {
         .collect()
 }
 
-fn progress_ui(ui: &mut Ui, share: f64) {
+/// A bar that is filled up to `share`, `0..=1`.
+pub(super) fn progress_ui(ui: &mut Ui, share: f64) {
     #[expect(clippy::cast_possible_truncation, reason = "a share for display")]
     let share = share as f32;
     let bar = ProgressBar::new(share)

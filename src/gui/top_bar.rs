@@ -7,7 +7,7 @@ use super::theme;
 use super::widgets::primary_button;
 
 /// Width of the menus, in points.
-const MENUS_WIDTH: f32 = 168.0;
+const MENUS_WIDTH: f32 = 236.0;
 
 /// What the central area shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -28,6 +28,8 @@ pub enum Phase {
     Ready,
     /// It is being rendered, or about to.
     Rendering,
+    /// A report is being made: nothing can be rendered beside it.
+    Reporting,
 }
 
 /// What the bar needs to know.
@@ -57,9 +59,22 @@ impl TopBarState {
     pub fn allows(self, command: Command) -> bool {
         match command {
             Command::SavePicture | Command::ShowPicture => self.has_picture,
-            Command::Cancel => self.phase == Phase::Rendering,
-            Command::Render => self.phase != Phase::Empty,
+            Command::Cancel => matches!(self.phase, Phase::Rendering | Phase::Reporting),
+            Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
+            Command::Report => self.phase != Phase::Empty,
             _ => true,
+        }
+    }
+
+    /// Why `command` cannot be asked for now, where it cannot.
+    fn why_not(self, command: Command) -> &'static str {
+        match command {
+            Command::SavePicture | Command::ShowPicture => "There is no picture yet: press Render",
+            Command::Cancel => "Nothing is rendered now",
+            _ if self.phase == Phase::Reporting => {
+                "A report is being made, and a render would spoil its times"
+            }
+            _ => "The scene is still loading",
         }
     }
 }
@@ -134,6 +149,15 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
             ui.separator();
             theme_ui(ui);
         });
+        let menu = ui.menu_button("Render", |ui| {
+            for command in [Command::Render, Command::Cancel] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            menu_item_ui(ui, state, Command::Report, asked);
+        });
+        // The button that renders is called Render too.
+        menu.response.accessible_name("Render menu");
         ui.menu_button("Help", |ui| {
             menu_item_ui(ui, state, Command::ShowShortcuts, asked);
             ui.separator();
@@ -156,7 +180,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState, command: Command, asked: &mut V
     let response = ui
         .add_enabled(state.allows(command), button)
         .on_hover_text(command.description())
-        .on_disabled_hover_text("There is no picture yet: press Render");
+        .on_disabled_hover_text(state.why_not(command));
     if response.clicked() {
         asked.push(command);
         ui.close();
@@ -191,7 +215,7 @@ fn view_switch_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
         let response = ui
             .add_enabled(state.allows(command), button)
             .on_hover_text(command.tooltip(ui.ctx()))
-            .on_disabled_hover_text("There is no picture yet: press Render");
+            .on_disabled_hover_text(state.why_not(command));
         if response.clicked() {
             asked.push(command);
         }
@@ -210,10 +234,10 @@ fn error_plot_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command
     }
 }
 
-/// Render, or Cancel while rendering.
+/// Render, or Cancel while rendering or making a report.
 fn render_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     let size = Vec2::new(116.0, theme::BAR_BUTTON_HEIGHT);
-    let (command, button) = if state.phase == Phase::Rendering {
+    let (command, button) = if state.allows(Command::Cancel) {
         let text = RichText::new("Cancel").strong().color(theme::ON_ACCENT);
         (Command::Cancel, Button::new(text).fill(theme::STOP))
     } else {
@@ -223,7 +247,7 @@ fn render_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
         .add_enabled(state.allows(command), button.min_size(size))
         .accessible_name(command.label())
         .on_hover_text(command.tooltip(ui.ctx()))
-        .on_disabled_hover_text("The scene is still loading");
+        .on_disabled_hover_text(state.why_not(command));
     if response.clicked() {
         asked.push(command);
     }

@@ -1,10 +1,11 @@
-//! What the window has done in the background: loading, preparing, rendering, saving. Each function here is the body of
+//! What the window has done in the background: loading, preparing, rendering, measuring, saving. Each function here is the body of
 //! one job (see [`super::jobs`]); what it finds travels back as an [`Event`].
 //!
 //! Preparing runs right after loading and after every edit of geometry, so that a render finds its tree ready and its
 //! first tile is a matter of milliseconds. A render works on its own copy of the scene: editing goes on meanwhile.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -16,6 +17,8 @@ use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::GpuGeometry;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
+use super::report::Findings;
+use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
@@ -80,6 +83,12 @@ pub enum Event {
     PathsChosen(super::dialogs::files::Answer),
     /// What is in the folder that the path field shows.
     Listed(super::dialogs::path_field::Listing),
+    /// The running report knows more.
+    ReportGrew(Box<Findings>),
+    /// The running report is whole, or why it cannot go on.
+    Reported(Result<(), ReportError>),
+    /// Why the desktop does not show a folder.
+    FolderNotShown(String),
 }
 
 /// A scene ready to render, and its triangles on the GPU.
@@ -316,6 +325,76 @@ pub fn save_picture(
     );
     let result = result.map_err(|error| error.to_string());
     job.send(Event::PictureSaved { path, result });
+}
+
+/// What a report job works with.
+#[derive(Clone, Debug)]
+pub struct ReportRequest {
+    /// The scene as it was when the report was asked for.
+    pub scene: Scene,
+    /// What people call it.
+    pub scene_name: String,
+    /// What is wanted.
+    pub options: ReportOptions,
+    /// Where the files go.
+    pub folder: PathBuf,
+    /// Render threads; 0 is one per core.
+    pub threads: usize,
+    /// What the window watches.
+    pub progress: ReportProgress,
+}
+
+/// Measures error against run time, sending what is known after every render.
+pub fn report(job: &Job<Event>, request: ReportRequest) {
+    match measure(job, request) {
+        Ok(None) => {}
+        Ok(Some(())) => job.send(Event::Reported(Ok(()))),
+        Err(error) => job.send(Event::Reported(Err(error))),
+    }
+}
+
+/// The body of [`report`]; `None` when cancelled.
+fn measure(job: &Job<Event>, request: ReportRequest) -> Result<Option<()>, ReportError> {
+    let loaded = LoadedScene {
+        scene: request.scene,
+        warnings: Vec::new(),
+    };
+    let name = request.scene_name;
+    let plan = ReportPlan::new(name, loaded, &request.options, &job.cancel)?;
+    let run = RunConfig {
+        threads: request.threads,
+        cancel: job.cancel.clone(),
+        ..RunConfig::default()
+    };
+    let warnings = plan.warnings.clone();
+    let study = plan.carry_out(&run, &request.folder, &request.progress, |study| {
+        let findings = Findings::of(study, &warnings);
+        job.send(Event::ReportGrew(Box::new(findings)));
+    })?;
+    Ok(study.map(drop))
+}
+
+/// Has the desktop show `folder`.
+pub fn show_folder(job: &Job<Event>, folder: &Path) {
+    let program = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(windows) {
+        "explorer"
+    } else {
+        "xdg-open"
+    };
+    let status = Command::new(program)
+        .arg(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    let reason = match status {
+        // The explorer of Windows also fails where it succeeds.
+        Ok(status) if status.success() || cfg!(windows) => return,
+        Ok(status) => format!("{program} says {status}"),
+        Err(error) => format!("{program}: {error}"),
+    };
+    job.send(Event::FolderNotShown(reason));
 }
 
 /// The result in words; `None` when cancelled.

@@ -110,7 +110,7 @@ impl Chart {
 
 impl Curve {
     /// The points that are drawn.
-    fn shown(&self) -> impl Iterator<Item = &Point> {
+    pub fn shown(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(|Point { x, y }| {
             // Also tells ranges with an end that is not a number.
             let in_range = y.min <= y.median && y.median <= y.max;

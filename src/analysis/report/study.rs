@@ -36,6 +36,16 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// The one this runs on, when so many threads render.
+    #[must_use]
+    pub fn this(threads: usize) -> Self {
+        Self {
+            cpu: cpu_name(),
+            threads,
+            os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        }
+    }
+
     /// What it is, in a line.
     #[must_use]
     pub fn describe(&self) -> String {
@@ -45,6 +55,16 @@ impl Machine {
         };
         format!("{}, {threads}, {}", self.cpu, self.os)
     }
+}
+
+/// The processor's name where the system tells (Linux), else its kind.
+fn cpu_name() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(':'))
+        .map(|(_, name)| name.trim().to_owned());
+    name.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
 }
 
 /// A scene with settings of its own.

@@ -1,5 +1,7 @@
 //! Where everything is drawn.
 
+use std::time::Duration;
+
 use egui::{CentralPanel, Color32, Frame, Margin, Panel, Rect, RichText, Ui};
 
 use super::App;
@@ -20,6 +22,9 @@ use crate::gui::worker::Event;
 use crate::gui::{error_colors, error_plot};
 use crate::io;
 use crate::math::DBounds;
+
+/// Time between two frames while a report is made and the user does nothing: rarely, as each frame takes time from what is measured.
+const REPORT_REFRESH: Duration = Duration::from_millis(500);
 
 impl App {
     /// Draws the window; returns what was asked for.
@@ -69,6 +74,8 @@ impl App {
                 what: &loading.what,
                 share: loading.progress.fraction(),
             }
+        } else if let Some(run) = self.report.run().filter(|_| self.report.is_running()) {
+            Activity::Reporting(run)
         } else if self.waiting_render.is_some() || self.prepared.is_none() && !self.is_prepared() {
             Activity::Preparing {
                 share: self.build_progress.fraction(),
@@ -85,6 +92,9 @@ impl App {
         if self.loading.is_some() || is_preparing || self.is_rendering() {
             // Times and shares move also while nothing else happens.
             ui.ctx().request_repaint_after(self.refresh_interval());
+        }
+        if self.report.is_running() {
+            ui.ctx().request_repaint_after(REPORT_REFRESH);
         }
         let scene = &self.document.scene;
         let shown = (!scene.objects.is_empty()).then_some(scene);

@@ -8,11 +8,13 @@
 //! - `opening`: scenes and meshes from files
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `rendering`: preparing, rendering, showing the picture
+//! - `reporting`: error against run time
 //! - `layout`: where everything is drawn
 
 mod layout;
 mod opening;
 mod rendering;
+mod reporting;
 mod saving;
 
 use std::path::PathBuf;
@@ -27,11 +29,12 @@ use super::messages::Messages;
 use super::orbit;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
+use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
 use super::top_bar::{Phase, TopBarState, View};
 use super::viewport::Viewport;
-use super::worker::{Event, Prepared};
+use super::worker::{Event, Prepared, ReportRequest};
 use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
@@ -80,6 +83,9 @@ pub struct App {
     shown_layer: Option<Layer>,
     /// A render was asked for at this time and waits for its geometry.
     waiting_render: Option<Instant>,
+    report: ReportWindow,
+    /// A report was asked for and waits until nothing else works.
+    waiting_report: Option<ReportRequest>,
     loading: Option<Loading>,
     jobs: Jobs<Event>,
     messages: Messages,
@@ -127,6 +133,8 @@ impl App {
             error_plot: ErrorPlot::default(),
             shown_layer: None,
             waiting_render: None,
+            report: ReportWindow::default(),
+            waiting_report: None,
             loading: None,
             jobs: Jobs::new(creation.egui_ctx.clone()),
             messages: Messages::default(),
@@ -165,6 +173,12 @@ impl App {
         &self.error_plot
     }
 
+    /// The report that is described, made or looked at.
+    #[must_use]
+    pub fn report(&self) -> &ReportWindow {
+        &self.report
+    }
+
     /// The banners and the last news.
     #[must_use]
     pub fn messages(&self) -> &Messages {
@@ -189,10 +203,10 @@ impl App {
         self.loading.is_some() || self.jobs.is_busy(Lane::Prepare) || !self.is_prepared()
     }
 
-    /// Threads that still work on renders, cancelled ones included.
+    /// Threads that still work on renders and reports, cancelled ones included.
     #[must_use]
     pub fn render_threads(&self) -> usize {
-        self.jobs.running_threads(Lane::Render)
+        self.jobs.running_threads(Lane::Render) + self.jobs.running_threads(Lane::Report)
     }
 
     /// What the top bar shows, which is also what commands may be given.
@@ -201,6 +215,8 @@ impl App {
             view: self.view,
             phase: if self.is_rendering() {
                 Phase::Rendering
+            } else if self.report.is_running() {
+                Phase::Reporting
             } else if self.document.scene.objects.is_empty() {
                 Phase::Empty
             } else {
@@ -248,6 +264,9 @@ impl App {
             Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
             Event::PictureSaved { path, result } => self.picture_saved(&path, result),
             Event::PathsChosen(answer) => self.paths_chosen(answer),
+            Event::ReportGrew(findings) => self.report.set_findings(findings),
+            Event::Reported(result) => self.reported(&result),
+            Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
             Event::Listed(listing) => {
                 if let Some(Dialog::Path(field)) = &mut self.dialog {
                     field.set_listing(listing);
@@ -262,6 +281,7 @@ impl App {
             Lane::Load => self.loading = None,
             Lane::Render => self.end_picture(super::picture::Outcome::Failed),
             Lane::SaveScene => self.after_saving = None,
+            Lane::Report => self.report.fail_by_fault(),
             _ => {}
         }
         let text =
@@ -300,6 +320,7 @@ impl App {
             Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
             Command::Render => self.ask_for_render(),
             Command::Cancel => self.cancel(),
+            Command::Report => self.show_report(ctx),
             Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
         }
     }
@@ -312,13 +333,17 @@ impl App {
         self.view = View::Preview;
     }
 
-    /// Stops what runs: a render first, else loading.
+    /// Stops what runs: a render first, else a report, else loading. Where nothing runs, the window of the report closes.
     fn cancel(&mut self) {
         if self.is_rendering() {
             self.cancel_render();
+        } else if self.report.is_running() {
+            self.cancel_report();
         } else if self.loading.take().is_some() {
             self.jobs.cancel(Lane::Load);
             self.messages.news("Loading cancelled");
+        } else {
+            self.report.open = false;
         }
     }
 
@@ -329,7 +354,7 @@ impl App {
             .map_or(DBounds::EMPTY, |state| state.bounds)
     }
 
-    /// Keeps the window's title what it should be; while rendering it says how far, for the task bar.
+    /// Keeps the window's title what it should be; while rendering or making a report it says how far, for the task bar.
     fn update_title(&mut self, ctx: &egui::Context) {
         let dot = if self.document.is_modified() {
             " •"
@@ -337,9 +362,11 @@ impl App {
             ""
         };
         let running = self.picture.as_ref().filter(|picture| picture.is_running());
-        let progress = running.map_or_else(String::new, |picture| {
-            let percent = (picture.progress.samples.fraction() * 100.0).floor();
-            format!("{percent} % – ")
+        let rendered = running.map(|picture| picture.progress.samples.fraction());
+        let run = self.report.run().filter(|_| self.report.is_running());
+        let share = rendered.or_else(|| Some(run?.progress.how_far().0));
+        let progress = share.map_or_else(String::new, |share| {
+            format!("{} % – ", (share * 100.0).floor())
         });
         let title = format!("{progress}{}{dot} – RayMini", self.document.name());
         if title != self.title {
@@ -385,6 +412,7 @@ impl eframe::App for App {
             picture.take_errors();
         }
         self.update_background_work();
+        self.start_waiting_report();
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -399,6 +427,7 @@ impl eframe::App for App {
         };
         let (display_before, layer_before) = (self.document.scene.display, self.shown_layer);
         commands.extend(self.window_ui(ui));
+        self.report_ui(&ctx);
         self.dialogs_ui(&ctx);
         for command in commands {
             self.carry_out(&ctx, command);
@@ -413,6 +442,7 @@ impl eframe::App for App {
         }
         self.restart_edited_render();
         self.update_background_work();
+        self.start_waiting_report();
         self.update_title(&ctx);
     }
 }

@@ -218,6 +218,11 @@ impl App {
                     self.set_background(path);
                 }
             }
+            FilePurpose::ReportFolder | FilePurpose::ReportReference => {
+                for path in paths.into_iter().take(1) {
+                    self.report.set_path(purpose, &path);
+                }
+            }
             FilePurpose::SaveScene | FilePurpose::SavePicture => {
                 for path in paths.into_iter().take(1) {
                     let path = purpose.with_extension(path);
@@ -236,7 +241,10 @@ impl App {
         let here = std::env::current_dir().unwrap_or_default();
         let folder = self.document.path().and_then(Path::parent).unwrap_or(&here);
         match purpose {
-            FilePurpose::Open | FilePurpose::AddMesh => folder.join(""),
+            FilePurpose::Open | FilePurpose::AddMesh | FilePurpose::ReportReference => {
+                folder.join("")
+            }
+            FilePurpose::ReportFolder => self.report.folder(),
             FilePurpose::SetBackground => match &self.document.scene.background {
                 // Others are likely beside it.
                 Background::Image { image, .. } => {

@@ -26,6 +26,10 @@ pub enum FilePurpose {
     SaveScene,
     /// A picture to write.
     SavePicture,
+    /// A folder to write a report to.
+    ReportFolder,
+    /// A picture that a report measures against.
+    ReportReference,
 }
 
 impl FilePurpose {
@@ -38,6 +42,8 @@ impl FilePurpose {
             Self::SetBackground => "Background image",
             Self::SaveScene => "Save scene",
             Self::SavePicture => "Save picture",
+            Self::ReportFolder => "Folder of the report",
+            Self::ReportReference => "Reference of the report",
         }
     }
 
@@ -47,7 +53,7 @@ impl FilePurpose {
         match self {
             Self::Open => "Open",
             Self::AddMesh => "Add",
-            Self::SetBackground => "Use",
+            Self::SetBackground | Self::ReportFolder | Self::ReportReference => "Use",
             Self::SaveScene | Self::SavePicture => "Save",
         }
     }
@@ -56,6 +62,12 @@ impl FilePurpose {
     #[must_use]
     pub fn is_save(self) -> bool {
         matches!(self, Self::SaveScene | Self::SavePicture)
+    }
+
+    /// Whether a folder is wanted, not a file.
+    #[must_use]
+    pub fn is_folder(self) -> bool {
+        self == Self::ReportFolder
     }
 
     /// Extensions of files that fit, without dot.
@@ -67,6 +79,8 @@ impl FilePurpose {
             Self::SetBackground => RADIANCE_EXTENSIONS.to_vec(),
             Self::SaveScene => vec!["toml"],
             Self::SavePicture => vec!["png", "exr"],
+            Self::ReportFolder => Vec::new(),
+            Self::ReportReference => [RADIANCE_EXTENSIONS, &["png"]].concat(),
         }
     }
 
@@ -107,6 +121,11 @@ pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
         FilePurpose::AddMesh => dialog.add_filter("Meshes", &extensions).pick_files(),
         FilePurpose::SetBackground => dialog
             .add_filter("Images of radiance", &extensions)
+            .pick_file()
+            .map(|path| vec![path]),
+        FilePurpose::ReportFolder => dialog.pick_folder().map(|path| vec![path]),
+        FilePurpose::ReportReference => dialog
+            .add_filter("Pictures", &extensions)
             .pick_file()
             .map(|path| vec![path]),
         FilePurpose::SaveScene | FilePurpose::SavePicture => {

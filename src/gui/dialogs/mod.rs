@@ -45,10 +45,17 @@ pub(super) fn modal_ui<R>(
 }
 
 /// The buttons at the lower right of a dialog, the first at the right.
-pub(super) fn buttons_ui<R>(ui: &mut egui::Ui, buttons: impl FnOnce(&mut egui::Ui) -> R) -> R {
+pub(in crate::gui) fn buttons_ui<R>(
+    ui: &mut egui::Ui,
+    buttons: impl FnOnce(&mut egui::Ui) -> R,
+) -> R {
+    const HEIGHT: f32 = 28.0;
     ui.add_space(14.0);
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        ui.spacing_mut().interact_size = egui::vec2(84.0, 28.0);
+    // Its height is its own: where there is more room, it takes none of it.
+    let size = egui::vec2(ui.available_width(), HEIGHT);
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.spacing_mut().interact_size = egui::vec2(84.0, HEIGHT);
         ui.spacing_mut().button_padding.x = 12.0;
         buttons(ui)
     })

@@ -88,7 +88,7 @@ impl PathField {
         let field = ui
             .add(
                 egui::TextEdit::singleline(&mut self.text)
-                    .hint_text("Path of the file")
+                    .hint_text("Path")
                     .desired_width(f32::INFINITY)
                     .margin(egui::Margin::symmetric(8, 6)),
             )
@@ -107,8 +107,7 @@ impl PathField {
         match confirmed {
             Some(false) => Outcome::Cancelled,
             _ if (entered || confirmed == Some(true)) && !self.text.trim().is_empty() => {
-                if self.text.ends_with('/') {
-                    // A folder is a place to go to, not a file.
+                if self.is_place_to_go() {
                     field.request_focus();
                     return Outcome::Open;
                 }
@@ -120,6 +119,11 @@ impl PathField {
             }
             _ => Outcome::Open,
         }
+    }
+
+    /// Whether the text names a folder where a file is wanted.
+    fn is_place_to_go(&self) -> bool {
+        self.text.ends_with('/') && !self.purpose.is_folder()
     }
 
     /// The folder's entries; returns whether one was clicked.
@@ -151,7 +155,11 @@ impl PathField {
                         }
                         if listing.entries.is_empty() {
                             let kinds = self.purpose.extensions().join(", .");
-                            let text = format!("No folder or .{kinds} file here");
+                            let text = if self.purpose.is_folder() {
+                                "No folder here: add a name, and it is made".to_owned()
+                            } else {
+                                format!("No folder or .{kinds} file here")
+                            };
                             ui.label(RichText::new(text).weak());
                         }
                     });
@@ -177,7 +185,7 @@ impl PathField {
     /// The buttons; `Some(true)` to go on, `Some(false)` to cancel.
     fn buttons_ui(&self, ui: &mut Ui) -> Option<bool> {
         buttons_ui(ui, |ui| {
-            let ready = !self.text.trim().is_empty() && !self.text.ends_with('/');
+            let ready = !self.text.trim().is_empty() && !self.is_place_to_go();
             let verb = primary_button(self.purpose.verb());
             if ui.add_enabled(ready, verb).clicked() {
                 return Some(true);
@@ -248,7 +256,7 @@ fn as_folder(path: &Path) -> String {
 }
 
 /// The path, with `~/` as the user's home.
-fn with_home(text: &str) -> PathBuf {
+pub(in crate::gui) fn with_home(text: &str) -> PathBuf {
     match (text.strip_prefix("~/"), std::env::home_dir()) {
         (Some(rest), Some(home)) => home.join(rest),
         _ => PathBuf::from(text),

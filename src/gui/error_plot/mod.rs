@@ -12,6 +12,7 @@ use egui::{Color32, RichText, Sense, Ui, Vec2};
 
 pub use curve::{Crossing, Curve, name_of_render, next_crossing, seconds_in_words, slope};
 
+use super::log_plot::color_of_curve;
 use super::picture::{Outcome, Picture};
 use super::theme;
 use super::widgets::{chosen_percent, noise_in_words};
@@ -27,16 +28,6 @@ const WORDS_WIDTH: f32 = 252.0;
 
 /// Renders that are remembered, the present one apart.
 const MOST_PAST: usize = 12;
-
-/// Colours of past renders, one after the other: of one brightness, and none like the accent.
-const PAST_COLORS: [Color32; 6] = [
-    Color32::from_rgb(0xd0, 0x8a, 0x3c),
-    Color32::from_rgb(0x5c, 0xa8, 0x6a),
-    Color32::from_rgb(0xb0, 0x7a, 0xc8),
-    Color32::from_rgb(0xc8, 0x6a, 0x78),
-    Color32::from_rgb(0x4c, 0xa6, 0xb0),
-    Color32::from_rgb(0x9c, 0x98, 0x50),
-];
 
 /// The renders of this session, and whether they are plotted.
 #[derive(Debug, Default)]
@@ -90,7 +81,7 @@ impl ErrorPlot {
                         .iter()
                         .map(|(number, curve)| drawing::Past {
                             curve,
-                            color: past_color(*number),
+                            color: color_of_curve(*number),
                             is_pointed_at: self.pointed_at == Some(*number),
                         })
                         .collect(),
@@ -132,16 +123,12 @@ impl ErrorPlot {
                     entry_ui(ui, theme::ACCENT, self.count + 1, curve);
                 }
                 for (number, curve) in self.past.iter().rev() {
-                    if entry_ui(ui, past_color(*number), *number, curve) {
+                    if entry_ui(ui, color_of_curve(*number), *number, curve) {
                         self.pointed_at = Some(*number);
                     }
                 }
             });
     }
-}
-
-fn past_color(number: usize) -> Color32 {
-    PAST_COLORS[number % PAST_COLORS.len()]
 }
 
 /// Why there is no curve.

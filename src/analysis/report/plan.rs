@@ -1,0 +1,281 @@
+//! From what somebody wants to know to the renders that tell.
+
+use std::path::Path;
+
+use super::error::{ComparisonError, ReportError};
+use super::files;
+use super::options::{ReferenceOptions, ReportOptions};
+use super::progress::ReportProgress;
+use super::reference::{Origin, Reference};
+use super::study::{Machine, Study, Variant};
+use crate::control::CancelToken;
+use crate::io::{self, LoadedScene, scene_file};
+use crate::render::RunConfig;
+use crate::scene::{RenderSettings, Scene};
+
+/// What is to be rendered, all of it known to make sense.
+#[derive(Clone, Debug)]
+pub struct ReportPlan {
+    /// What looks wrong and is no reason to stop, in sentences.
+    pub warnings: Vec<String>,
+    scene_name: String,
+    variants: Vec<Variant>,
+    seeds: u32,
+    reference: Wanted,
+}
+
+/// The reference that was asked for.
+#[derive(Clone, Debug)]
+enum Wanted {
+    Given(Reference),
+    Rendered { seed: u64, samples: u32 },
+}
+
+impl ReportPlan {
+    /// For the scene that is called `scene_name`. Reads the files that `options` name.
+    ///
+    /// # Errors
+    /// What about `options` cannot be understood, loaded or measured.
+    pub fn new(
+        scene_name: String,
+        mut loaded: LoadedScene,
+        options: &ReportOptions,
+        cancel: &CancelToken,
+    ) -> Result<Self, ReportError> {
+        let samples = options
+            .samples
+            .unwrap_or_else(|| ReportOptions::default_samples(&loaded.scene.render));
+        let mut assignments = vec![
+            format!("render.samples_per_pixel={samples}"),
+            "render.error_estimate=true".to_owned(),
+        ];
+        if let Some((width, height)) = options.size {
+            assignments.push(format!("render.width={width}"));
+            assignments.push(format!("render.height={height}"));
+        }
+        // Last, so that they have the last word.
+        assignments.extend_from_slice(&options.assignments);
+        io::override_scene(&mut loaded, &assignments, cancel)?;
+
+        let mut warnings = all_warnings(&loaded);
+        let of_scene = warnings.clone();
+        let mut variants = vec![variant("as the scene says", &loaded.scene)];
+        for (index, text) in options.comparisons.iter().enumerate() {
+            let (name, changed) =
+                compared(&loaded, text, cancel).map_err(|reason| ReportError::Comparison {
+                    index,
+                    text: text.clone(),
+                    reason,
+                })?;
+            let own = all_warnings(&changed).into_iter();
+            let own = own.filter(|warning| !of_scene.contains(warning));
+            warnings.extend(own.map(|warning| format!("{text}: {warning}")));
+            variants.push(variant(&name, &changed.scene));
+        }
+
+        let RenderSettings { width, height, .. } = loaded.scene.render;
+        let reference = match &options.reference {
+            ReferenceOptions::File(path) => {
+                Wanted::Given(read_reference(path, (width, height), &mut warnings)?)
+            }
+            ReferenceOptions::Exact(radiance) => {
+                Wanted::Given(Reference::exact(*radiance, width, height))
+            }
+            ReferenceOptions::Rendered { samples } => {
+                let most = variants.iter().map(|v| v.scene.render.samples_per_pixel);
+                let most = most.fold(1, u32::max);
+                Wanted::Rendered {
+                    seed: free_seed(&variants, options.seeds),
+                    samples: samples
+                        .unwrap_or_else(|| ReportOptions::default_reference_samples(most)),
+                }
+            }
+        };
+        Ok(Self {
+            warnings,
+            scene_name,
+            variants,
+            seeds: options.seeds,
+            reference,
+        })
+    }
+
+    /// Samples per pixel of all renders together, as far as that is known.
+    fn work(&self) -> f64 {
+        let trials = self.variants.iter().map(samples).sum::<f64>() * f64::from(self.seeds);
+        match self.reference {
+            Wanted::Given(_) => trials,
+            Wanted::Rendered { samples, .. } => trials + f64::from(samples),
+        }
+    }
+
+    /// Renders all. After each render what is known is written to `folder`, which is made where it is missing, and handed to
+    /// `on_render`. `None` when cancelled.
+    ///
+    /// # Errors
+    /// What cannot be rendered or written.
+    pub fn carry_out(
+        self,
+        run: &RunConfig,
+        folder: &Path,
+        progress: &ReportProgress,
+        mut on_render: impl FnMut(&Study),
+    ) -> Result<Option<Study>, ReportError> {
+        files::make_folder(folder)?;
+        progress.set_total(self.work());
+        let reference = match self.reference {
+            Wanted::Given(reference) => reference,
+            Wanted::Rendered { seed, samples } => {
+                let progress = progress.begin("reference".to_owned(), f64::from(samples));
+                let scene = &self.variants[0].scene;
+                let Some(reference) = Reference::render(scene, seed, samples, run, &progress)?
+                else {
+                    return Ok(None);
+                };
+                reference
+            }
+        };
+        let mut study = Study {
+            scene_name: self.scene_name,
+            machine: Machine::this(run.thread_count()),
+            reference,
+            seeds: self.seeds,
+            default_settings: settings(&RenderSettings::default()),
+            variants: self.variants,
+        };
+        while let Some(index) = study.next() {
+            let variant = &study.variants[index];
+            let number = variant.trials.len() + 1;
+            let what = format!("{}, seed {number} of {}", variant.name, study.seeds);
+            let progress = progress.begin(what, samples(variant));
+            if study.render_next(run, &progress)?.is_none() {
+                return Ok(None);
+            }
+            files::write(&study, folder)?;
+            on_render(&study);
+        }
+        Ok(Some(study))
+    }
+}
+
+/// The name and the scene of the variant that `comparison` makes.
+fn compared(
+    loaded: &LoadedScene,
+    comparison: &str,
+    cancel: &CancelToken,
+) -> Result<(String, LoadedScene), ComparisonError> {
+    let assignments: Vec<String> = comparison
+        .split(';')
+        .map(|assignment| assignment.trim().to_owned())
+        .filter(|assignment| !assignment.is_empty())
+        .collect();
+    if assignments.is_empty() {
+        return Err(ComparisonError::Empty);
+    }
+    let mut changed = loaded.clone();
+    io::override_scene(&mut changed, &assignments, cancel).map_err(ComparisonError::Scene)?;
+    let sizes = [loaded, &changed].map(|l| (l.scene.render.width, l.scene.render.height));
+    if sizes[0] != sizes[1] {
+        return Err(ComparisonError::Size);
+    }
+    Ok((assignments.join("; "), changed))
+}
+
+fn all_warnings(loaded: &LoadedScene) -> Vec<String> {
+    let of_scene = loaded.scene.warnings();
+    let all = loaded.warnings.iter().map(ToString::to_string);
+    all.chain(of_scene.iter().map(ToString::to_string))
+        .collect()
+}
+
+fn variant(name: &str, scene: &Scene) -> Variant {
+    Variant {
+        name: name.to_owned(),
+        scene: scene.clone(),
+        settings: settings(&scene.render),
+        trials: Vec::new(),
+    }
+}
+
+/// The settings as a scene file says them.
+fn settings(render: &RenderSettings) -> toml::Table {
+    let scene = Scene {
+        render: render.clone(),
+        ..Scene::default()
+    };
+    let mut table: toml::Table = scene_file::write(&scene)
+        .parse()
+        .expect("a written scene can be read");
+    match table.remove("render") {
+        Some(toml::Value::Table(render)) => render,
+        _ => toml::Table::new(),
+    }
+}
+
+fn samples(variant: &Variant) -> f64 {
+    f64::from(variant.scene.render.samples_per_pixel)
+}
+
+/// The first seed after those of the scene that no variant is rendered with.
+fn free_seed(variants: &[Variant], seeds: u32) -> u64 {
+    let is_used = |seed| {
+        let mut used = variants.iter().flat_map(|v| (0..seeds).map(|n| v.seed(n)));
+        used.any(|used| used == seed)
+    };
+    let mut after = (seeds..=u32::MAX).map(|number| variants[0].seed(number));
+    let free = after.find(|&seed| !is_used(seed));
+    free.expect("there are more seeds than renders")
+}
+
+fn read_reference(
+    path: &Path,
+    picture: (u32, u32),
+    warnings: &mut Vec<String>,
+) -> Result<Reference, ReportError> {
+    let file = io::read_image(path)?;
+    let name = path.display().to_string();
+    warnings.extend(file.warnings.iter().map(|w| format!("{name}: {w}")));
+    if file.format == "PNG" {
+        warnings.push(format!(
+            "{name}: a PNG holds what a screen shows: exposure, tone curve, the end at 1 and rounding are in it"
+        ));
+    }
+    let image = file.image;
+    if (image.width, image.height) != picture {
+        return Err(ReportError::ReferenceSize {
+            path: path.to_owned(),
+            reference: (image.width, image.height),
+            picture,
+        });
+    }
+    Ok(Reference {
+        image,
+        origin: Origin::File { name },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reference_has_a_seed_of_its_own() {
+        let with_seed = |seed| {
+            let mut scene = Scene::default();
+            scene.render.seed = seed;
+            variant("", &scene)
+        };
+        assert_eq!(free_seed(&[with_seed(3)], 5), 8);
+        assert_eq!(free_seed(&[with_seed(3), with_seed(8)], 5), 13);
+        assert_eq!(free_seed(&[with_seed(RenderSettings::MAX_SEED)], 5), 4);
+    }
+
+    #[test]
+    fn settings_are_those_of_a_scene_file() {
+        let mut render = RenderSettings::default();
+        render.stop.noise = Some(0.03);
+        let table = settings(&render);
+        assert_eq!(table["mode"].as_str(), Some("direct"));
+        assert_eq!(table["stop"]["noise"].as_float(), Some(0.03));
+    }
+}
