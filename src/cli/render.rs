@@ -124,6 +124,39 @@ struct Stats {
     image_hash: String,
 }
 
+impl Stats {
+    /// What `stats` says of a render of `scene`; seconds to load and to build.
+    fn new(
+        stats: &RenderStats,
+        scene: &PreparedScene,
+        [load_seconds, build_seconds]: [f64; 2],
+        hash: &str,
+    ) -> Self {
+        let accelerator = scene.geometry().accelerator();
+        Self {
+            load_seconds,
+            build_seconds,
+            render_seconds: stats.render_seconds,
+            first_tile_seconds: stats.first_tile_seconds,
+            triangles: u64::from(accelerator.triangle_count()),
+            accelerator: accelerator.name(),
+            accelerator_bytes: accelerator.bytes(),
+            peak_memory_bytes: peak_memory_bytes(),
+            threads: stats.threads,
+            samples_per_pixel: stats.samples_per_pixel,
+            sample_range: stats.sample_range,
+            passes: stats.passes,
+            ending: stats.ending,
+            rays: stats.rays,
+            error: stats.error.as_ref().map(ErrorFacts::from),
+            non_finite_samples: stats.non_finite_samples,
+            negative_samples: stats.negative_samples,
+            clamped: stats.clamped,
+            image_hash: hash.to_owned(),
+        }
+    }
+}
+
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -171,8 +204,11 @@ impl From<&ErrorEstimate> for ErrorFacts {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
-    // Before work is spent on a picture that could not be written.
+    // Before work is spent on what could not be written.
     io::check_image_path(&arguments.output)?;
+    if let Some(path) = &arguments.stats {
+        io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+    }
 
     let started = Instant::now();
     let mut loaded = super::load(arguments.scene.as_deref())?;
@@ -181,15 +217,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
         eprintln!("warning: {warning}");
     }
     let load_seconds = started.elapsed().as_secs_f64();
-
-    let stats = render_scene(&loaded.scene, arguments, load_seconds)?;
-    if let Some(path) = &arguments.stats {
-        let json =
-            serde_json::to_string_pretty(&stats).context("the stats cannot be written as JSON")?;
-        io::write_atomically(path, |file| writeln!(file, "{json}"))
-            .with_context(|| format!("{}: cannot write the stats", path.display()))?;
-    }
-    Ok(())
+    render_scene(&loaded.scene, arguments, load_seconds)
 }
 
 /// Renders `scene` as it is to `output`; what the window does where there is no screen.
@@ -197,6 +225,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
 /// # Errors
 /// What kept the picture from being rendered or written.
 pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
+    io::check_image_path(output)?;
     let arguments = RenderArguments {
         scene: None,
         output: output.to_owned(),
@@ -211,10 +240,11 @@ pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
         assignments: Vec::new(),
         stats: None,
     };
-    render_scene(scene, &arguments, 0.0).map(drop)
+    render_scene(scene, &arguments, 0.0)
 }
 
-fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<Stats> {
+/// Renders `scene`, writes the picture and the stats, and says what it took.
+fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<()> {
     let started = Instant::now();
     let progress = Progress::new();
     let how_far = || (progress.fraction(), "building the tree".to_owned());
@@ -242,45 +272,55 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
         layers: scene.output.layers && io::holds_layers(&arguments.output),
         ..RunConfig::default()
     };
-    let RenderOutcome {
-        image,
-        layers,
-        stats,
-        ..
-    } = render_watched(&prepared, arguments.region, &run)
+    let outcome = render_watched(&prepared, arguments.region, &run)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
-    io::write_image(
-        &image,
-        &layers,
-        &scene.display,
-        &scene.output,
-        &arguments.output,
-    )?;
+    let (place, failure) = write_picture(&outcome, scene, &arguments.output)?;
 
+    let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
-    say_what_it_took(&arguments.output, &image, &hash, &stats, settings)?;
-    let accelerator = prepared.geometry().accelerator();
-    Ok(Stats {
-        load_seconds,
-        build_seconds,
-        render_seconds: stats.render_seconds,
-        first_tile_seconds: stats.first_tile_seconds,
-        triangles: u64::from(accelerator.triangle_count()),
-        accelerator: accelerator.name(),
-        accelerator_bytes: accelerator.bytes(),
-        peak_memory_bytes: peak_memory_bytes(),
-        threads: stats.threads,
-        samples_per_pixel: stats.samples_per_pixel,
-        sample_range: stats.sample_range,
-        passes: stats.passes,
-        ending: stats.ending,
-        rays: stats.rays,
-        error: stats.error.as_ref().map(ErrorFacts::from),
-        non_finite_samples: stats.non_finite_samples,
-        negative_samples: stats.negative_samples,
-        clamped: stats.clamped,
-        image_hash: hash,
-    })
+    let recorded = match &arguments.stats {
+        Some(path) => {
+            let facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash);
+            write_stats(&facts, path)
+        }
+        None => Ok(()),
+    };
+    say_what_it_took(&place, image, &hash, stats, settings)?;
+    failure.map_or(Ok(()), Err)?;
+    recorded
+}
+
+/// Writes the picture to `output`, or, where that fails after all, where it is not lost. Returns where it is, and what failed.
+///
+/// # Errors
+/// When it cannot be written anywhere.
+fn write_picture(
+    outcome: &RenderOutcome,
+    scene: &Scene,
+    output: &Path,
+) -> Result<(PathBuf, Option<anyhow::Error>)> {
+    let RenderOutcome { image, layers, .. } = outcome;
+    let Err(error) = io::write_image(image, layers, &scene.display, &scene.output, output) else {
+        return Ok((output.to_owned(), None));
+    };
+    match io::rescue_image(image, layers, &scene.display, &scene.output, output) {
+        Ok(place) => {
+            let failure = anyhow!("{error}; the picture is in {} instead", place.display());
+            Ok((place, Some(failure)))
+        }
+        Err(second) => bail!("{error}; {second}; the picture is lost"),
+    }
+}
+
+fn write_stats(stats: &Stats, path: &Path) -> Result<()> {
+    let json =
+        serde_json::to_string_pretty(stats).context("the stats cannot be written as JSON")?;
+    io::write_atomically(path, |file| writeln!(file, "{json}"))
+        .with_context(|| cannot_write_stats(path))
+}
+
+fn cannot_write_stats(path: &Path) -> String {
+    format!("{}: cannot write the stats", path.display())
 }
 
 /// Prints what a render took and how wrong it is, and warns of what went wrong.

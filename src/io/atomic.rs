@@ -1,5 +1,6 @@
 //! Files that are there whole or not at all.
 
+use std::error::Error as _;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -19,24 +20,9 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    // A link that leads nowhere is replaced itself.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let old = fs::metadata(&target).ok();
-    match &old {
-        Some(old) if old.is_dir() => {
-            let message = "this is a folder, a file was expected";
-            return Err(Error::new(ErrorKind::IsADirectory, message));
-        }
-        Some(old) if !old.is_file() => {
-            return write_through(File::options().write(true).open(&target)?, write).map(drop);
-        }
-        Some(old) if old.permissions().readonly() => {
-            return Err(Error::new(
-                ErrorKind::PermissionDenied,
-                "the file is read-only",
-            ));
-        }
-        _ => {}
+    let Destination { target, old } = Destination::of(path)?;
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
+        return write_through(File::options().write(true).open(&target)?, write).map(drop);
     }
     let temporary = temporary_beside(&target, old.as_ref())?;
     write_through(temporary.as_file(), write)?;
@@ -44,6 +30,47 @@ pub fn write_atomically(
     temporary.as_file().sync_all()?;
     temporary.persist(&target).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// Says what would keep [`write_atomically`] from beginning to write `path`, before work is spent on what goes there: makes the
+/// temporary file, and removes it. The file of that name is not touched.
+///
+/// # Errors
+/// Those of [`write_atomically`], but for what shows only when there is something to write, such as a full disk.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    let Destination { target, old } = Destination::of(path)?;
+    // To open a pipe, even for a moment, would be noticed at its other end.
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
+        return Ok(());
+    }
+    temporary_beside(&target, old.as_ref()).map(drop)
+}
+
+/// Where a file is to go.
+struct Destination {
+    /// The path, with links followed.
+    target: PathBuf,
+    /// What is there; neither a folder nor a read-only file.
+    old: Option<Metadata>,
+}
+
+impl Destination {
+    fn of(path: &Path) -> io::Result<Self> {
+        // A link that leads nowhere is replaced itself.
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let old = fs::metadata(&target).ok();
+        match &old {
+            Some(old) if old.is_dir() => Err(Error::new(
+                ErrorKind::IsADirectory,
+                "this is a folder, a file was expected",
+            )),
+            Some(old) if old.is_file() && old.permissions().readonly() => Err(Error::new(
+                ErrorKind::PermissionDenied,
+                "the file is read-only",
+            )),
+            _ => Ok(Self { target, old }),
+        }
+    }
 }
 
 /// A new file in the target's folder, with the permissions of the file it will replace.
@@ -56,7 +83,17 @@ fn temporary_beside(target: &Path, old: Option<&Metadata>) -> io::Result<NamedTe
     let mut builder = Builder::new();
     builder.prefix(".raymini-").suffix(".part");
     like_any_new_file(&mut builder);
-    let temporary = builder.tempfile_in(&folder)?;
+    let temporary = builder.tempfile_in(&folder).map_err(|error| {
+        // Without the temporary file's name, which tells the user nothing.
+        let reason = error
+            .source()
+            .map_or(error.to_string(), ToString::to_string);
+        let message = format!(
+            "no file can be made in the folder {}: {reason}",
+            folder.display()
+        );
+        Error::new(error.kind(), message)
+    })?;
     if let Some(old) = old {
         temporary.as_file().set_permissions(old.permissions())?;
     }
@@ -164,6 +201,25 @@ mod tests {
         let expected = format!("the folder {} does not exist", missing.display());
         assert_eq!(error.to_string(), expected);
         assert!(names(&folder).is_empty());
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_known_before() {
+        let folder = folder();
+        let path = folder.path().join("picture.png");
+        write_text(&path, "old").expect("written");
+        check_writable(&path).expect("can be written");
+        check_writable(&folder.path().join("new.png")).expect("can be written");
+        assert_eq!(fs::read_to_string(&path).expect("a file"), "old");
+        assert_eq!(names(&folder), ["picture.png"]);
+
+        let missing = folder.path().join("no/a.png");
+        let cases = [folder.path(), &missing, &path.join("a.png")];
+        for wrong in cases {
+            let early = check_writable(wrong).expect_err("cannot be written");
+            let late = write_text(wrong, "text").expect_err("cannot be written");
+            assert_eq!(early.to_string(), late.to_string());
+        }
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
 
+use std::ffi::OsStr;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
-use super::atomic::write_atomically;
+use super::atomic::{check_writable, write_atomically};
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
 use crate::scene::{Display, Output, PngBits};
@@ -37,12 +38,14 @@ enum Format {
     Exr,
 }
 
-/// Says whether `path` has the extension of a format that can be written, before work is spent on the picture.
+/// Says whether `path` has the extension of a format that can be written, and is a place where that can be begun, before work is
+/// spent on the picture.
 ///
 /// # Errors
-/// [`ImageFileError::UnknownFormat`].
+/// An unknown extension, or what the system says.
 pub fn check_image_path(path: &Path) -> Result<(), ImageFileError> {
-    format_of(path).map(drop)
+    format_of(path)?;
+    check_writable(path).map_err(|reason| unwritable(path, reason))
 }
 
 /// Whether the format that `path` is written in holds layers.
@@ -69,10 +72,39 @@ pub fn write_image(
     };
     bytes
         .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes)))
-        .map_err(|reason| ImageFileError::Unwritable {
-            path: path.to_owned(),
-            reason,
-        })
+        .map_err(|reason| unwritable(path, reason))
+}
+
+/// Writes a picture that could not be written to `path` to a new file in the system's folder for temporary files, in the same
+/// format, so that it is not lost. Returns that file's name.
+///
+/// # Errors
+/// Those of [`write_image`].
+pub fn rescue_image(
+    image: &Image,
+    layers: &[(Layer, Image)],
+    display: &Display,
+    output: &Output,
+    path: &Path,
+) -> Result<PathBuf, ImageFileError> {
+    let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let folder = std::env::temp_dir();
+    let file = tempfile::Builder::new()
+        .prefix(&format!("{}-", part(path.file_stem())))
+        .suffix(&format!(".{}", part(path.extension())))
+        .tempfile_in(&folder)
+        .map_err(|reason| unwritable(&folder, reason))?
+        .into_temp_path();
+    write_image(image, layers, display, output, &file)?;
+    let kept = file.keep();
+    kept.map_err(|error| unwritable(&error.path, error.error))
+}
+
+fn unwritable(path: &Path, reason: io::Error) -> ImageFileError {
+    ImageFileError::Unwritable {
+        path: path.to_owned(),
+        reason,
+    }
 }
 
 fn format_of(path: &Path) -> Result<Format, ImageFileError> {

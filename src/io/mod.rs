@@ -14,9 +14,9 @@ mod ray_file;
 pub mod scene_file;
 mod whole_file;
 
-pub use atomic::write_atomically;
+pub use atomic::{check_writable, write_atomically};
 pub use image_file::{
-    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, write_image,
+    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_image, write_image,
 };
 pub use load::{
     LoadError, LoadedScene, SaveError, absolute_image, absolute_mesh, demo_scene, image_warnings,

@@ -1,0 +1,123 @@
+//! The built program where the world around it fails: files that cannot be written or read, and signals.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A folder with a scene of the built-in ground alone.
+fn folder() -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let scene = "[[objects]]\nmesh = \"builtin:ground\"\n[background]\nradiance = [1, 1, 1]\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("is written");
+    folder
+}
+
+fn raymini(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raymini"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+/// The exit code of a program that has ended, and its complaint.
+fn complaint(output: &Output) -> (Option<i32>, String) {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), text)
+}
+
+/// Runs the program where it must fail with exit code 1; its complaint.
+fn fail(folder: &Path, arguments: &[&str]) -> String {
+    let output = raymini(folder, arguments).output().expect("starts");
+    let (code, text) = complaint(&output);
+    assert_eq!(code, Some(1), "{arguments:?}: {text}");
+    text
+}
+
+/// The names in a folder.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name());
+    let mut names: Vec<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The scene does not exist, so whoever complains about the output has done so before any work.
+#[test]
+fn what_cannot_be_written_is_found_before_the_render() {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("folder.png")).expect("a folder");
+    let picture = |output| vec!["render", "none.toml", "-o", output];
+    let with_stats = |stats| [picture("a.png"), vec!["--stats", stats]].concat();
+    let mut cases = vec![
+        (
+            picture("no/a.png"),
+            "no/a.png: cannot write the picture: the folder no does not exist",
+        ),
+        (
+            picture("folder.png"),
+            "folder.png: cannot write the picture: this is a folder",
+        ),
+        (
+            with_stats("no/a.json"),
+            "no/a.json: cannot write the stats: the folder no does not exist",
+        ),
+        (
+            with_stats("folder.png"),
+            "folder.png: cannot write the stats: this is a folder",
+        ),
+    ];
+    if cfg!(target_os = "linux") {
+        let expected = "cannot write the picture: no file can be made in the folder /proc";
+        cases.push((picture("/proc/a.png"), expected));
+    }
+    for (arguments, expected) in cases {
+        let said = fail(folder.path(), &arguments);
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+    }
+    assert_eq!(names(folder.path()), ["folder.png", "scene.toml"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_picture_whose_disk_is_full_is_not_lost() {
+    let folder = folder();
+    let refuge = folder.path().join("temporary");
+    std::fs::create_dir(&refuge).expect("a folder");
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("full.exr")).expect("a link");
+    let arguments = "render scene.toml -o full.exr --stats stats.json --size 8x6 --spp 4";
+    let output = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>())
+        .env("TMPDIR", &refuge)
+        .output()
+        .expect("starts");
+    let (code, said) = complaint(&output);
+    assert_eq!(code, Some(1), "{said}");
+    let kept = names(&refuge);
+    assert!(kept.len() == 1 && kept[0].starts_with("full-") && kept[0].ends_with(".exr"));
+    let place = refuge.join(&kept[0]);
+    let expected = format!("the picture is in {} instead", place.display());
+    assert!(
+        said.contains("full.exr: cannot write the picture: ") && said.contains(&expected),
+        "{said}"
+    );
+
+    let info = raymini(&refuge, &["info", &kept[0], "--json"]).output();
+    let facts: serde_json::Value =
+        serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
+    let stats = std::fs::read(folder.path().join("stats.json")).expect("is written");
+    let stats: serde_json::Value = serde_json::from_slice(&stats).expect("is JSON");
+    assert_eq!(facts["image_hash"], stats["image_hash"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_stats_are_written_where_nobody_can_be_told_what_it_took() {
+    let folder = folder();
+    let arguments = "render scene.toml -o a.png --stats stats.json --size 8x6 --spp 4";
+    let full = std::fs::File::create("/dev/full").expect("opens");
+    let status = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>())
+        .stdout(full)
+        .status();
+    assert_eq!(status.expect("starts").code(), Some(1));
+    assert_eq!(names(folder.path()), ["a.png", "scene.toml", "stats.json"]);
+}
