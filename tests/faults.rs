@@ -1,8 +1,10 @@
-//! The built program where the world around it fails: files that cannot be written or read, and signals.
+//! The built program where the world around it fails: files that cannot be written or read.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// A folder with a scene of the built-in ground alone.
@@ -102,10 +104,9 @@ fn a_picture_whose_disk_is_full_is_not_lost() {
     );
 
     let info = raymini(&refuge, &["info", &kept[0], "--json"]).output();
-    let facts: serde_json::Value =
-        serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
+    let facts: Value = serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
     let stats = std::fs::read(folder.path().join("stats.json")).expect("is written");
-    let stats: serde_json::Value = serde_json::from_slice(&stats).expect("is JSON");
+    let stats: Value = serde_json::from_slice(&stats).expect("is JSON");
     assert_eq!(facts["image_hash"], stats["image_hash"]);
 }
 
@@ -120,4 +121,72 @@ fn the_stats_are_written_where_nobody_can_be_told_what_it_took() {
         .status();
     assert_eq!(status.expect("starts").code(), Some(1));
     assert_eq!(names(folder.path()), ["a.png", "scene.toml", "stats.json"]);
+}
+
+/// What a program that must end by itself within 20 seconds leaves behind; a hang fails the test in place of stopping it.
+fn output_in_time(mut command: Command) -> Output {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let started = Instant::now();
+    while child.try_wait().expect("can be asked").is_none() {
+        if started.elapsed() > Duration::from_secs(20) {
+            child.kill().expect("can be ended");
+            panic!("{command:?} hangs");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.wait_with_output().expect("can be read")
+}
+
+#[test]
+#[cfg(unix)]
+fn pipes_and_devices_are_refused_as_any_kind_of_input() {
+    let folder = folder();
+    for name in ["p.toml", "p.off", "p.png", "p.exr", "p.npy"] {
+        let status = Command::new("mkfifo")
+            .arg(folder.path().join(name))
+            .status();
+        assert!(status.expect("starts").success());
+    }
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero.toml")).expect("a link");
+    let sky = "[background]\nimage = \"p.exr\"\n";
+    std::fs::write(folder.path().join("sky.toml"), sky).expect("is written");
+    let cases = [
+        "render p.toml -o a.png",
+        "render zero.toml -o a.png",
+        "render p.off -o a.png",
+        "render sky.toml -o a.png",
+        "info p.toml",
+        "info zero.toml",
+        "info p.off",
+        "info p.png",
+        "info p.exr",
+        "compare p.png p.exr",
+        "report scene.toml -o report --reference p.exr",
+        "bench scene.toml --rays p.npy",
+    ];
+    for arguments in cases {
+        let command = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
+        let (code, said) = complaint(&output_in_time(command));
+        assert_eq!(code, Some(1), "{arguments}: {said}");
+        assert!(
+            said.contains("this is not a regular file"),
+            "{arguments}: {said}"
+        );
+    }
+}
+
+#[test]
+fn a_scene_file_beyond_the_bound_is_refused() {
+    let folder = folder();
+    let file = std::fs::File::create(folder.path().join("large.toml")).expect("is made");
+    file.set_len((64 << 20) + 1).expect("a hole");
+    let said = fail(folder.path(), &["info", "large.toml"]);
+    assert!(
+        said.contains("large.toml: the file is too large: a scene file has at most 64 MiB"),
+        "{said}"
+    );
 }

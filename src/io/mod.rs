@@ -27,3 +27,4 @@ pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, read_image};
 pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};
 pub use ray_file::{RayFileError, load_rays, save_rays};
+pub use whole_file::open_file;
