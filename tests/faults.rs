@@ -1,7 +1,7 @@
-//! The built program where the world around it fails: files that cannot be written or read.
+//! The built program where the world around it fails: files that cannot be written or read, and signals.
 
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -189,4 +189,108 @@ fn a_scene_file_beyond_the_bound_is_refused() {
         said.contains("large.toml: the file is too large: a scene file has at most 64 MiB"),
         "{said}"
     );
+}
+
+#[cfg(unix)]
+mod signals {
+    use super::*;
+
+    /// A render that takes hours.
+    const ENDLESS: &str =
+        "render scene.toml -o a.exr --stats stats.json --size 160x120 --spp 65536";
+
+    fn start(folder: &Path, arguments: &str) -> Child {
+        raymini(folder, &arguments.split(' ').collect::<Vec<_>>())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starts")
+    }
+
+    fn send(signal: &str, child: &Child) {
+        let kill = format!("kill -{signal} {}", child.id());
+        let status = Command::new("sh").args(["-c", &kill]).status();
+        assert!(status.expect("starts").success());
+    }
+
+    fn wait() {
+        std::thread::sleep(Duration::from_secs(1));
+    }
+
+    #[test]
+    fn the_first_ends_a_render_with_the_samples_it_has() {
+        for (signal, code) in [("INT", 130), ("TERM", 143)] {
+            let folder = folder();
+            let child = start(folder.path(), ENDLESS);
+            wait();
+            send(signal, &child);
+            let (found, said) = complaint(&child.wait_with_output().expect("ends"));
+            assert_eq!(found, Some(code), "{said}");
+            assert!(
+                said.contains("interrupted: the picture has the samples taken so far"),
+                "{said}"
+            );
+            assert_eq!(names(folder.path()), ["a.exr", "scene.toml", "stats.json"]);
+            let stats = std::fs::read(folder.path().join("stats.json")).expect("is written");
+            let stats: Value = serde_json::from_slice(&stats).expect("is JSON");
+            assert_eq!(stats["ending"], "interrupted");
+            let most = stats["sample_range"][1].as_u64().expect("a number");
+            assert!((1..65536).contains(&most), "{most}");
+            let info = raymini(folder.path(), &["info", "a.exr", "--json"]).output();
+            let facts: Value =
+                serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
+            assert_eq!(facts["image_hash"], stats["image_hash"]);
+        }
+    }
+
+    /// One tile of so many rays per sample that it takes minutes.
+    #[test]
+    fn the_second_ends_at_once_and_leaves_the_old_picture() {
+        let folder = folder();
+        std::fs::write(folder.path().join("a.exr"), "old").expect("is written");
+        let slow = "--set render.mode=ao --set render.ambient_occlusion.samples=65536";
+        let child = start(folder.path(), &format!("{ENDLESS} {slow}"));
+        wait();
+        send("INT", &child);
+        std::thread::sleep(Duration::from_millis(300));
+        send("INT", &child);
+        let output = child.wait_with_output().expect("ends");
+        assert_eq!(output.status.code(), Some(130));
+        assert_eq!(names(folder.path()), ["a.exr", "scene.toml"]);
+        let old = std::fs::read(folder.path().join("a.exr")).expect("is there");
+        assert_eq!(old, b"old");
+    }
+
+    #[test]
+    fn before_every_pixel_has_a_sample_no_picture_is_written() {
+        let folder = folder();
+        let slow = "--set render.mode=ao --set render.ambient_occlusion.samples=4096 --set render.width=2000 --set render.height=2000";
+        let child = start(folder.path(), &format!("{ENDLESS} {slow}"));
+        wait();
+        send("TERM", &child);
+        let (code, said) = complaint(&child.wait_with_output().expect("ends"));
+        assert_eq!(code, Some(143), "{said}");
+        assert!(said.contains("no picture is written"), "{said}");
+        assert_eq!(names(folder.path()), ["scene.toml"]);
+    }
+
+    /// Two signals in the middle of a write: the temporary file goes with the program.
+    #[test]
+    fn no_temporary_file_outlives_a_write_that_a_signal_ends() {
+        let folder = folder();
+        let large = "render scene.toml -o a.png --size 4096x2048 --spp 1 --mode normals";
+        let mut child = start(folder.path(), large);
+        let is_part = |name: &String| name.ends_with(".part");
+        while !names(folder.path()).iter().any(is_part) {
+            let ended = child.try_wait().expect("can be asked");
+            assert!(ended.is_none(), "the write was not seen");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        send("TERM", &child);
+        std::thread::sleep(Duration::from_millis(60));
+        send("TERM", &child);
+        assert_eq!(child.wait().expect("ends").code(), Some(143));
+        let left = names(folder.path());
+        assert!(!left.iter().any(is_part), "{left:?}");
+    }
 }

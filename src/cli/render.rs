@@ -1,5 +1,6 @@
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -7,6 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Serialize, Serializer};
 
+use super::Signals;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
@@ -203,28 +205,34 @@ impl From<&ErrorEstimate> for ErrorFacts {
     }
 }
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
+pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<ExitCode> {
     // Before work is spent on what could not be written.
     io::check_image_path(&arguments.output)?;
     if let Some(path) = &arguments.stats {
         io::check_writable(path).with_context(|| cannot_write_stats(path))?;
     }
 
+    let interrupt = signals.cancel_instead();
     let started = Instant::now();
-    let mut loaded = super::load(arguments.scene.as_deref())?;
-    io::override_scene(&mut loaded, &arguments.assignments(), &CancelToken::new())?;
+    let Some(mut loaded) = super::load_unless(&interrupt, arguments.scene.as_deref())? else {
+        return Ok(interrupted_early(signals));
+    };
+    io::override_scene(&mut loaded, &arguments.assignments(), &interrupt)?;
+    if interrupt.is_cancelled() {
+        return Ok(interrupted_early(signals));
+    }
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
         eprintln!("warning: {warning}");
     }
     let load_seconds = started.elapsed().as_secs_f64();
-    render_scene(&loaded.scene, arguments, load_seconds)
+    render_scene(&loaded.scene, arguments, load_seconds, signals)
 }
 
 /// Renders `scene` as it is to `output`; what the window does where there is no screen.
 ///
 /// # Errors
 /// What kept the picture from being rendered or written.
-pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
+pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result<ExitCode> {
     io::check_image_path(output)?;
     let arguments = RenderArguments {
         scene: None,
@@ -240,17 +248,24 @@ pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
         assignments: Vec::new(),
         stats: None,
     };
-    render_scene(scene, &arguments, 0.0)
+    render_scene(scene, &arguments, 0.0, signals)
 }
 
-/// Renders `scene`, writes the picture and the stats, and says what it took.
-fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<()> {
+/// Renders `scene`, writes the picture and the stats, and says what it took. A signal ends that early, with what is there.
+fn render_scene(
+    scene: &Scene,
+    arguments: &RenderArguments,
+    load_seconds: f64,
+    signals: &Signals,
+) -> Result<ExitCode> {
+    let interrupt = signals.cancel_instead();
     let started = Instant::now();
     let progress = Progress::new();
     let how_far = || (progress.fraction(), "building the tree".to_owned());
-    let prepare = || PreparedScene::prepare_watched(scene, None, &CancelToken::new(), &progress);
-    let prepared =
-        with_progress_bar(how_far, prepare)?.ok_or_else(|| anyhow!("preparing was cancelled"))?;
+    let prepare = || PreparedScene::prepare_watched(scene, None, &interrupt, &progress);
+    let Some(prepared) = with_progress_bar(how_far, prepare)? else {
+        return Ok(interrupted_early(signals));
+    };
     let build_seconds = started.elapsed().as_secs_f64();
 
     let settings = prepared.settings();
@@ -269,11 +284,16 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
     }
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),
+        interrupt,
         layers: scene.output.layers && io::holds_layers(&arguments.output),
         ..RunConfig::default()
     };
     let outcome = render_watched(&prepared, arguments.region, &run)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    // Black where nothing is known would be taken for the scene's own black.
+    if outcome.stats.sample_range[0] == 0 {
+        return Ok(interrupted_early(signals));
+    }
     let (place, failure) = write_picture(&outcome, scene, &arguments.output)?;
 
     let RenderOutcome { image, stats, .. } = &outcome;
@@ -287,7 +307,21 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
     };
     say_what_it_took(&place, image, &hash, stats, settings)?;
     failure.map_or(Ok(()), Err)?;
-    recorded
+    recorded?;
+    Ok(exit_code(signals))
+}
+
+/// What is said and returned where there is no picture yet.
+fn interrupted_early(signals: &Signals) -> ExitCode {
+    eprintln!("interrupted before every pixel had a sample: no picture is written");
+    exit_code(signals)
+}
+
+/// That of the signal, if one came, however far the work was.
+fn exit_code(signals: &Signals) -> ExitCode {
+    signals
+        .exit_code()
+        .map_or(ExitCode::SUCCESS, ExitCode::from)
 }
 
 /// Writes the picture to `output`, or, where that fails after all, where it is not lost. Returns where it is, and what failed.
@@ -344,11 +378,15 @@ fn say_what_it_took(
     if let Some(error) = &stats.error {
         super::say(&describe_error(error))?;
     }
+    if stats.ending == Ending::Interrupted {
+        eprintln!("warning: interrupted: the picture has the samples taken so far");
+    }
     if stats.ending != Ending::Noise
         && let Some(noise) = settings.stop.noise
     {
         let reason = match stats.ending {
             Ending::Time => "the time was up",
+            Ending::Interrupted => "the render was interrupted",
             _ => "pixels have all the samples that render.samples_per_pixel allows",
         };
         eprintln!("warning: noise is not down to {}: {reason}", percent(noise));

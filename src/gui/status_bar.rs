@@ -163,6 +163,7 @@ fn ending(stats: &RenderStats, render: &RenderSettings) -> String {
         (Ending::Noise, Some(noise)) => format!("down to {}", chosen_percent(noise)),
         (Ending::Noise, None) => "noise reached".to_owned(),
         (Ending::Time, _) => "time is up".to_owned(),
+        (Ending::Interrupted, _) => "interrupted".to_owned(),
         (Ending::Samples, _) if render.stop.passes == Some(stats.passes) => {
             counted(stats.passes as usize, "pass done", "passes done")
         }

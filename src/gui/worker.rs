@@ -228,6 +228,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         cancel: job.cancel.clone(),
         layers: !request.buffer.layers().is_empty(),
         coarse_first: true,
+        ..RunConfig::default()
     };
     let is_first = AtomicBool::new(true);
     let on_tile = |tile: &TilePixels<'_>| {

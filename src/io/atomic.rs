@@ -1,9 +1,11 @@
 //! Files that are there whole or not at all.
 
+use std::collections::BTreeSet;
 use std::error::Error as _;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 
 /// Writes a file so that whoever looks at `path`, at any moment, sees the old content or the new, never a part.
@@ -24,12 +26,11 @@ pub fn write_atomically(
     if old.as_ref().is_some_and(|old| !old.is_file()) {
         return write_through(File::options().write(true).open(&target)?, write).map(drop);
     }
-    let temporary = temporary_beside(&target, old.as_ref())?;
-    write_through(temporary.as_file(), write)?;
+    let temporary = Temporary::beside(&target, old.as_ref())?;
+    write_through(temporary.file.as_file(), write)?;
     // Some file systems notice only now that they are full.
-    temporary.as_file().sync_all()?;
-    temporary.persist(&target).map_err(|error| error.error)?;
-    Ok(())
+    temporary.file.as_file().sync_all()?;
+    temporary.persist(&target)
 }
 
 /// Says what would keep [`write_atomically`] from beginning to write `path`, before work is spent on what goes there: makes the
@@ -43,7 +44,42 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     if old.as_ref().is_some_and(|old| !old.is_file()) {
         return Ok(());
     }
-    temporary_beside(&target, old.as_ref()).map(drop)
+    Temporary::beside(&target, old.as_ref()).map(drop)
+}
+
+/// Ends the process with exit code `code`, whatever it is doing; files that it is writing are as they were, and their temporary
+/// ones are gone.
+pub fn exit_process(code: u8) -> ! {
+    // Held to the end, so that no other thread makes one more.
+    let unfinished = unfinished();
+    for path in &*unfinished {
+        // One that is there already, whole and under its own name, is no longer here; for any other there is no remedy.
+        let _ = fs::remove_file(path);
+    }
+    // At once: exit handlers of libraries, such as graphics drivers, may not expect to run on any thread.
+    signal_hook::low_level::exit(code.into())
+}
+
+/// The temporary files of this process that are being written.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file, which [`exit_process`] removes as well as dropping it.
+struct Temporary {
+    file: NamedTempFile,
+    listed: Listed,
+}
+
+/// A path in [`UNFINISHED`] until it is dropped.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().remove(&self.0);
+    }
 }
 
 /// Where a file is to go.
@@ -73,31 +109,45 @@ impl Destination {
     }
 }
 
-/// A new file in the target's folder, with the permissions of the file it will replace.
-fn temporary_beside(target: &Path, old: Option<&Metadata>) -> io::Result<NamedTempFile> {
-    let folder = folder_of(target);
-    if !folder.is_dir() {
-        let message = format!("the folder {} does not exist", folder.display());
-        return Err(Error::new(ErrorKind::NotFound, message));
+impl Temporary {
+    /// A new file in the target's folder, with the permissions of the file it will replace.
+    fn beside(target: &Path, old: Option<&Metadata>) -> io::Result<Self> {
+        let folder = folder_of(target);
+        if !folder.is_dir() {
+            let message = format!("the folder {} does not exist", folder.display());
+            return Err(Error::new(ErrorKind::NotFound, message));
+        }
+        let mut builder = Builder::new();
+        builder.prefix(".raymini-").suffix(".part");
+        like_any_new_file(&mut builder);
+        let mut unfinished = unfinished();
+        let file = builder.tempfile_in(&folder).map_err(|error| {
+            // Without the temporary file's name, which tells the user nothing.
+            let reason = error
+                .source()
+                .map_or(error.to_string(), ToString::to_string);
+            let message = format!(
+                "no file can be made in the folder {}: {reason}",
+                folder.display()
+            );
+            Error::new(error.kind(), message)
+        })?;
+        unfinished.insert(file.path().to_owned());
+        drop(unfinished);
+        let listed = Listed(file.path().to_owned());
+        if let Some(old) = old {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        Ok(Self { file, listed })
     }
-    let mut builder = Builder::new();
-    builder.prefix(".raymini-").suffix(".part");
-    like_any_new_file(&mut builder);
-    let temporary = builder.tempfile_in(&folder).map_err(|error| {
-        // Without the temporary file's name, which tells the user nothing.
-        let reason = error
-            .source()
-            .map_or(error.to_string(), ToString::to_string);
-        let message = format!(
-            "no file can be made in the folder {}: {reason}",
-            folder.display()
-        );
-        Error::new(error.kind(), message)
-    })?;
-    if let Some(old) = old {
-        temporary.as_file().set_permissions(old.permissions())?;
+
+    /// Gives the file its own name.
+    fn persist(self, target: &Path) -> io::Result<()> {
+        let Self { file, listed } = self;
+        file.persist(target).map_err(|error| error.error)?;
+        drop(listed);
+        Ok(())
     }
-    Ok(temporary)
 }
 
 /// The folder that holds `target`; the current one for a bare name.

@@ -66,13 +66,12 @@ pub fn write_image(
     output: &Output,
     path: &Path,
 ) -> Result<(), ImageFileError> {
-    let bytes = match format_of(path)? {
-        Format::Png => png_bytes(image, display, *output),
-        Format::Exr => exr_bytes(image, layers),
+    let written = match format_of(path)? {
+        Format::Png => write_atomically(path, |file| write_png(image, display, *output, file)),
+        Format::Exr => exr_bytes(image, layers)
+            .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes))),
     };
-    bytes
-        .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes)))
-        .map_err(|reason| unwritable(path, reason))
+    written.map_err(|reason| unwritable(path, reason))
 }
 
 /// Writes a picture that could not be written to `path` to a new file in the system's folder for temporary files, in the same
@@ -120,9 +119,13 @@ fn format_of(path: &Path) -> Result<Format, ImageFileError> {
     }
 }
 
-fn png_bytes(image: &Image, display: &Display, output: Output) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, image.width, image.height);
+fn write_png(
+    image: &Image,
+    display: &Display,
+    output: Output,
+    file: &mut dyn Write,
+) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(file, image.width, image.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(match output.png_bits {
         PngBits::Eight => png::BitDepth::Eight,
@@ -148,8 +151,7 @@ fn png_bytes(image: &Image, display: &Display, output: Output) -> io::Result<Vec
         rows.write_all(&encoded)?;
     }
     rows.finish()?;
-    writer.finish()?;
-    Ok(bytes)
+    Ok(writer.finish()?)
 }
 
 fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {

@@ -14,7 +14,7 @@ mod ray_file;
 pub mod scene_file;
 mod whole_file;
 
-pub use atomic::{check_writable, write_atomically};
+pub use atomic::{check_writable, exit_process, write_atomically};
 pub use image_file::{
     ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_image, write_image,
 };

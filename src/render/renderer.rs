@@ -206,6 +206,9 @@ impl<'a> Renderer<'a> {
                 most,
             })?;
             seconds_per_sample = (self.clock.seconds() - started) / f64::from(taken);
+            if self.run.interrupt.is_cancelled() {
+                return Some(Next::End(Ending::Interrupted));
+            }
             samples += taken;
 
             let is_round = samples.is_power_of_two();
@@ -250,6 +253,9 @@ impl<'a> Renderer<'a> {
             while work.has_pixels(&self.lock().film) {
                 self.pass(&work)?;
                 work.begins_round = false;
+                if self.run.interrupt.is_cancelled() {
+                    return Some(Ending::Interrupted);
+                }
                 if self.time_left() <= 0.0 || self.has_all_passes() {
                     break;
                 }
@@ -308,12 +314,12 @@ impl<'a> Renderer<'a> {
         self.shared.lock().expect("no thread panicked")
     }
 
-    /// Does `work` for every tile once; `None` when cancelled.
+    /// Does `work` for every tile once, or for fewer tiles when interrupted; `None` when cancelled.
     fn for_each_tile(&self, work: &(dyn Fn(Region) -> Option<()> + Sync)) -> Option<()> {
         let next_tile = AtomicUsize::new(0);
         self.pool.broadcast(|_| {
             while let Some(&tile) = self.tiles.get(next_tile.fetch_add(1, Ordering::Relaxed)) {
-                if work(tile).is_none() {
+                if self.run.interrupt.is_cancelled() || work(tile).is_none() {
                     return;
                 }
             }

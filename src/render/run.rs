@@ -17,6 +17,8 @@ pub struct RunConfig {
     pub threads: usize,
     /// Asked between samples.
     pub cancel: CancelToken,
+    /// Asked between tiles: ends the render with the samples it has then, [`Ending::Interrupted`].
+    pub interrupt: CancelToken,
     /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
     pub layers: bool,
     /// Whether to deliver a picture of one sample per block of pixels first, whose rays are not counted: for whoever waits.
@@ -86,6 +88,9 @@ pub enum Ending {
     Noise,
     /// The time is up.
     Time,
+    /// It was told to end. Pixels may have any number of samples, none too, and the error is that of the last whole pass over them,
+    /// if anything too large.
+    Interrupted,
 }
 
 /// What a render took.
