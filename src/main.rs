@@ -5,27 +5,28 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use raymini::cli::{Arguments, render_to_file};
+use raymini::cli::{Arguments, Signals, render_to_file};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let result = match arguments.command {
-        Some(command) => command.run(),
-        None => open_window(&arguments.files),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
+    run(arguments).unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+fn run(arguments: Arguments) -> Result<ExitCode> {
+    let signals = Signals::watch().context("signals cannot be watched")?;
+    match arguments.command {
+        Some(command) => command.run(&signals),
+        None => open_window(&arguments.files, &signals),
     }
 }
 
 /// Opens the window on `files`; where there is no screen, renders them to a file instead and says so.
-fn open_window(files: &[PathBuf]) -> Result<()> {
+fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
     if let Some(missing) = files.iter().find(|path| !path.exists()) {
         bail!(
             "{}: there is no such file or command; `raymini --help` lists the commands",
@@ -36,7 +37,7 @@ fn open_window(files: &[PathBuf]) -> Result<()> {
     let reason = match raymini::gui::run(raymini::gui::OpenRequest {
         paths: files.to_vec(),
     }) {
-        Ok(()) => return Ok(()),
+        Ok(()) => return Ok(ExitCode::SUCCESS),
         Err(error) => error.to_string(),
     };
     #[cfg(not(feature = "gui"))]
@@ -54,5 +55,5 @@ fn open_window(files: &[PathBuf]) -> Result<()> {
         "Rendering to {} instead. `raymini render --help` says what else can be done.",
         output.display()
     );
-    render_to_file(&scene, &output)
+    render_to_file(&scene, &output, signals)
 }

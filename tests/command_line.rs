@@ -305,7 +305,7 @@ fn mistakes_are_told_with_file_and_line_and_exit_code_1() {
         (&["render", "broken.toml", "-o", "x.png"], "broken.off:6: "),
         (
             &["render", "none.toml", "-o", "x.png"],
-            "none.toml: cannot read the scene",
+            "none.toml: there is no such file",
         ),
         (
             &["render", "scene.toml", "-o", "x.jpg"],

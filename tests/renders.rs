@@ -704,3 +704,33 @@ fn numbers_too_large_to_render_are_refused_by_name() {
     scene.materials.insert("grey".into(), glaring);
     assert!(refusal(&scene).starts_with("the material of objects.0 is too large"));
 }
+
+#[test]
+fn backgrounds_too_bright_for_32_bits_are_refused_by_name() {
+    let refusal = |background: Background| {
+        let scene = Scene {
+            background,
+            ..Scene::default()
+        };
+        let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+        prepared.expect_err("is refused").to_string()
+    };
+    let glaring = Rgb::new(1e39, 1.0, 0.0);
+    assert_eq!(
+        refusal(Background::Constant { radiance: glaring }),
+        "background.radiance is [1e39, 1, 0]; expected at most 3.4028235e38 in each channel"
+    );
+    for (index, name) in ["zenith", "horizon", "ground"].into_iter().enumerate() {
+        let mut radiances = [Rgb::ONE; 3];
+        radiances[index] = glaring;
+        let [zenith, horizon, ground] = radiances;
+        let background = Background::Gradient {
+            zenith,
+            horizon,
+            ground,
+            up: DVec3::Z,
+        };
+        let expected = format!("background.{name} is [1e39, 1, 0]");
+        assert!(refusal(background).starts_with(&expected));
+    }
+}

@@ -211,7 +211,7 @@ fn radiance_facts(path: &Path) -> Result<PictureFacts> {
 }
 
 fn open(path: &Path) -> Result<File> {
-    File::open(path).with_context(|| format!("{}: cannot be read", path.display()))
+    io::open_file(path, "a picture").map_err(|reason| anyhow!("{}: {reason}", path.display()))
 }
 
 /// The facts as lines for people: a name and a value each.

@@ -1,15 +1,17 @@
 //! The command line: what it takes, and one file per command.
 //!
-//! Errors carry exit code 1; wrong usage 2, by clap.
+//! Errors carry exit code 1; wrong usage 2, by clap; signals 128 and their number.
 
 mod bench;
 mod compare;
 mod info;
 mod render;
 mod report;
+mod signals;
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow};
 use clap::{Parser, Subcommand};
@@ -18,6 +20,7 @@ use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene};
 
 pub use render::{RenderArguments, render_to_file};
+pub use signals::Signals;
 
 /// RayMini: an interactive ray tracer.
 #[derive(Debug, Parser)]
@@ -47,16 +50,20 @@ pub enum Command {
     Bench(bench::BenchArguments),
 }
 
-/// The scene of a file; the demo where none is named.
-fn load(path: Option<&Path>) -> Result<LoadedScene> {
+/// The scene of a file; the demo where none is named. `None` when cancelled.
+fn load_unless(cancel: &CancelToken, path: Option<&Path>) -> Result<Option<LoadedScene>> {
     match path {
-        None => Ok(LoadedScene {
+        None => Ok(Some(LoadedScene {
             scene: io::demo_scene(),
             warnings: Vec::new(),
-        }),
-        Some(path) => io::load_scene(path, &CancelToken::new(), &Progress::new())?
-            .ok_or_else(|| anyhow!("loading was cancelled")),
+        })),
+        Some(path) => Ok(io::load_scene(path, cancel, &Progress::new())?),
     }
+}
+
+/// The scene of a file; the demo where none is named.
+fn load(path: Option<&Path>) -> Result<LoadedScene> {
+    load_unless(&CancelToken::new(), path)?.ok_or_else(|| anyhow!("loading was cancelled"))
 }
 
 /// Prints a line to the standard output. A reader that has gone away is no error.
@@ -70,17 +77,18 @@ fn say(text: &str) -> Result<()> {
 }
 
 impl Command {
-    /// Carries the command out.
+    /// Carries the command out; the exit code tells whether it was interrupted.
     ///
     /// # Errors
     /// What kept it from being done, in words for the user.
-    pub fn run(self) -> Result<()> {
+    pub fn run(self, signals: &Signals) -> Result<ExitCode> {
         match self {
-            Self::Render(arguments) => render::run(&arguments),
-            Self::Report(arguments) => report::run(&arguments),
-            Self::Info(arguments) => info::run(&arguments),
-            Self::Compare(arguments) => compare::run(&arguments),
-            Self::Bench(arguments) => bench::run(&arguments),
+            Self::Render(arguments) => return render::run(&arguments, signals),
+            Self::Report(arguments) => report::run(&arguments)?,
+            Self::Info(arguments) => info::run(&arguments)?,
+            Self::Compare(arguments) => compare::run(&arguments)?,
+            Self::Bench(arguments) => bench::run(&arguments)?,
         }
+        Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,5 +1,6 @@
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -7,11 +8,12 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Serialize, Serializer};
 
+use super::Signals;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
-    Clamped, Ending, ErrorEstimate, Image, Interval, PreparedScene, RayCounts, Region,
-    RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+    Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory, PreparedScene, RayCounts,
+    Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
 };
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -120,8 +122,43 @@ struct Stats {
     error: Option<ErrorFacts>,
     non_finite_samples: u64,
     negative_samples: u64,
+    depth_limited_samples: u64,
     clamped: Clamped,
     image_hash: String,
+}
+
+impl Stats {
+    /// What `stats` says of a render of `scene`; seconds to load and to build.
+    fn new(
+        stats: &RenderStats,
+        scene: &PreparedScene,
+        [load_seconds, build_seconds]: [f64; 2],
+        hash: &str,
+    ) -> Self {
+        let accelerator = scene.geometry().accelerator();
+        Self {
+            load_seconds,
+            build_seconds,
+            render_seconds: stats.render_seconds,
+            first_tile_seconds: stats.first_tile_seconds,
+            triangles: u64::from(accelerator.triangle_count()),
+            accelerator: accelerator.name(),
+            accelerator_bytes: accelerator.bytes(),
+            peak_memory_bytes: peak_memory_bytes(),
+            threads: stats.threads,
+            samples_per_pixel: stats.samples_per_pixel,
+            sample_range: stats.sample_range,
+            passes: stats.passes,
+            ending: stats.ending,
+            rays: stats.rays,
+            error: stats.error.as_ref().map(ErrorFacts::from),
+            non_finite_samples: stats.non_finite_samples,
+            negative_samples: stats.negative_samples,
+            depth_limited_samples: stats.depth_limited_samples,
+            clamped: stats.clamped,
+            image_hash: hash.to_owned(),
+        }
+    }
 }
 
 #[expect(
@@ -170,33 +207,35 @@ impl From<&ErrorEstimate> for ErrorFacts {
     }
 }
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<()> {
-    // Before work is spent on a picture that could not be written.
+pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<ExitCode> {
+    // Before work is spent on what could not be written.
     io::check_image_path(&arguments.output)?;
+    if let Some(path) = &arguments.stats {
+        io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+    }
 
+    let interrupt = signals.cancel_instead();
     let started = Instant::now();
-    let mut loaded = super::load(arguments.scene.as_deref())?;
-    io::override_scene(&mut loaded, &arguments.assignments(), &CancelToken::new())?;
+    let Some(mut loaded) = super::load_unless(&interrupt, arguments.scene.as_deref())? else {
+        return Ok(interrupted_early(signals));
+    };
+    io::override_scene(&mut loaded, &arguments.assignments(), &interrupt)?;
+    if interrupt.is_cancelled() {
+        return Ok(interrupted_early(signals));
+    }
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
         eprintln!("warning: {warning}");
     }
     let load_seconds = started.elapsed().as_secs_f64();
-
-    let stats = render_scene(&loaded.scene, arguments, load_seconds)?;
-    if let Some(path) = &arguments.stats {
-        let json =
-            serde_json::to_string_pretty(&stats).context("the stats cannot be written as JSON")?;
-        io::write_atomically(path, |file| writeln!(file, "{json}"))
-            .with_context(|| format!("{}: cannot write the stats", path.display()))?;
-    }
-    Ok(())
+    render_scene(&loaded.scene, arguments, load_seconds, signals)
 }
 
 /// Renders `scene` as it is to `output`; what the window does where there is no screen.
 ///
 /// # Errors
 /// What kept the picture from being rendered or written.
-pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
+pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result<ExitCode> {
+    io::check_image_path(output)?;
     let arguments = RenderArguments {
         scene: None,
         output: output.to_owned(),
@@ -211,16 +250,24 @@ pub fn render_to_file(scene: &Scene, output: &Path) -> Result<()> {
         assignments: Vec::new(),
         stats: None,
     };
-    render_scene(scene, &arguments, 0.0).map(drop)
+    render_scene(scene, &arguments, 0.0, signals)
 }
 
-fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -> Result<Stats> {
+/// Renders `scene`, writes the picture and the stats, and says what it took. A signal ends that early, with what is there.
+fn render_scene(
+    scene: &Scene,
+    arguments: &RenderArguments,
+    load_seconds: f64,
+    signals: &Signals,
+) -> Result<ExitCode> {
+    let interrupt = signals.cancel_instead();
     let started = Instant::now();
     let progress = Progress::new();
     let how_far = || (progress.fraction(), "building the tree".to_owned());
-    let prepare = || PreparedScene::prepare_watched(scene, None, &CancelToken::new(), &progress);
-    let prepared =
-        with_progress_bar(how_far, prepare)?.ok_or_else(|| anyhow!("preparing was cancelled"))?;
+    let prepare = || PreparedScene::prepare_watched(scene, None, &interrupt, &progress);
+    let Some(prepared) = with_progress_bar(how_far, prepare)? else {
+        return Ok(interrupted_early(signals));
+    };
     let build_seconds = started.elapsed().as_secs_f64();
 
     let settings = prepared.settings();
@@ -239,48 +286,78 @@ fn render_scene(scene: &Scene, arguments: &RenderArguments, load_seconds: f64) -
     }
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),
+        interrupt,
         layers: scene.output.layers && io::holds_layers(&arguments.output),
         ..RunConfig::default()
     };
-    let RenderOutcome {
-        image,
-        layers,
-        stats,
-        ..
-    } = render_watched(&prepared, arguments.region, &run)
+    PictureMemory::of_render(&prepared, arguments.region, &run).require()?;
+    let outcome = render_watched(&prepared, arguments.region, &run)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
-    io::write_image(
-        &image,
-        &layers,
-        &scene.display,
-        &scene.output,
-        &arguments.output,
-    )?;
+    // Black where nothing is known would be taken for the scene's own black.
+    if outcome.stats.sample_range[0] == 0 {
+        return Ok(interrupted_early(signals));
+    }
+    let (place, failure) = write_picture(&outcome, scene, &arguments.output)?;
 
+    let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
-    say_what_it_took(&arguments.output, &image, &hash, &stats, settings)?;
-    let accelerator = prepared.geometry().accelerator();
-    Ok(Stats {
-        load_seconds,
-        build_seconds,
-        render_seconds: stats.render_seconds,
-        first_tile_seconds: stats.first_tile_seconds,
-        triangles: u64::from(accelerator.triangle_count()),
-        accelerator: accelerator.name(),
-        accelerator_bytes: accelerator.bytes(),
-        peak_memory_bytes: peak_memory_bytes(),
-        threads: stats.threads,
-        samples_per_pixel: stats.samples_per_pixel,
-        sample_range: stats.sample_range,
-        passes: stats.passes,
-        ending: stats.ending,
-        rays: stats.rays,
-        error: stats.error.as_ref().map(ErrorFacts::from),
-        non_finite_samples: stats.non_finite_samples,
-        negative_samples: stats.negative_samples,
-        clamped: stats.clamped,
-        image_hash: hash,
-    })
+    let recorded = match &arguments.stats {
+        Some(path) => {
+            let facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash);
+            write_stats(&facts, path)
+        }
+        None => Ok(()),
+    };
+    say_what_it_took(&place, image, &hash, stats, settings)?;
+    failure.map_or(Ok(()), Err)?;
+    recorded?;
+    Ok(exit_code(signals))
+}
+
+/// What is said and returned where there is no picture yet.
+fn interrupted_early(signals: &Signals) -> ExitCode {
+    eprintln!("interrupted before every pixel had a sample: no picture is written");
+    exit_code(signals)
+}
+
+/// That of the signal, if one came, however far the work was.
+fn exit_code(signals: &Signals) -> ExitCode {
+    signals
+        .exit_code()
+        .map_or(ExitCode::SUCCESS, ExitCode::from)
+}
+
+/// Writes the picture to `output`, or, where that fails after all, where it is not lost. Returns where it is, and what failed.
+///
+/// # Errors
+/// When it cannot be written anywhere.
+fn write_picture(
+    outcome: &RenderOutcome,
+    scene: &Scene,
+    output: &Path,
+) -> Result<(PathBuf, Option<anyhow::Error>)> {
+    let RenderOutcome { image, layers, .. } = outcome;
+    let Err(error) = io::write_image(image, layers, &scene.display, &scene.output, output) else {
+        return Ok((output.to_owned(), None));
+    };
+    match io::rescue_image(image, layers, &scene.display, &scene.output, output) {
+        Ok(place) => {
+            let failure = anyhow!("{error}; the picture is in {} instead", place.display());
+            Ok((place, Some(failure)))
+        }
+        Err(second) => bail!("{error}; {second}; the picture is lost"),
+    }
+}
+
+fn write_stats(stats: &Stats, path: &Path) -> Result<()> {
+    let json =
+        serde_json::to_string_pretty(stats).context("the stats cannot be written as JSON")?;
+    io::write_atomically(path, |file| writeln!(file, "{json}"))
+        .with_context(|| cannot_write_stats(path))
+}
+
+fn cannot_write_stats(path: &Path) -> String {
+    format!("{}: cannot write the stats", path.display())
 }
 
 /// Prints what a render took and how wrong it is, and warns of what went wrong.
@@ -304,11 +381,15 @@ fn say_what_it_took(
     if let Some(error) = &stats.error {
         super::say(&describe_error(error))?;
     }
+    if stats.ending == Ending::Interrupted {
+        eprintln!("warning: interrupted: the picture has the samples taken so far");
+    }
     if stats.ending != Ending::Noise
         && let Some(noise) = settings.stop.noise
     {
         let reason = match stats.ending {
             Ending::Time => "the time was up",
+            Ending::Interrupted => "the render was interrupted",
             _ => "pixels have all the samples that render.samples_per_pixel allows",
         };
         eprintln!("warning: noise is not down to {}: {reason}", percent(noise));
@@ -323,6 +404,13 @@ fn say_what_it_took(
         eprintln!(
             "warning: {} samples had less than no light",
             stats.negative_samples
+        );
+    }
+    if let Some(share) = stats.notable_depth_limited_share() {
+        eprintln!(
+            "warning: {:.0} % of the samples may lack light: render.max_bounces = {} ended their paths",
+            share * 100.0,
+            settings.max_bounces
         );
     }
     if settings.clamp.is_some() {

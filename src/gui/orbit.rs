@@ -4,7 +4,7 @@
 //! target, view along `up`), or the input is none, the camera comes back as it was, so that no sequence of moves ends in
 //! NaN. Picture positions are in pixels of a [`PictureSize`], y down, `(0, 0)` the top left corner of the top left pixel.
 
-use crate::math::{DBounds, DVec2, DVec3};
+use crate::math::{DBounds, DVec2, DVec3, direction_of};
 use crate::scene::{Camera, CameraAxes};
 
 /// Closest the view may come to the poles of the turntable, in radians.
@@ -68,7 +68,7 @@ impl DistanceLimits {
 /// far as just before the pole.
 #[must_use]
 pub fn orbit(camera: &Camera, turn: DVec2) -> Camera {
-    let (Some(axes), Some(up)) = (camera.axes(), camera.up.try_normalize()) else {
+    let (Some(axes), Some(up)) = (camera.axes(), direction_of(camera.up)) else {
         return *camera;
     };
     let offset = camera.eye - camera.target;

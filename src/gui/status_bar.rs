@@ -170,6 +170,7 @@ fn ending(stats: &RenderStats, render: &RenderSettings) -> String {
         (Ending::Noise, Some(noise)) => format!("down to {}", chosen_percent(noise)),
         (Ending::Noise, None) => "noise reached".to_owned(),
         (Ending::Time, _) => "time is up".to_owned(),
+        (Ending::Interrupted, _) => "interrupted".to_owned(),
         (Ending::Samples, _) if render.stop.passes == Some(stats.passes) => {
             counted(stats.passes as usize, "pass done", "passes done")
         }
@@ -203,12 +204,15 @@ fn faults(stats: &RenderStats) -> Vec<String> {
         ),
     ];
     let present = counts.into_iter().filter(|(count, _)| *count > 0);
-    present
-        .map(|(count, [one, many])| match count {
-            1 => format!("1 sample {one}"),
-            _ => format!("{} samples {many}", grouped(count)),
-        })
-        .collect()
+    let counted = present.map(|(count, [one, many])| match count {
+        1 => format!("1 sample {one}"),
+        _ => format!("{} samples {many}", grouped(count)),
+    });
+    let depth_limited = stats.notable_depth_limited_share().map(|share| {
+        let percent = share * 100.0;
+        format!("{percent:.0} % of samples may lack light: max bounces ended their paths")
+    });
+    counted.chain(depth_limited).collect()
 }
 
 /// A bar that is filled up to `share`, `0..=1`.
@@ -294,6 +298,15 @@ mod tests {
                 "1 sample is infinite or not a number",
                 "1,200 samples have less than no light"
             ]
+        );
+        stats = RenderStats::default();
+        stats.rays.camera = 1000;
+        stats.depth_limited_samples = 100;
+        assert!(faults(&stats).is_empty());
+        stats.depth_limited_samples = 250;
+        assert_eq!(
+            faults(&stats),
+            ["25 % of samples may lack light: max bounces ended their paths"]
         );
     }
 }

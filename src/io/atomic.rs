@@ -1,8 +1,11 @@
 //! Files that are there whole or not at all.
 
+use std::collections::BTreeSet;
+use std::error::Error as _;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 
 /// Writes a file so that whoever looks at `path`, at any moment, sees the old content or the new, never a part.
@@ -19,48 +22,132 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    // A link that leads nowhere is replaced itself.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let old = fs::metadata(&target).ok();
-    match &old {
-        Some(old) if old.is_dir() => {
-            let message = "this is a folder, a file was expected";
-            return Err(Error::new(ErrorKind::IsADirectory, message));
-        }
-        Some(old) if !old.is_file() => {
-            return write_through(File::options().write(true).open(&target)?, write).map(drop);
-        }
-        Some(old) if old.permissions().readonly() => {
-            return Err(Error::new(
-                ErrorKind::PermissionDenied,
-                "the file is read-only",
-            ));
-        }
-        _ => {}
+    let Destination { target, old } = Destination::of(path)?;
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
+        return write_through(File::options().write(true).open(&target)?, write).map(drop);
     }
-    let temporary = temporary_beside(&target, old.as_ref())?;
-    write_through(temporary.as_file(), write)?;
+    let temporary = Temporary::beside(&target, old.as_ref())?;
+    write_through(temporary.file.as_file(), write)?;
     // Some file systems notice only now that they are full.
-    temporary.as_file().sync_all()?;
-    temporary.persist(&target).map_err(|error| error.error)?;
-    Ok(())
+    temporary.file.as_file().sync_all()?;
+    temporary.persist(&target)
 }
 
-/// A new file in the target's folder, with the permissions of the file it will replace.
-fn temporary_beside(target: &Path, old: Option<&Metadata>) -> io::Result<NamedTempFile> {
-    let folder = folder_of(target);
-    if !folder.is_dir() {
-        let message = format!("the folder {} does not exist", folder.display());
-        return Err(Error::new(ErrorKind::NotFound, message));
+/// Says what would keep [`write_atomically`] from beginning to write `path`, before work is spent on what goes there: makes the
+/// temporary file, and removes it. The file of that name is not touched.
+///
+/// # Errors
+/// Those of [`write_atomically`], but for what shows only when there is something to write, such as a full disk.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    let Destination { target, old } = Destination::of(path)?;
+    // To open a pipe, even for a moment, would be noticed at its other end.
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
+        return Ok(());
     }
-    let mut builder = Builder::new();
-    builder.prefix(".raymini-").suffix(".part");
-    like_any_new_file(&mut builder);
-    let temporary = builder.tempfile_in(&folder)?;
-    if let Some(old) = old {
-        temporary.as_file().set_permissions(old.permissions())?;
+    Temporary::beside(&target, old.as_ref()).map(drop)
+}
+
+/// Ends the process with exit code `code`, whatever it is doing; files that it is writing are as they were, and their temporary
+/// ones are gone.
+pub fn exit_process(code: u8) -> ! {
+    // Held to the end, so that no other thread makes one more.
+    let unfinished = unfinished();
+    for path in &*unfinished {
+        // One that is there already, whole and under its own name, is no longer here; for any other there is no remedy.
+        let _ = fs::remove_file(path);
     }
-    Ok(temporary)
+    // At once: exit handlers of libraries, such as graphics drivers, may not expect to run on any thread.
+    signal_hook::low_level::exit(code.into())
+}
+
+/// The temporary files of this process that are being written.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file, which [`exit_process`] removes as well as dropping it.
+struct Temporary {
+    file: NamedTempFile,
+    listed: Listed,
+}
+
+/// A path in [`UNFINISHED`] until it is dropped.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().remove(&self.0);
+    }
+}
+
+/// Where a file is to go.
+struct Destination {
+    /// The path, with links followed.
+    target: PathBuf,
+    /// What is there; neither a folder nor a read-only file.
+    old: Option<Metadata>,
+}
+
+impl Destination {
+    fn of(path: &Path) -> io::Result<Self> {
+        // A link that leads nowhere is replaced itself.
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let old = fs::metadata(&target).ok();
+        match &old {
+            Some(old) if old.is_dir() => Err(Error::new(
+                ErrorKind::IsADirectory,
+                "this is a folder, a file was expected",
+            )),
+            Some(old) if old.is_file() && old.permissions().readonly() => Err(Error::new(
+                ErrorKind::PermissionDenied,
+                "the file is read-only",
+            )),
+            _ => Ok(Self { target, old }),
+        }
+    }
+}
+
+impl Temporary {
+    /// A new file in the target's folder, with the permissions of the file it will replace.
+    fn beside(target: &Path, old: Option<&Metadata>) -> io::Result<Self> {
+        let folder = folder_of(target);
+        if !folder.is_dir() {
+            let message = format!("the folder {} does not exist", folder.display());
+            return Err(Error::new(ErrorKind::NotFound, message));
+        }
+        let mut builder = Builder::new();
+        builder.prefix(".raymini-").suffix(".part");
+        like_any_new_file(&mut builder);
+        let mut unfinished = unfinished();
+        let file = builder.tempfile_in(&folder).map_err(|error| {
+            // Without the temporary file's name, which tells the user nothing.
+            let reason = error
+                .source()
+                .map_or(error.to_string(), ToString::to_string);
+            let message = format!(
+                "no file can be made in the folder {}: {reason}",
+                folder.display()
+            );
+            Error::new(error.kind(), message)
+        })?;
+        unfinished.insert(file.path().to_owned());
+        drop(unfinished);
+        let listed = Listed(file.path().to_owned());
+        if let Some(old) = old {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        Ok(Self { file, listed })
+    }
+
+    /// Gives the file its own name.
+    fn persist(self, target: &Path) -> io::Result<()> {
+        let Self { file, listed } = self;
+        file.persist(target).map_err(|error| error.error)?;
+        drop(listed);
+        Ok(())
+    }
 }
 
 /// The folder that holds `target`; the current one for a bare name.
@@ -164,6 +251,25 @@ mod tests {
         let expected = format!("the folder {} does not exist", missing.display());
         assert_eq!(error.to_string(), expected);
         assert!(names(&folder).is_empty());
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_known_before() {
+        let folder = folder();
+        let path = folder.path().join("picture.png");
+        write_text(&path, "old").expect("written");
+        check_writable(&path).expect("can be written");
+        check_writable(&folder.path().join("new.png")).expect("can be written");
+        assert_eq!(fs::read_to_string(&path).expect("a file"), "old");
+        assert_eq!(names(&folder), ["picture.png"]);
+
+        let missing = folder.path().join("no/a.png");
+        let cases = [folder.path(), &missing, &path.join("a.png")];
+        for wrong in cases {
+            let early = check_writable(wrong).expect_err("cannot be written");
+            let late = write_text(wrong, "text").expect_err("cannot be written");
+            assert_eq!(early.to_string(), late.to_string());
+        }
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
 
+use std::ffi::OsStr;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
-use super::atomic::write_atomically;
+use super::atomic::{check_writable, write_atomically};
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
 use crate::scene::{Display, Output, PngBits};
@@ -37,12 +38,14 @@ enum Format {
     Exr,
 }
 
-/// Says whether `path` has the extension of a format that can be written, before work is spent on the picture.
+/// Says whether `path` has the extension of a format that can be written, and is a place where that can be begun, before work is
+/// spent on the picture.
 ///
 /// # Errors
-/// [`ImageFileError::UnknownFormat`].
+/// An unknown extension, or what the system says.
 pub fn check_image_path(path: &Path) -> Result<(), ImageFileError> {
-    format_of(path).map(drop)
+    format_of(path)?;
+    check_writable(path).map_err(|reason| unwritable(path, reason))
 }
 
 /// Whether the format that `path` is written in holds layers.
@@ -63,16 +66,44 @@ pub fn write_image(
     output: &Output,
     path: &Path,
 ) -> Result<(), ImageFileError> {
-    let bytes = match format_of(path)? {
-        Format::Png => png_bytes(image, display, *output),
-        Format::Exr => exr_bytes(image, layers),
+    let written = match format_of(path)? {
+        Format::Png => write_atomically(path, |file| write_png(image, display, *output, file)),
+        Format::Exr => exr_bytes(image, layers)
+            .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes))),
     };
-    bytes
-        .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes)))
-        .map_err(|reason| ImageFileError::Unwritable {
-            path: path.to_owned(),
-            reason,
-        })
+    written.map_err(|reason| unwritable(path, reason))
+}
+
+/// Writes a picture that could not be written to `path` to a new file in the system's folder for temporary files, in the same
+/// format, so that it is not lost. Returns that file's name.
+///
+/// # Errors
+/// Those of [`write_image`].
+pub fn rescue_image(
+    image: &Image,
+    layers: &[(Layer, Image)],
+    display: &Display,
+    output: &Output,
+    path: &Path,
+) -> Result<PathBuf, ImageFileError> {
+    let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let folder = std::env::temp_dir();
+    let file = tempfile::Builder::new()
+        .prefix(&format!("{}-", part(path.file_stem())))
+        .suffix(&format!(".{}", part(path.extension())))
+        .tempfile_in(&folder)
+        .map_err(|reason| unwritable(&folder, reason))?
+        .into_temp_path();
+    write_image(image, layers, display, output, &file)?;
+    let kept = file.keep();
+    kept.map_err(|error| unwritable(&error.path, error.error))
+}
+
+fn unwritable(path: &Path, reason: io::Error) -> ImageFileError {
+    ImageFileError::Unwritable {
+        path: path.to_owned(),
+        reason,
+    }
 }
 
 fn format_of(path: &Path) -> Result<Format, ImageFileError> {
@@ -88,9 +119,13 @@ fn format_of(path: &Path) -> Result<Format, ImageFileError> {
     }
 }
 
-fn png_bytes(image: &Image, display: &Display, output: Output) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, image.width, image.height);
+fn write_png(
+    image: &Image,
+    display: &Display,
+    output: Output,
+    file: &mut dyn Write,
+) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(file, image.width, image.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(match output.png_bits {
         PngBits::Eight => png::BitDepth::Eight,
@@ -116,8 +151,7 @@ fn png_bytes(image: &Image, display: &Display, output: Output) -> io::Result<Vec
         rows.write_all(&encoded)?;
     }
     rows.finish()?;
-    writer.finish()?;
-    Ok(bytes)
+    Ok(writer.finish()?)
 }
 
 fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {

@@ -9,8 +9,13 @@ use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
 use super::radiance_file::{RADIANCE_EXTENSIONS, RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
+use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Object, Scene, SceneError, presets};
+
+/// The most bytes of a scene file. Meshes and images lie in files of their own, so 300,000 lights fit. Parsing takes up to 40 times
+/// the file's size: every value knows its line and column.
+const MOST_SCENE_BYTES: u64 = 64 << 20;
 
 /// A scene ready to be prepared.
 #[derive(Clone, Debug)]
@@ -242,8 +247,17 @@ fn load_scene_file(
         path: path.to_owned(),
         reason,
     };
-    let bytes = std::fs::read(path)
-        .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
+    let bytes = read_bounded_file(
+        path,
+        "a scene file",
+        MOST_SCENE_BYTES,
+        cancel,
+        &Progress::new(),
+    )
+    .map_err(unreadable)?;
+    let Some(bytes) = bytes else {
+        return Ok(None);
+    };
     let text = String::from_utf8(bytes).map_err(|error| {
         unreadable(format!(
             "a scene file is UTF-8 text, but byte {} is not",

@@ -14,9 +14,9 @@ mod ray_file;
 pub mod scene_file;
 mod whole_file;
 
-pub use atomic::write_atomically;
+pub use atomic::{check_writable, exit_process, write_atomically};
 pub use image_file::{
-    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, write_image,
+    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_image, write_image,
 };
 pub use load::{
     LoadError, LoadedScene, SaveError, absolute_image, absolute_mesh, demo_scene, image_warnings,
@@ -27,3 +27,4 @@ pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, read_image};
 pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};
 pub use ray_file::{RayFileError, load_rays, save_rays};
+pub use whole_file::open_file;

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::radiance_image::RadianceImage;
 use crate::control::CancelToken;
-use crate::math::{DVec3, Vec2, Vec3};
+use crate::math::{DVec3, Vec2, Vec3, direction_of};
 use crate::scene::{Background, ImageAxes, Scene, SceneError};
 
 /// The background in `f32`. Directions are unit vectors.
@@ -63,7 +63,7 @@ impl PreparedBackground {
                 zenith: zenith.as_vec3(),
                 horizon: horizon.as_vec3(),
                 ground: ground.as_vec3(),
-                up: up.normalize_or(DVec3::Z).as_vec3(),
+                up: direction_of(up).unwrap_or(DVec3::Z).as_vec3(),
             },
             Background::Image { .. } => {
                 let image = ImageBackground::new(scene, previous, cancel)?;

@@ -1,5 +1,5 @@
-use crate::math::{Bounds, DBounds, DVec2, DVec3, Ray, SceneFrame, Vec2, warp};
-use crate::scene::{Camera, CameraAxes};
+use crate::math::{Bounds, DBounds, DVec2, DVec3, Ray, SceneFrame, Vec2, length_of, warp};
+use crate::scene::{Camera, CameraAxes, SceneError};
 
 /// A camera in the prepared scene. Rays are made in `f64`, so that a thousandth of a degree still has as many directions as
 /// pixels, and start near the scene, so that a distant eye costs no digits.
@@ -43,7 +43,65 @@ pub struct CameraRay {
     pub start: f64,
 }
 
+/// Farthest eye from the middle of the objects, in prepared units: from farther away, the digits of a double no longer tell
+/// whether a ray meets them.
+const MOST_DISTANCE: f64 = 1e15;
+/// Largest lens, in prepared units: rays from the rim of a larger one would miss their place on the objects by more than an `f32`
+/// rounds.
+const MOST_APERTURE: f64 = 1e9;
+/// Nearest focus, in prepared units: the squares of a nearer one vanish.
+const LEAST_FOCUS: f64 = 1e-100;
+/// From this distance on, in prepared units, the rays to one point of the focus plane are parallel in every digit.
+const PARALLEL_FOCUS: f64 = 1e100;
+
 impl PreparedCamera {
+    /// Says what about `camera` is beyond what can be computed with at the scene's scale.
+    ///
+    /// # Errors
+    /// The key, and what it may be.
+    pub fn check(camera: &Camera, frame: &SceneFrame) -> Result<(), SceneError> {
+        let require = |holds: bool, key: &str, value: String, expected: String| {
+            let key = key.to_owned();
+            holds.then_some(()).ok_or(SceneError::BadValue {
+                key,
+                value,
+                expected,
+            })
+        };
+        let scale = frame.scale();
+        let distance = length_of(frame.prepared_from_world(camera.eye));
+        require(
+            distance <= MOST_DISTANCE,
+            "camera.eye",
+            format!("{:.1e} away from the objects", distance / scale),
+            format!(
+                "at most {:.1e}, 1e15 times their size",
+                MOST_DISTANCE / scale
+            ),
+        )?;
+        if camera.aperture_radius == 0.0 {
+            return Ok(());
+        }
+        require(
+            camera.aperture_radius * scale <= MOST_APERTURE,
+            "camera.aperture_radius",
+            format!("{:e}", camera.aperture_radius),
+            format!(
+                "at most {:.1e}, 1e9 times the objects' size",
+                MOST_APERTURE / scale
+            ),
+        )?;
+        require(
+            camera.focus() * scale >= LEAST_FOCUS,
+            "camera.focus_distance",
+            format!("{:e}", camera.focus()),
+            format!(
+                "at least {:.1e}, 1e-100 times the objects' size",
+                LEAST_FOCUS / scale
+            ),
+        )
+    }
+
     /// The camera for a `width` × `height` picture of what lies in `boxes` (prepared units). `None` where the camera has
     /// no direction, see [`Camera::axes`].
     #[must_use]
@@ -86,7 +144,7 @@ impl PreparedCamera {
             boxes: outermost.map(|(_, bounds)| grown(bounds)).collect(),
             lens: (camera.aperture_radius > 0.0).then(|| Lens {
                 radius: camera.aperture_radius * frame.scale(),
-                focus_distance: camera.focus() * frame.scale(),
+                focus_distance: (camera.focus() * frame.scale()).min(PARALLEL_FOCUS),
             }),
         })
     }
@@ -213,6 +271,67 @@ mod tests {
         let right = camera.direction(400.0, 50.0);
         assert!((right.x / right.y - 4.0 * 30_f64.to_radians().tan()).abs() < 1e-12);
         assert!(camera.direction(200.0, 50.0).abs_diff_eq(DVec3::Y, 1e-15));
+    }
+
+    #[test]
+    fn a_focus_at_infinity_blurs_by_the_lens_everywhere() {
+        let through = |focus_distance| {
+            let description = Camera {
+                eye: DVec3::new(0.0, -4.0, 0.0),
+                aperture_radius: 0.5,
+                focus_distance: Some(focus_distance),
+                ..Camera::default()
+            };
+            let camera = camera(description, 100, 100);
+            [Vec2::new(0.1, 0.9), Vec2::new(0.7, 0.4)].map(|u| camera.through_lens(20.0, 70.0, u))
+        };
+        let [(eye_a, a), (eye_b, b)] = through(f64::INFINITY);
+        assert!(eye_a.distance(eye_b) > 0.1);
+        assert!(a.is_normalized() && a.abs_diff_eq(b, 1e-15));
+        for far in [1e30, 1e160, f64::MAX] {
+            let [(_, near_a), (_, near_b)] = through(far);
+            assert!(near_a.abs_diff_eq(a, 1e-15) && near_b.abs_diff_eq(b, 1e-15));
+        }
+    }
+
+    #[test]
+    fn cameras_beyond_what_digits_tell_are_refused_by_name() {
+        let frame = SceneFrame::around(&DBounds {
+            min: DVec3::splat(-1.0),
+            max: DVec3::splat(1.0),
+        });
+        let with_lens = Camera {
+            aperture_radius: 0.1,
+            ..Camera::default()
+        };
+        let refused =
+            |camera: Camera| PreparedCamera::check(&camera, &frame).map_err(|e| e.to_string());
+        assert_eq!(refused(with_lens), Ok(()));
+        let eye = DVec3::new(0.0, 1e149, 0.0);
+        let expected = "camera.eye is 1.0e149 away from the objects; expected at most 2.0e15, 1e15 times their size";
+        let far = Camera { eye, ..with_lens };
+        assert_eq!(refused(far), Err(expected.to_owned()));
+        let expected =
+            "camera.aperture_radius is 1e80; expected at most 2.0e9, 1e9 times the objects' size";
+        let wide = Camera {
+            aperture_radius: 1e80,
+            ..with_lens
+        };
+        assert_eq!(refused(wide), Err(expected.to_owned()));
+        let close = Camera {
+            focus_distance: Some(1e-200),
+            ..with_lens
+        };
+        assert!(
+            refused(close)
+                .expect_err("too close")
+                .contains("camera.focus_distance is 1e-200")
+        );
+        let pinhole = Camera {
+            aperture_radius: 0.0,
+            ..close
+        };
+        assert_eq!(refused(pinhole), Ok(()));
     }
 
     #[test]

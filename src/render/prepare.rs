@@ -147,6 +147,7 @@ impl PreparedScene {
                 ..scene.camera
             }
         };
+        PreparedCamera::check(&description, frame)?;
         let bounds = geometry.accelerator().bounds();
         let disks = VisibleDisks::new(&lights);
         let boxes: Vec<_> = std::iter::once(bounds).chain(disks.boxes()).collect();

@@ -1,5 +1,5 @@
 use super::Rgb;
-use crate::math::{DVec3, Degrees};
+use crate::math::{DVec3, Degrees, direction_of};
 
 /// Radiance arriving from where no object is. It is seen and it lights the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +82,7 @@ impl ImageAxes {
     /// of ±X, it is the Y axis.
     #[must_use]
     pub fn new(up: DVec3, rotation: Degrees) -> Option<Self> {
-        let up = up.try_normalize()?;
+        let up = direction_of(up)?;
         let ahead = if 2.0 * up.x * up.x > 1.0 {
             DVec3::Y
         } else {

@@ -1,4 +1,4 @@
-use crate::math::{DVec3, Degrees};
+use crate::math::{DVec3, Degrees, direction_of, length_of};
 
 /// A camera with a thin lens, or a pinhole where the aperture is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,14 +7,14 @@ pub struct Camera {
     pub eye: DVec3,
     /// The point in the middle of the picture; not the eye.
     pub target: DVec3,
-    /// Which way is up in the picture; not parallel to the view.
+    /// Which way is up in the picture, of any length but 0; not parallel to the view.
     pub up: DVec3,
     /// Angle over the full height of the picture, between 0° and 180°.
     pub vertical_fov: Degrees,
     /// Radius of the lens in scene units; 0 is a pinhole.
     pub aperture_radius: f64,
-    /// Distance along the view axis, in scene units, at which the picture is sharp; the distance to `target` where
-    /// `None`.
+    /// Distance along the view axis, in scene units, at which the picture is sharp, infinite too; the distance to
+    /// `target` where `None`.
     pub focus_distance: Option<f64>,
 }
 
@@ -50,14 +50,14 @@ impl Camera {
     #[must_use]
     pub fn focus(&self) -> f64 {
         self.focus_distance
-            .unwrap_or_else(|| self.eye.distance(self.target))
+            .unwrap_or_else(|| length_of(self.target - self.eye))
     }
 
     /// The camera's axes, or `None` where eye and target coincide or `up` is parallel to the view.
     #[must_use]
     pub fn axes(&self) -> Option<CameraAxes> {
-        let forward = (self.target - self.eye).try_normalize()?;
-        let up = self.up.try_normalize()?;
+        let forward = direction_of(self.target - self.eye)?;
+        let up = direction_of(self.up)?;
         let right = forward.cross(up);
         if right.length() < SMALLEST_SINE {
             return None;

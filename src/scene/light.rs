@@ -1,5 +1,5 @@
 use super::Rgb;
-use crate::math::DVec3;
+use crate::math::{DVec3, direction_of};
 
 /// A source of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +40,8 @@ impl Facing {
     #[must_use]
     pub fn normal(self, center: DVec3) -> Option<DVec3> {
         match self {
-            Self::Target(target) => (target - center).try_normalize(),
-            Self::Normal(normal) => normal.try_normalize(),
+            Self::Target(target) => direction_of(target - center),
+            Self::Normal(normal) => direction_of(normal),
         }
     }
 }

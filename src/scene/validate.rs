@@ -6,6 +6,7 @@ use super::{
     Background, Camera, Choice, Facing, Light, Material, Mode, Object, PhongModel, RenderSettings,
     Scene, SceneError, Stop,
 };
+use crate::math::{DVec3, direction_of};
 
 impl Scene {
     /// Checks what rendering relies on.
@@ -53,6 +54,23 @@ impl Scene {
     }
 }
 
+/// Largest coordinate of a place: differences have squares that a double holds.
+const MOST_COORDINATE: f64 = 1e150;
+
+/// A number as a message shows it: hundreds of digits would hide what it says.
+fn shown(number: f64) -> String {
+    let has_few_digits = number == 0.0 || (1e-5..1e16).contains(&number.abs());
+    if has_few_digits {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+fn shown_vector(vector: &DVec3) -> String {
+    format!("[{}]", vector.to_array().map(shown).join(", "))
+}
+
 /// What a channel may reflect in all, with a last digit to spare.
 const MOST_REFLECTANCE: f64 = 1.0 + 1e-9;
 
@@ -60,21 +78,20 @@ fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     let Camera {
         eye, target, up, ..
     } = camera;
-    require(eye.is_finite(), "camera.eye", eye, "finite numbers")?;
-    require(
-        target.is_finite(),
-        "camera.target",
-        target,
-        "finite numbers",
-    )?;
+    let expected = format!("coordinates of at most {MOST_COORDINATE:e}");
+    for (key, place) in [("camera.eye", eye), ("camera.target", target)] {
+        let is_near = place.abs().max_element() <= MOST_COORDINATE;
+        require(is_near, key, &shown_vector(place), &expected)?;
+    }
     require(
         target != eye,
         "camera.target",
-        target,
+        &shown_vector(target),
         "a point other than the eye",
     )?;
     let expected = "a direction that is not parallel to the view";
-    require(camera.axes().is_some(), "camera.up", up, expected)?;
+    let has_axes = camera.axes().is_some();
+    require(has_axes, "camera.up", &shown_vector(up), expected)?;
     let fov = camera.vertical_fov.0;
     let expected = "more than 0 and less than 180 degrees";
     require(
@@ -88,22 +105,43 @@ fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     require(
         aperture.is_finite() && aperture >= 0.0,
         "camera.aperture_radius",
-        &aperture,
+        &shown(aperture),
         expected,
     )?;
     let focus = camera.focus();
     require(
-        focus.is_finite() && focus > 0.0,
+        focus > 0.0,
         "camera.focus_distance",
-        &focus,
-        "a distance above 0",
+        &shown(focus),
+        "a distance above 0, or inf",
     )
 }
 
 fn check_background(background: &Background) -> Result<(), SceneError> {
     if let Background::Gradient { up, .. } | Background::Image { up, .. } = background {
-        let has_direction = up.try_normalize().is_some();
-        require(has_direction, "background.up", up, "a direction")?;
+        let has_direction = direction_of(*up).is_some();
+        require(
+            has_direction,
+            "background.up",
+            &shown_vector(up),
+            "a direction",
+        )?;
+    }
+    let radiances = match background {
+        Background::Constant { radiance } => vec![("radiance", radiance)],
+        Background::Gradient {
+            zenith,
+            horizon,
+            ground,
+            ..
+        } => vec![("zenith", zenith), ("horizon", horizon), ("ground", ground)],
+        Background::Image { .. } => Vec::new(),
+    };
+    for (name, radiance) in radiances {
+        let expected = format!("at most {:e} in each channel", f32::MAX);
+        let key = format!("background.{name}");
+        let is_radiance = radiance.as_vec3().is_finite();
+        require(is_radiance, &key, &shown_vector(radiance), &expected)?;
     }
     if let Background::Image {
         rotation, scale, ..

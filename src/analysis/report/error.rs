@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::io::{LoadError, PictureError};
+use crate::render::ShortOfMemory;
 use crate::scene::SceneError;
 
 /// Why there is no report, or why it stopped.
@@ -54,6 +55,9 @@ pub enum ReportError {
         /// What the system says.
         reason: io::Error,
     },
+    /// The pictures do not fit.
+    #[error(transparent)]
+    Memory(#[from] ShortOfMemory),
     /// A scene that cannot be rendered.
     #[error(transparent)]
     Render(#[from] SceneError),

@@ -10,7 +10,7 @@ use super::reference::{Origin, Reference};
 use super::study::{Machine, Study, Variant};
 use crate::control::CancelToken;
 use crate::io::{self, LoadedScene, scene_file};
-use crate::render::RunConfig;
+use crate::render::{PictureMemory, RunConfig};
 use crate::scene::{RenderSettings, Scene};
 
 /// What is to be rendered, all of it known to make sense.
@@ -109,6 +109,17 @@ impl ReportPlan {
         }
     }
 
+    /// What is kept of the pictures at the same time.
+    fn memory(&self) -> PictureMemory {
+        PictureMemory {
+            pixels: self.variants[0].scene.render.pixel_count(),
+            layers: 0,
+            has_error: true,
+            // The reference, and what is measured against it.
+            copies: 2,
+        }
+    }
+
     /// Renders all. After each render what is known is written to `folder`, which is made where it is missing, and handed to
     /// `on_render`. `None` when cancelled.
     ///
@@ -122,6 +133,7 @@ impl ReportPlan {
         mut on_render: impl FnMut(&Study),
     ) -> Result<Option<Study>, ReportError> {
         files::make_folder(folder)?;
+        self.memory().require()?;
         progress.set_total(self.work());
         let reference = match self.reference {
             Wanted::Given(reference) => reference,

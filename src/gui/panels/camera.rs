@@ -65,7 +65,7 @@ pub fn camera_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
         if at_target {
             camera.focus_distance = None;
         } else {
-            let range = f64::MIN_POSITIVE..=f64::MAX;
+            let range = f64::MIN_POSITIVE..=f64::INFINITY;
             let number = Number {
                 range,
                 ..length.clone()

@@ -37,6 +37,8 @@ pub enum Allowed {
     NonZero,
     /// Every finite number above 0.
     Positive,
+    /// Every number above 0, infinity too.
+    PositiveOrInfinite,
     /// 0 and above.
     NotNegative,
     /// Between the two, both excluded.
@@ -47,11 +49,11 @@ pub enum Allowed {
 
 impl Allowed {
     fn contains(self, number: f64) -> bool {
-        number.is_finite()
+        (number.is_finite() || matches!(self, Self::PositiveOrInfinite))
             && match self {
                 Self::Any => true,
                 Self::NonZero => number != 0.0,
-                Self::Positive => number > 0.0,
+                Self::Positive | Self::PositiveOrInfinite => number > 0.0,
                 Self::NotNegative => number >= 0.0,
                 Self::Between(low, high) => low < number && number < high,
                 Self::Within(low, high) => low <= number && number <= high,
@@ -63,6 +65,7 @@ impl Allowed {
             Self::Any => "a finite number".to_owned(),
             Self::NonZero => "a finite number other than 0".to_owned(),
             Self::Positive => "a finite number above 0".to_owned(),
+            Self::PositiveOrInfinite => "a number above 0, or inf".to_owned(),
             Self::NotNegative => "a finite number of at least 0".to_owned(),
             Self::Between(low, high) => format!("a number above {low} and below {high}"),
             Self::Within(low, high) => format!("a number from {low} to {high}"),

@@ -40,7 +40,7 @@ fn camera(keys: &mut Keys<'_>, camera: &mut Camera) {
     keys.optional_number(
         "focus_distance",
         &mut camera.focus_distance,
-        Allowed::Positive,
+        Allowed::PositiveOrInfinite,
     );
 }
 

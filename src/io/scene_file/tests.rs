@@ -210,7 +210,7 @@ fn mistakes_name_place_and_expectation() {
         ),
         (
             "[camera]\nfocus_distance = 0",
-            "2:18: `camera.focus_distance` is 0; expected a finite number above 0",
+            "2:18: `camera.focus_distance` is 0; expected a number above 0, or inf",
         ),
         (
             "[materials.a]\nkind = \"mirror\"\ndiffuse = [1, 1, 1]",

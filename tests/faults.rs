@@ -1,0 +1,319 @@
+//! The built program where the world around it fails: files that cannot be written or read, and signals.
+
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder with a scene of the built-in ground alone.
+fn folder() -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let scene = "[[objects]]\nmesh = \"builtin:ground\"\n[background]\nradiance = [1, 1, 1]\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("is written");
+    folder
+}
+
+fn raymini(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raymini"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+/// The exit code of a program that has ended, and its complaint.
+fn complaint(output: &Output) -> (Option<i32>, String) {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), text)
+}
+
+/// Runs the program where it must fail with exit code 1; its complaint.
+fn fail(folder: &Path, arguments: &[&str]) -> String {
+    let output = raymini(folder, arguments).output().expect("starts");
+    let (code, text) = complaint(&output);
+    assert_eq!(code, Some(1), "{arguments:?}: {text}");
+    text
+}
+
+/// The names in a folder.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name());
+    let mut names: Vec<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The scene does not exist, so whoever complains about the output has done so before any work.
+#[test]
+fn what_cannot_be_written_is_found_before_the_render() {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("folder.png")).expect("a folder");
+    let picture = |output| vec!["render", "none.toml", "-o", output];
+    let with_stats = |stats| [picture("a.png"), vec!["--stats", stats]].concat();
+    let mut cases = vec![
+        (
+            picture("no/a.png"),
+            "no/a.png: cannot write the picture: the folder no does not exist",
+        ),
+        (
+            picture("folder.png"),
+            "folder.png: cannot write the picture: this is a folder",
+        ),
+        (
+            with_stats("no/a.json"),
+            "no/a.json: cannot write the stats: the folder no does not exist",
+        ),
+        (
+            with_stats("folder.png"),
+            "folder.png: cannot write the stats: this is a folder",
+        ),
+    ];
+    if cfg!(target_os = "linux") {
+        let expected = "cannot write the picture: no file can be made in the folder /proc";
+        cases.push((picture("/proc/a.png"), expected));
+    }
+    for (arguments, expected) in cases {
+        let said = fail(folder.path(), &arguments);
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+    }
+    assert_eq!(names(folder.path()), ["folder.png", "scene.toml"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_picture_whose_disk_is_full_is_not_lost() {
+    let folder = folder();
+    let refuge = folder.path().join("temporary");
+    std::fs::create_dir(&refuge).expect("a folder");
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("full.exr")).expect("a link");
+    let arguments = "render scene.toml -o full.exr --stats stats.json --size 8x6 --spp 4";
+    let output = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>())
+        .env("TMPDIR", &refuge)
+        .output()
+        .expect("starts");
+    let (code, said) = complaint(&output);
+    assert_eq!(code, Some(1), "{said}");
+    let kept = names(&refuge);
+    assert!(kept.len() == 1 && kept[0].starts_with("full-") && kept[0].ends_with(".exr"));
+    let place = refuge.join(&kept[0]);
+    let expected = format!("the picture is in {} instead", place.display());
+    assert!(
+        said.contains("full.exr: cannot write the picture: ") && said.contains(&expected),
+        "{said}"
+    );
+
+    let info = raymini(&refuge, &["info", &kept[0], "--json"]).output();
+    let facts: Value = serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
+    let stats = std::fs::read(folder.path().join("stats.json")).expect("is written");
+    let stats: Value = serde_json::from_slice(&stats).expect("is JSON");
+    assert_eq!(facts["image_hash"], stats["image_hash"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_stats_are_written_where_nobody_can_be_told_what_it_took() {
+    let folder = folder();
+    let arguments = "render scene.toml -o a.png --stats stats.json --size 8x6 --spp 4";
+    let full = std::fs::File::create("/dev/full").expect("opens");
+    let status = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>())
+        .stdout(full)
+        .status();
+    assert_eq!(status.expect("starts").code(), Some(1));
+    assert_eq!(names(folder.path()), ["a.png", "scene.toml", "stats.json"]);
+}
+
+/// What a program that must end by itself within 20 seconds leaves behind; a hang fails the test in place of stopping it.
+fn output_in_time(mut command: Command) -> Output {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    let started = Instant::now();
+    while child.try_wait().expect("can be asked").is_none() {
+        if started.elapsed() > Duration::from_secs(20) {
+            child.kill().expect("can be ended");
+            panic!("{command:?} hangs");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.wait_with_output().expect("can be read")
+}
+
+#[test]
+#[cfg(unix)]
+fn pipes_and_devices_are_refused_as_any_kind_of_input() {
+    let folder = folder();
+    for name in ["p.toml", "p.off", "p.png", "p.exr", "p.npy"] {
+        let status = Command::new("mkfifo")
+            .arg(folder.path().join(name))
+            .status();
+        assert!(status.expect("starts").success());
+    }
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero.toml")).expect("a link");
+    let sky = "[background]\nimage = \"p.exr\"\n";
+    std::fs::write(folder.path().join("sky.toml"), sky).expect("is written");
+    let cases = [
+        "render p.toml -o a.png",
+        "render zero.toml -o a.png",
+        "render p.off -o a.png",
+        "render sky.toml -o a.png",
+        "info p.toml",
+        "info zero.toml",
+        "info p.off",
+        "info p.png",
+        "info p.exr",
+        "compare p.png p.exr",
+        "report scene.toml -o report --reference p.exr",
+        "bench scene.toml --rays p.npy",
+    ];
+    for arguments in cases {
+        let command = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
+        let (code, said) = complaint(&output_in_time(command));
+        assert_eq!(code, Some(1), "{arguments}: {said}");
+        assert!(
+            said.contains("this is not a regular file"),
+            "{arguments}: {said}"
+        );
+    }
+}
+
+#[test]
+fn a_scene_file_beyond_the_bound_is_refused() {
+    let folder = folder();
+    let file = std::fs::File::create(folder.path().join("large.toml")).expect("is made");
+    file.set_len((64 << 20) + 1).expect("a hole");
+    let said = fail(folder.path(), &["info", "large.toml"]);
+    assert!(
+        said.contains("large.toml: the file is too large: a scene file has at most 64 MiB"),
+        "{said}"
+    );
+}
+
+/// Under a limit of 4 GB, which any machine can set.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_picture_that_memory_does_not_hold_is_refused_in_words() {
+    let folder = folder();
+    let large = "render scene.toml --size 16384x16384 --spp 4 --threads 2";
+    for output in ["a.png", "a.exr"] {
+        let limited = format!(
+            "ulimit -v 4000000; exec {} {large} -o {output}",
+            env!("CARGO_BIN_EXE_raymini")
+        );
+        let mut command = Command::new("sh");
+        command.current_dir(folder.path()).args(["-c", &limited]);
+        let (code, said) = complaint(&output_in_time(command));
+        assert_eq!(code, Some(1), "{said}");
+        assert!(
+            said.contains("error: the picture needs ") && said.contains("GB of memory"),
+            "{said}"
+        );
+    }
+    assert_eq!(names(folder.path()), ["scene.toml"]);
+}
+
+#[cfg(unix)]
+mod signals {
+    use super::*;
+
+    /// A render that takes hours.
+    const ENDLESS: &str =
+        "render scene.toml -o a.exr --stats stats.json --size 160x120 --spp 65536";
+
+    fn start(folder: &Path, arguments: &str) -> Child {
+        raymini(folder, &arguments.split(' ').collect::<Vec<_>>())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starts")
+    }
+
+    fn send(signal: &str, child: &Child) {
+        let kill = format!("kill -{signal} {}", child.id());
+        let status = Command::new("sh").args(["-c", &kill]).status();
+        assert!(status.expect("starts").success());
+    }
+
+    fn wait() {
+        std::thread::sleep(Duration::from_secs(1));
+    }
+
+    #[test]
+    fn the_first_ends_a_render_with_the_samples_it_has() {
+        for (signal, code) in [("INT", 130), ("TERM", 143)] {
+            let folder = folder();
+            let child = start(folder.path(), ENDLESS);
+            wait();
+            send(signal, &child);
+            let (found, said) = complaint(&child.wait_with_output().expect("ends"));
+            assert_eq!(found, Some(code), "{said}");
+            assert!(
+                said.contains("interrupted: the picture has the samples taken so far"),
+                "{said}"
+            );
+            assert_eq!(names(folder.path()), ["a.exr", "scene.toml", "stats.json"]);
+            let stats = std::fs::read(folder.path().join("stats.json")).expect("is written");
+            let stats: Value = serde_json::from_slice(&stats).expect("is JSON");
+            assert_eq!(stats["ending"], "interrupted");
+            let most = stats["sample_range"][1].as_u64().expect("a number");
+            assert!((1..65536).contains(&most), "{most}");
+            let info = raymini(folder.path(), &["info", "a.exr", "--json"]).output();
+            let facts: Value =
+                serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
+            assert_eq!(facts["image_hash"], stats["image_hash"]);
+        }
+    }
+
+    /// One tile of so many rays per sample that it takes minutes.
+    #[test]
+    fn the_second_ends_at_once_and_leaves_the_old_picture() {
+        let folder = folder();
+        std::fs::write(folder.path().join("a.exr"), "old").expect("is written");
+        let slow = "--set render.mode=ao --set render.ambient_occlusion.samples=65536";
+        let child = start(folder.path(), &format!("{ENDLESS} {slow}"));
+        wait();
+        send("INT", &child);
+        std::thread::sleep(Duration::from_millis(300));
+        send("INT", &child);
+        let output = child.wait_with_output().expect("ends");
+        assert_eq!(output.status.code(), Some(130));
+        assert_eq!(names(folder.path()), ["a.exr", "scene.toml"]);
+        let old = std::fs::read(folder.path().join("a.exr")).expect("is there");
+        assert_eq!(old, b"old");
+    }
+
+    #[test]
+    fn before_every_pixel_has_a_sample_no_picture_is_written() {
+        let folder = folder();
+        let slow = "--set render.mode=ao --set render.ambient_occlusion.samples=4096 --set render.width=2000 --set render.height=2000";
+        let child = start(folder.path(), &format!("{ENDLESS} {slow}"));
+        wait();
+        send("TERM", &child);
+        let (code, said) = complaint(&child.wait_with_output().expect("ends"));
+        assert_eq!(code, Some(143), "{said}");
+        assert!(said.contains("no picture is written"), "{said}");
+        assert_eq!(names(folder.path()), ["scene.toml"]);
+    }
+
+    /// Two signals in the middle of a write: the temporary file goes with the program.
+    #[test]
+    fn no_temporary_file_outlives_a_write_that_a_signal_ends() {
+        let folder = folder();
+        let large = "render scene.toml -o a.png --size 4096x2048 --spp 1 --mode normals";
+        let mut child = start(folder.path(), large);
+        let is_part = |name: &String| name.ends_with(".part");
+        while !names(folder.path()).iter().any(is_part) {
+            let ended = child.try_wait().expect("can be asked");
+            assert!(ended.is_none(), "the write was not seen");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        send("TERM", &child);
+        std::thread::sleep(Duration::from_millis(60));
+        send("TERM", &child);
+        assert_eq!(child.wait().expect("ends").code(), Some(143));
+        let left = names(folder.path());
+        assert!(!left.iter().any(is_part), "{left:?}");
+    }
+}
