@@ -7,7 +7,8 @@ mod common;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use common::{
-    WAYS, add, assert_near, assert_ways_agree, diffuse, looking_at_floor, picture, rectangle, value,
+    WAYS, add, assert_near, assert_ways_agree, diffuse, looking_at_floor, picture, rectangle, run,
+    value,
 };
 use raymini::geometry::TriangleMesh;
 use raymini::geometry::shapes;
@@ -289,4 +290,41 @@ fn the_classic_formula_is_refused() {
         error.starts_with("render.phong is classic; expected modified in mode path"),
         "{error}"
     );
+}
+
+#[test]
+fn what_max_bounces_cuts_off_is_counted() {
+    let mut scene = Scene::default();
+    let wall = rectangle(DVec3::ZERO, DVec3::X * 9.0, DVec3::Z * 9.0);
+    add(&mut scene, "wall", wall, diffuse(0.5));
+    scene.render.width = 8;
+    scene.render.height = 8;
+    scene.render.samples_per_pixel = 4;
+    scene.background = Background::Constant { radiance: Rgb::ONE };
+    let mirror = Material::Mirror {
+        reflectance: Rgb::splat(0.5),
+    };
+    let (all, none) = (8 * 8 * 4, 0);
+    // After one bounce the light of the background is met: nothing is missing.
+    let cases = [
+        (Mode::Direct, mirror, [all, none]),
+        (Mode::Direct, diffuse(0.5), [all, none]),
+        (Mode::Path, mirror, [all, none]),
+        (Mode::Path, diffuse(0.5), [all, none]),
+        (Mode::Path, diffuse(0.0), [none, none]),
+        (Mode::Normals, diffuse(0.5), [none, none]),
+    ];
+    for (mode, material, counts) in cases {
+        scene.render.mode = mode;
+        scene.materials.insert("wall".into(), material);
+        for (max_bounces, count) in (0..).zip(counts) {
+            scene.render.max_bounces = max_bounces;
+            let stats = run(&scene).stats;
+            assert_eq!(
+                stats.depth_limited_samples, count,
+                "{mode:?}, {material:?}, {max_bounces}"
+            );
+            assert_eq!(stats.notable_depth_limited_share().is_some(), count > 0);
+        }
+    }
 }

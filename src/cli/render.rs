@@ -122,6 +122,7 @@ struct Stats {
     error: Option<ErrorFacts>,
     non_finite_samples: u64,
     negative_samples: u64,
+    depth_limited_samples: u64,
     clamped: Clamped,
     image_hash: String,
 }
@@ -153,6 +154,7 @@ impl Stats {
             error: stats.error.as_ref().map(ErrorFacts::from),
             non_finite_samples: stats.non_finite_samples,
             negative_samples: stats.negative_samples,
+            depth_limited_samples: stats.depth_limited_samples,
             clamped: stats.clamped,
             image_hash: hash.to_owned(),
         }
@@ -401,6 +403,13 @@ fn say_what_it_took(
         eprintln!(
             "warning: {} samples had less than no light",
             stats.negative_samples
+        );
+    }
+    if let Some(share) = stats.notable_depth_limited_share() {
+        eprintln!(
+            "warning: {:.0} % of the samples may lack light: render.max_bounces = {} ended their paths",
+            share * 100.0,
+            settings.max_bounces
         );
     }
     if settings.clamp.is_some() {

@@ -197,12 +197,15 @@ fn faults(stats: &RenderStats) -> Vec<String> {
         ),
     ];
     let present = counts.into_iter().filter(|(count, _)| *count > 0);
-    present
-        .map(|(count, [one, many])| match count {
-            1 => format!("1 sample {one}"),
-            _ => format!("{} samples {many}", grouped(count)),
-        })
-        .collect()
+    let counted = present.map(|(count, [one, many])| match count {
+        1 => format!("1 sample {one}"),
+        _ => format!("{} samples {many}", grouped(count)),
+    });
+    let depth_limited = stats.notable_depth_limited_share().map(|share| {
+        let percent = share * 100.0;
+        format!("{percent:.0} % of samples may lack light: max bounces ended their paths")
+    });
+    counted.chain(depth_limited).collect()
 }
 
 fn progress_ui(ui: &mut Ui, share: f64) {
@@ -287,6 +290,15 @@ mod tests {
                 "1 sample is infinite or not a number",
                 "1,200 samples have less than no light"
             ]
+        );
+        stats = RenderStats::default();
+        stats.rays.camera = 1000;
+        stats.depth_limited_samples = 100;
+        assert!(faults(&stats).is_empty());
+        stats.depth_limited_samples = 250;
+        assert_eq!(
+            faults(&stats),
+            ["25 % of samples may lack light: max bounces ended their paths"]
         );
     }
 }

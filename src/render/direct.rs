@@ -56,6 +56,7 @@ pub fn gather(
             break;
         }
         if bounce == scene.settings().max_bounces {
+            gathered.is_depth_limited = throughput != Vec3::ZERO && material.albedo() != Vec3::ZERO;
             break;
         }
         match material {

@@ -189,6 +189,8 @@ impl Beginning {
 pub struct Gathered {
     /// The sum of all parts.
     pub radiance: Vec3,
+    /// Whether `max_bounces` ended the path where it might have brought more.
+    pub is_depth_limited: bool,
     parts: [Vec3; Layer::ALL.len()],
     shadow_rays: u32,
 }
@@ -199,6 +201,7 @@ impl Gathered {
         parts[Layer::Occlusion as usize] = Vec3::ONE;
         Self {
             radiance: Vec3::ZERO,
+            is_depth_limited: false,
             parts,
             shadow_rays: 0,
         }

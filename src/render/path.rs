@@ -72,6 +72,7 @@ pub fn gather(
             break;
         }
         if bounce == settings.max_bounces {
+            gathered.is_depth_limited = throughput != Vec3::ZERO && material.albedo() != Vec3::ZERO;
             break;
         }
 
@@ -130,6 +131,7 @@ pub fn gather(
         }
         // A ray that scatters no more is there for the light it meets alone.
         if bounce + 1 == settings.max_bounces && !scene.may_meet_light(&ray) {
+            gathered.is_depth_limited = true;
             break;
         }
         rays.bounce += 1;

@@ -166,6 +166,7 @@ impl<'a> Renderer<'a> {
                 error: self.estimator.as_ref().and_then(ErrorEstimator::estimate),
                 non_finite_samples: counts.non_finite,
                 negative_samples: counts.negative,
+                depth_limited_samples: counts.depth_limited,
                 clamped: counts.clamped(),
             },
             errors: self.progress.errors_from(0),
@@ -205,10 +206,10 @@ impl<'a> Renderer<'a> {
                 longest: taken,
                 most,
             })?;
-            seconds_per_sample = (self.clock.seconds() - started) / f64::from(taken);
             if self.run.interrupt.is_cancelled() {
                 return Some(Next::End(Ending::Interrupted));
             }
+            seconds_per_sample = (self.clock.seconds() - started) / f64::from(taken);
             samples += taken;
 
             let is_round = samples.is_power_of_two();
@@ -252,10 +253,10 @@ impl<'a> Renderer<'a> {
             };
             while work.has_pixels(&self.lock().film) {
                 self.pass(&work)?;
-                work.begins_round = false;
                 if self.run.interrupt.is_cancelled() {
                     return Some(Ending::Interrupted);
                 }
+                work.begins_round = false;
                 if self.time_left() <= 0.0 || self.has_all_passes() {
                     break;
                 }

@@ -121,8 +121,23 @@ pub struct RenderStats {
     pub non_finite_samples: u64,
     /// Samples with less than no light in a channel. They stay in the picture.
     pub negative_samples: u64,
+    /// Samples whose path `render.max_bounces` ended where it might have brought more: light is missing in them. Counted too are
+    /// paths that would have left the scene next, as that is not looked for.
+    pub depth_limited_samples: u64,
     /// What `render.clamp` took away.
     pub clamped: Clamped,
+}
+
+/// The share of depth-limited samples from which on the loss is told as a warning.
+const NOTABLE_SHARE: f64 = 0.1;
+
+impl RenderStats {
+    /// The share of the samples that are depth-limited, where it is large enough to be warned of.
+    #[must_use]
+    pub fn notable_depth_limited_share(&self) -> Option<f64> {
+        let share = self.depth_limited_samples as f64 / self.rays.camera as f64;
+        Some(share).filter(|&share| share > NOTABLE_SHARE)
+    }
 }
 
 /// What clamping took away.

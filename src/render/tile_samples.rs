@@ -77,6 +77,7 @@ pub struct SampleCounts {
     pub rays: RayCounts,
     pub non_finite: u64,
     pub negative: u64,
+    pub depth_limited: u64,
     clamped: u64,
     /// Luminance of all samples, and of what clamping took from them.
     luminance: f64,
@@ -88,6 +89,7 @@ impl SampleCounts {
         self.rays.add(&other.rays);
         self.non_finite += other.non_finite;
         self.negative += other.negative;
+        self.depth_limited += other.depth_limited;
         self.clamped += other.clamped;
         self.luminance += other.luminance;
         self.removed += other.removed;
@@ -107,6 +109,7 @@ impl SampleCounts {
     fn count_failures(&mut self, sample: &Gathered) {
         self.non_finite += u64::from(!sample.radiance.is_finite());
         self.negative += u64::from(sample.radiance.min_element() < 0.0);
+        self.depth_limited += u64::from(sample.is_depth_limited);
     }
 
     /// Scales a sample down to `most` in its brightest channel, and keeps account of what that removes.
