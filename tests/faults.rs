@@ -191,6 +191,29 @@ fn a_scene_file_beyond_the_bound_is_refused() {
     );
 }
 
+/// Under a limit of 4 GB, which any machine can set.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_picture_that_memory_does_not_hold_is_refused_in_words() {
+    let folder = folder();
+    let large = "render scene.toml --size 16384x16384 --spp 4 --threads 2";
+    for output in ["a.png", "a.exr"] {
+        let limited = format!(
+            "ulimit -v 4000000; exec {} {large} -o {output}",
+            env!("CARGO_BIN_EXE_raymini")
+        );
+        let mut command = Command::new("sh");
+        command.current_dir(folder.path()).args(["-c", &limited]);
+        let (code, said) = complaint(&output_in_time(command));
+        assert_eq!(code, Some(1), "{said}");
+        assert!(
+            said.contains("error: the picture needs ") && said.contains("GB of memory"),
+            "{said}"
+        );
+    }
+    assert_eq!(names(folder.path()), ["scene.toml"]);
+}
+
 #[cfg(unix)]
 mod signals {
     use super::*;

@@ -12,8 +12,8 @@ use super::Signals;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
-    Clamped, Ending, ErrorEstimate, Image, Interval, PreparedScene, RayCounts, Region,
-    RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+    Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory, PreparedScene, RayCounts,
+    Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
 };
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -290,6 +290,7 @@ fn render_scene(
         layers: scene.output.layers && io::holds_layers(&arguments.output),
         ..RunConfig::default()
     };
+    PictureMemory::of_render(&prepared, arguments.region, &run).require()?;
     let outcome = render_watched(&prepared, arguments.region, &run)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
     // Black where nothing is known would be taken for the scene's own black.

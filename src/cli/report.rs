@@ -12,7 +12,7 @@ use crate::analysis::report::{
 };
 use crate::control::CancelToken;
 use crate::io::{self, LoadedScene, scene_file};
-use crate::render::{RenderProgress, RunConfig};
+use crate::render::{PictureMemory, RenderProgress, RunConfig};
 use crate::scene::{RenderSettings, Scene};
 
 /// Fewest samples of a pixel at the last point: 3 points that a slope is fitted to.
@@ -103,6 +103,14 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         .with_context(|| format!("{}: the folder cannot be made", arguments.output.display()))?;
 
     let plan = Plan::new(arguments, variants)?;
+    let memory = PictureMemory {
+        pixels: plan.variants[0].scene.render.pixel_count(),
+        layers: 0,
+        has_error: true,
+        // The reference, and what is measured against it.
+        copies: 2,
+    };
+    memory.require()?;
     let steps = Steps::new(plan.work());
     let study = super::render::with_progress_bar(
         || steps.how_far(),

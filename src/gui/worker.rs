@@ -20,8 +20,8 @@ use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
 use crate::render::{
-    self, Image, Layer, OnRound, PreparedScene, RenderOutcome, RenderProgress, Round, RunConfig,
-    TilePixels, Watch,
+    self, Image, Layer, OnRound, PictureMemory, PreparedScene, RenderOutcome, RenderProgress,
+    Round, RunConfig, TilePixels, Watch,
 };
 use crate::scene::{Object, Output, Scene};
 
@@ -230,6 +230,14 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         coarse_first: true,
         ..RunConfig::default()
     };
+    let memory = PictureMemory {
+        // Those that the window shows.
+        copies: 1 + request.buffer.layers().len(),
+        ..PictureMemory::of_render(&prepared, None, &run)
+    };
+    if let Err(short) = memory.require() {
+        return job.send(Event::RenderFailed(short.to_string()));
+    }
     let is_first = AtomicBool::new(true);
     let on_tile = |tile: &TilePixels<'_>| {
         if let Some(tile) = request.buffer.accept(tile) {

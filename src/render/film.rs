@@ -119,6 +119,13 @@ impl Film {
         }
     }
 
+    /// The bytes that one pixel of such a film takes.
+    #[must_use]
+    pub fn bytes_per_pixel(layers: usize, with_marks: bool) -> usize {
+        let marks = if with_marks { size_of::<Marks>() } else { 0 };
+        (1 + layers) * size_of::<[f64; 3]>() + size_of::<u32>() + marks
+    }
+
     /// Adds one block of samples over `tile`.
     ///
     /// # Panics
@@ -272,25 +279,25 @@ impl Film {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.image_of(&self.planes[0])
+        image_of(&self.planes[0], &self.samples, self.region)
     }
 
-    /// The layers so far.
+    /// The picture and the layers. The sums of each go as soon as it is made.
     #[must_use]
-    pub fn layer_images(&self) -> Vec<(Layer, Image)> {
-        let images = self.planes[1..].iter().map(|plane| self.image_of(plane));
-        self.layers.iter().copied().zip(images).collect()
-    }
-
-    fn image_of(&self, plane: &[[f64; 3]]) -> Image {
-        let Region { width, height, .. } = self.region;
-        Image {
-            width,
-            height,
-            pixels: (0..plane.len())
-                .map(|index| self.mean(plane, index))
-                .collect(),
-        }
+    pub fn into_images(self) -> (Image, Vec<(Layer, Image)>) {
+        let Self {
+            region,
+            planes,
+            layers,
+            samples,
+            marks,
+        } = self;
+        drop(marks);
+        let mut images = planes
+            .into_iter()
+            .map(|plane| image_of(&plane, &samples, region));
+        let image = images.next().expect("the picture is there");
+        (image, layers.into_iter().zip(images).collect())
     }
 
     fn mean(&self, plane: &[[f64; 3]], index: usize) -> [f32; 3] {
@@ -312,6 +319,18 @@ impl Marks {
     fn begin(&mut self, mean: [f32; 3]) {
         self.quarter = self.half;
         self.half = mean;
+    }
+}
+
+/// The means of a plane of sums.
+fn image_of(plane: &[[f64; 3]], samples: &[u32], region: Region) -> Image {
+    let means = plane.iter().zip(samples);
+    Image {
+        width: region.width,
+        height: region.height,
+        pixels: means
+            .map(|(sum, &samples)| mean_of(sum, samples.max(1)))
+            .collect(),
     }
 }
 

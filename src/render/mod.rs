@@ -24,6 +24,7 @@ mod layers;
 mod light;
 mod light_tree;
 mod material;
+mod memory;
 mod mis;
 mod path;
 mod phong;
@@ -47,6 +48,7 @@ pub use geometry::{
 };
 pub use image::Image;
 pub use layers::Layer;
+pub use memory::{PictureMemory, ShortOfMemory};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 pub use run::{

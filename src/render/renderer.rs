@@ -110,11 +110,13 @@ impl<'a> Renderer<'a> {
             tiles: region.tiles(TILE_SIDE),
             layers,
             shared: Mutex::new(Shared {
-                film: Film::new(region, layers, settings.error_estimate),
+                film: Film::new(region, layers, settings.measures_error()),
                 counts: SampleCounts::default(),
                 first_tile_seconds: None,
             }),
-            estimator: settings.error_estimate.then(|| ErrorEstimator::new(pixels)),
+            estimator: settings
+                .measures_error()
+                .then(|| ErrorEstimator::new(pixels)),
             allotment: None,
             pool: rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -146,29 +148,30 @@ impl<'a> Renderer<'a> {
             counts,
             first_tile_seconds,
         } = self.shared.into_inner().expect("no thread panicked");
-        let mut layers = film.layer_images();
-        if let Some(estimator) = self.estimator.as_ref().filter(|_| self.run.layers) {
-            layers.push((Layer::Error, estimator.image(&film)));
-        }
+        let stats = RenderStats {
+            render_seconds: seconds,
+            cpu_seconds,
+            first_tile_seconds: first_tile_seconds.unwrap_or_default(),
+            threads: self.threads,
+            rays: counts.rays,
+            samples_per_pixel: film.mean_samples(),
+            sample_range: film.sample_range(),
+            passes: self.passes,
+            ending,
+            error: self.estimator.as_ref().and_then(ErrorEstimator::estimate),
+            non_finite_samples: counts.non_finite,
+            negative_samples: counts.negative,
+            depth_limited_samples: counts.depth_limited,
+            clamped: counts.clamped(),
+        };
+        let estimator = self.estimator.as_ref().filter(|_| self.run.layers);
+        let errors = estimator.map(|estimator| (Layer::Error, estimator.image(&film)));
+        let (image, mut layers) = film.into_images();
+        layers.extend(errors);
         RenderOutcome {
-            image: film.image(),
+            image,
             layers,
-            stats: RenderStats {
-                render_seconds: seconds,
-                cpu_seconds,
-                first_tile_seconds: first_tile_seconds.unwrap_or_default(),
-                threads: self.threads,
-                rays: counts.rays,
-                samples_per_pixel: film.mean_samples(),
-                sample_range: film.sample_range(),
-                passes: self.passes,
-                ending,
-                error: self.estimator.as_ref().and_then(ErrorEstimator::estimate),
-                non_finite_samples: counts.non_finite,
-                negative_samples: counts.negative,
-                depth_limited_samples: counts.depth_limited,
-                clamped: counts.clamped(),
-            },
+            stats,
             errors: self.progress.errors_from(0),
         }
     }

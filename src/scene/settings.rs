@@ -77,6 +77,12 @@ impl RenderSettings {
     pub fn pixel_count(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
+
+    /// Whether the error is measured: where it is asked for, and there are two samples to differ.
+    #[must_use]
+    pub fn measures_error(&self) -> bool {
+        self.error_estimate && self.samples_per_pixel > 1
+    }
 }
 
 impl Default for RenderSettings {

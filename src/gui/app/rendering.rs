@@ -102,7 +102,7 @@ impl App {
         } else {
             Vec::new()
         };
-        if !layers.is_empty() && scene.render.error_estimate {
+        if !layers.is_empty() && scene.render.measures_error() {
             layers.push(Layer::Error);
         }
         let buffer = PictureBuffer::new([size.width, size.height], layers, scene.display, largest);

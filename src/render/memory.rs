@@ -1,0 +1,148 @@
+//! How much memory a picture takes, and whether it is there: told in words before any of it is asked for, as an allocation that
+//! fails ends the program.
+
+use super::film::Film;
+use super::prepare::PreparedScene;
+use super::run::RunConfig;
+use super::tiles::Region;
+
+/// What is kept of a picture while it is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureMemory {
+    /// Its pixels.
+    pub pixels: u64,
+    /// Sums of samples that are kept beside the picture's.
+    pub layers: usize,
+    /// Whether its error is estimated.
+    pub has_error: bool,
+    /// Pictures of this size that whoever asks for it keeps, or makes of it, meanwhile.
+    pub copies: usize,
+}
+
+/// The bytes of a pixel of a picture, an [`Image`](super::Image).
+const IMAGE: usize = size_of::<[f32; 3]>();
+/// What an estimate takes of a pixel for good, and what it takes while it is made: means, moves and the picture of the error, or
+/// what decides where samples go.
+const FALLS: usize = size_of::<f32>();
+const ESTIMATE: usize = 3 * IMAGE + size_of::<f32>();
+/// What writing takes of a pixel of each picture that goes into the file: itself, its channels apart, and the file, which is not
+/// larger.
+const WRITING: usize = 3 * IMAGE;
+
+impl PictureMemory {
+    /// Of a render of `region`, or of the whole picture, with nothing beside it.
+    #[must_use]
+    pub fn of_render(scene: &PreparedScene, region: Option<Region>, run: &RunConfig) -> Self {
+        let settings = scene.settings();
+        let pixels = region.map_or(settings.pixel_count(), |region| region.pixel_count() as u64);
+        Self {
+            pixels,
+            layers: if run.layers { scene.layers().len() } else { 0 },
+            has_error: settings.measures_error(),
+            copies: 0,
+        }
+    }
+
+    /// The most bytes at any time. Sums become pictures one after the other, so that only one is there twice.
+    #[must_use]
+    pub fn bytes(self) -> u64 {
+        let Self {
+            pixels,
+            layers,
+            has_error,
+            copies,
+        } = self;
+        let (kept, estimate) = if has_error { (FALLS, ESTIMATE) } else { (0, 0) };
+        let rendering = Film::bytes_per_pixel(layers, has_error) + kept + estimate.max(IMAGE);
+        let pictures = 1 + layers + usize::from(has_error && layers > 0);
+        let most = rendering.max(pictures * WRITING) + copies * IMAGE;
+        pixels * most as u64
+    }
+
+    /// Says whether there is as much, and a sixteenth more for what goes beside it.
+    ///
+    /// # Errors
+    /// [`ShortOfMemory`].
+    pub fn require(self) -> Result<(), ShortOfMemory> {
+        let needed = self.bytes() + self.bytes() / 16;
+        let available = available_bytes();
+        let is_there = available.is_none_or(|available| needed <= available);
+        // What the system refuses to promise, as a limit on the process does, is not to be had either.
+        let is_granted = usize::try_from(needed)
+            .is_ok_and(|needed| Vec::<u8>::new().try_reserve_exact(needed).is_ok());
+        if is_there && is_granted {
+            return Ok(());
+        }
+        Err(ShortOfMemory {
+            needed,
+            available: available.filter(|_| !is_there),
+        })
+    }
+}
+
+/// Why a picture cannot be rendered here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the picture needs {} of memory while it is rendered, {}; make it smaller, render it part by part (--region), or switch \
+     render.error_estimate or output.layers off",
+    in_words(*needed),
+    available.map_or_else(|| "which the system does not grant".to_owned(), |bytes| format!("but {} are free", in_words(bytes)))
+)]
+pub struct ShortOfMemory {
+    /// Bytes.
+    pub needed: u64,
+    /// Bytes; `None` where they are not what is in the way.
+    pub available: Option<u64>,
+}
+
+fn in_words(bytes: u64) -> String {
+    format!("{:.1} GB", bytes as f64 / 1e9)
+}
+
+/// What the system could give without pushing other memory out to a disk, where it tells (Linux).
+fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PICTURE: PictureMemory = PictureMemory {
+        pixels: 1000,
+        layers: 0,
+        has_error: false,
+        copies: 0,
+    };
+
+    #[test]
+    fn what_is_left_out_is_not_counted() {
+        assert_eq!(PICTURE.bytes(), 1000 * (24 + 4 + 12));
+        let more = |picture: PictureMemory| picture.bytes() - PICTURE.bytes();
+        let copies = 2;
+        assert_eq!(more(PictureMemory { copies, ..PICTURE }), 1000 * 24);
+        let has_error = true;
+        let with_error = PictureMemory {
+            has_error,
+            ..PICTURE
+        };
+        assert_eq!(more(with_error), 1000 * (40 + 4 + 28));
+        let layers = 2;
+        assert_eq!(more(PictureMemory { layers, ..PICTURE }), 1000 * 68);
+    }
+
+    #[test]
+    fn what_is_not_there_is_refused_in_words() {
+        assert_eq!(PICTURE.require(), Ok(()));
+        let pixels = 1 << 50;
+        let short = PictureMemory { pixels, ..PICTURE }.require();
+        let said = short.expect_err("is not there").to_string();
+        let expected = "the picture needs 47850746.0 GB of memory while it is rendered, ";
+        assert!(said.starts_with(expected), "{said}");
+    }
+}
