@@ -101,6 +101,9 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     // Before work is spent on what could not be written.
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| format!("{}: the folder cannot be made", arguments.output.display()))?;
+    for path in FILES.map(|name| arguments.output.join(name)) {
+        io::check_writable(&path).with_context(|| cannot_write(&path))?;
+    }
 
     let plan = Plan::new(arguments, variants)?;
     let memory = PictureMemory {
@@ -335,27 +338,31 @@ fn cpu_name() -> String {
     name.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
 }
 
+/// What is written into the report's folder.
+const FILES: [&str; 4] = ["report.json", "report.csv", "report.svg", "report.md"];
+
 fn write(study: &Study, folder: &Path) -> Result<()> {
-    let files = [
-        ("report.json", to_json(study)),
-        ("report.csv", to_csv(study)),
-        ("report.svg", to_chart(study).to_svg()),
-        ("report.md", to_markdown(study)),
+    let texts = [
+        to_json(study),
+        to_csv(study),
+        to_chart(study).to_svg(),
+        to_markdown(study),
     ];
-    for (name, text) in files {
+    for (name, text) in FILES.into_iter().zip(texts) {
         let path = folder.join(name);
         io::write_atomically(&path, |file| file.write_all(text.as_bytes()))
-            .with_context(|| format!("{}: cannot write the report", path.display()))?;
+            .with_context(|| cannot_write(&path))?;
     }
     Ok(())
 }
 
+fn cannot_write(path: &Path) -> String {
+    format!("{}: cannot write the report", path.display())
+}
+
 /// Prints what came out, and warns of what went wrong.
 fn describe(study: &Study, folder: &Path) -> Result<()> {
-    super::say(&format!(
-        "{}: report.json, report.csv, report.svg, report.md",
-        folder.display()
-    ))?;
+    super::say(&format!("{}: {}", folder.display(), FILES.join(", ")))?;
     super::say(&format!("reference: {}", study.reference.describe()))?;
     for variant in study.measured() {
         let Some(summary) = Summary::of(variant, &study.reference) else {
