@@ -44,6 +44,10 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+fn has_extension(name: &str, extension: &str) -> bool {
+    Path::new(name).extension().is_some_and(|e| e == extension)
+}
+
 /// The scene does not exist, so whoever complains about the output has done so before any work.
 #[test]
 fn what_cannot_be_written_is_found_before_the_render() {
@@ -81,6 +85,20 @@ fn what_cannot_be_written_is_found_before_the_render() {
 }
 
 #[test]
+fn a_report_that_cannot_be_written_is_found_before_the_reference() {
+    let folder = folder();
+    std::fs::create_dir_all(folder.path().join("out/report.md")).expect("a folder");
+    let endless = "report scene.toml -o out --spp 65536";
+    let command = raymini(folder.path(), &endless.split(' ').collect::<Vec<_>>());
+    let (code, said) = complaint(&output_in_time(command));
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.contains("report.md: cannot write the report: this is a folder"),
+        "{said}"
+    );
+}
+
+#[test]
 #[cfg(target_os = "linux")]
 fn a_picture_whose_disk_is_full_is_not_lost() {
     let folder = folder();
@@ -95,7 +113,7 @@ fn a_picture_whose_disk_is_full_is_not_lost() {
     let (code, said) = complaint(&output);
     assert_eq!(code, Some(1), "{said}");
     let kept = names(&refuge);
-    assert!(kept.len() == 1 && kept[0].starts_with("full-") && kept[0].ends_with(".exr"));
+    assert!(kept.len() == 1 && kept[0].starts_with("full-") && has_extension(&kept[0], "exr"));
     let place = refuge.join(&kept[0]);
     let expected = format!("the picture is in {} instead", place.display());
     assert!(
@@ -303,7 +321,7 @@ mod signals {
         let folder = folder();
         let large = "render scene.toml -o a.png --size 4096x2048 --spp 1 --mode normals";
         let mut child = start(folder.path(), large);
-        let is_part = |name: &String| name.ends_with(".part");
+        let is_part = |name: &String| has_extension(name, "part");
         while !names(folder.path()).iter().any(is_part) {
             let ended = child.try_wait().expect("can be asked");
             assert!(ended.is_none(), "the write was not seen");

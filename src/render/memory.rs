@@ -142,7 +142,7 @@ mod tests {
         let pixels = 1 << 50;
         let short = PictureMemory { pixels, ..PICTURE }.require();
         let said = short.expect_err("is not there").to_string();
-        let expected = "the picture needs 47850746.1 GB of memory while it is rendered, ";
+        let expected = "the picture needs 47850746.0 GB of memory while it is rendered, ";
         assert!(said.starts_with(expected), "{said}");
     }
 }

@@ -1,5 +1,8 @@
 //! A parsed TOML document whose every key and value knows its line and column.
 
+use std::cell::Cell;
+use std::ops::Range;
+
 use toml::de::{DeTable, DeValue};
 
 use super::SceneFileError;
@@ -247,6 +250,9 @@ fn node(value: &DeValue<'_>, place: Place, lines: &Lines<'_>) -> Result<Node, Pr
 struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// What was asked for last, and its offset. Values are asked for about in the order of the text, and a line may hold all of
+    /// them: to count from its start each time would take the square of its length.
+    last: Cell<(usize, Place)>,
 }
 
 impl<'a> Lines<'a> {
@@ -255,18 +261,25 @@ impl<'a> Lines<'a> {
         Self {
             text,
             starts: std::iter::once(0).chain(after_newlines).collect(),
+            last: Cell::new((0, Place { line: 1, column: 1 })),
         }
     }
 
     fn place(&self, offset: usize) -> Place {
         let line = self.starts.partition_point(|&start| start <= offset).max(1);
-        let before = self
-            .text
-            .get(self.starts[line - 1]..offset)
-            .unwrap_or_default();
-        Place {
-            line,
-            column: before.chars().count() + 1,
-        }
+        let (known, place) = match self.last.get() {
+            last if last.1.line == line => last,
+            _ => (self.starts[line - 1], Place { line, column: 1 }),
+        };
+        let characters =
+            |range: Range<usize>| self.text.get(range).unwrap_or_default().chars().count();
+        let column = if known <= offset {
+            place.column + characters(known..offset)
+        } else {
+            place.column - characters(offset..known)
+        };
+        let place = Place { line, column };
+        self.last.set((offset, place));
+        place
     }
 }

@@ -128,7 +128,7 @@ impl Allotment {
         Self {
             decay,
             cells: cells.collect(),
-            worth: judged.iter().map(Judgement::worth).collect(),
+            worth: judged.iter().map(|pixel| pixel.worth()).collect(),
         }
     }
 
@@ -210,7 +210,7 @@ fn doubled(samples: u32, most: u32) -> u32 {
 const NEIGHBOURS: [[isize; 2]; 4] = [[0, -1], [-1, 0], [1, 0], [0, 1]];
 
 impl Judgement {
-    fn worth(&self) -> f32 {
+    fn worth(self) -> f32 {
         self.noise / self.price
     }
 }
