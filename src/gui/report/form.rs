@@ -77,7 +77,9 @@ impl Problem {
             ReportError::Reference(_) | ReportError::ReferenceSize { .. } => {
                 (Place::Reference, error.to_string())
             }
-            ReportError::Scene(_) | ReportError::Render(_) => (Place::Scene, error.to_string()),
+            ReportError::Scene(_) | ReportError::Render(_) | ReportError::Memory(_) => {
+                (Place::Scene, error.to_string())
+            }
         };
         Self { place, text }
     }
