@@ -49,7 +49,7 @@ pub fn read_bounded_file(
     Ok(None)
 }
 
-/// Opens a regular file; `expected` as in [`read_file`].
+/// Opens a regular file; `expected`: what it is to be, for the message.
 ///
 /// # Errors
 /// Why it cannot be read, in a plain sentence that does not name the file.

@@ -28,7 +28,7 @@ pub struct Summary {
     pub noise_slope: Option<f64>,
     /// At the last point.
     pub efficiency: Efficiency,
-    /// How well the renders know their own error; `None` where none says from [`HONEST_FROM`] samples on.
+    /// How well the renders know their own error; `None` where none says from 16 samples on.
     pub honesty: Option<Honesty>,
     /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
@@ -80,7 +80,7 @@ pub struct Estimated {
     pub intervals_held: [usize; 2],
 }
 
-/// What the renders say of themselves against the truth, at all points from [`HONEST_FROM`] samples on.
+/// What the renders say of themselves against the truth, at all points from 16 samples on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Honesty {
     /// The smallest and the largest estimate over the truth, medians over the seeds, of RMSE and noise.
