@@ -71,6 +71,28 @@ fn a_disk_light_gives_the_irradiance_of_the_formula_near_and_far() {
     );
 }
 
+/// Where only aiming finds the light, of a disk far larger than its distance: its area alone would hide nearly all of it.
+#[test]
+fn a_near_disk_that_no_path_meets_gives_its_light() {
+    for (radius, height) in [(1.0, 0.1), (1.0, 1e-3), (1.0, 1e-5), (1e3, 1.0)] {
+        let mut scene = looking_at_floor(0.0, diffuse(1.0));
+        scene.render.mode = Mode::Path;
+        scene.render.max_bounces = 1;
+        let mut light = disk(DVec3::Z * height, radius);
+        if let Light::Disk { visible, .. } = &mut light {
+            *visible = false;
+        }
+        scene.lights.push(light);
+        let expected = disk_irradiance(radius, height, 0.0) / PI;
+        assert_near(
+            value(&scene),
+            expected,
+            1e-2,
+            &format!("R {radius}, h {height}"),
+        );
+    }
+}
+
 #[test]
 fn the_back_of_a_disk_gives_nothing() {
     let mut scene = looking_at_floor(0.0, diffuse(1.0));

@@ -10,7 +10,7 @@ use crate::io;
 /// What a report is written to, the file to read first in front.
 pub const REPORT_FILES: [&str; 4] = ["report.md", "report.svg", "report.json", "report.csv"];
 
-/// Makes the folder, and a file in it that goes again: before work is spent on what could not be written.
+/// Makes the folder, and sees whether the files can be written: before work is spent on what could not be.
 ///
 /// # Errors
 /// When either is refused.
@@ -19,11 +19,10 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), ReportError> {
         path: folder.to_owned(),
         reason,
     })?;
-    let attempt = tempfile::tempfile_in(folder);
-    attempt.map(drop).map_err(|reason| ReportError::File {
-        path: folder.to_owned(),
-        reason,
-    })
+    for path in REPORT_FILES.map(|name| folder.join(name)) {
+        io::check_writable(&path).map_err(|reason| ReportError::File { path, reason })?;
+    }
+    Ok(())
 }
 
 /// Writes what `study` holds, each file whole or not at all.
