@@ -43,6 +43,7 @@ mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
+pub(crate) use fresnel::fresnel;
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
 };
