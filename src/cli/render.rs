@@ -1,6 +1,7 @@
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -12,8 +13,8 @@ use super::Signals;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
-    Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory, PreparedScene, RayCounts,
-    Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+    Bands, Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory, PreparedScene,
+    RayCounts, Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
 };
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -290,9 +291,14 @@ fn render_scene(
         layers: scene.output.layers && io::holds_layers(&arguments.output),
         ..RunConfig::default()
     };
-    PictureMemory::of_render(&prepared, arguments.region, &run).require()?;
-    let outcome = render_watched(&prepared, arguments.region, &run)
-        .ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    let outcome = if let Some(bands) = Bands::of(&prepared, arguments.region, &run) {
+        bands.memory(&prepared, &run).require()?;
+        render_bands(&prepared, &bands, &run)
+    } else {
+        PictureMemory::of_render(&prepared, arguments.region, &run).require()?;
+        render_watched(&prepared, arguments.region, &run)
+    };
+    let outcome = outcome.ok_or_else(|| anyhow!("rendering was cancelled"))?;
     // Black where nothing is known would be taken for the scene's own black.
     if outcome.stats.sample_range[0] == 0 {
         return Ok(interrupted_early(signals));
@@ -482,6 +488,25 @@ fn render_watched(
         )
     };
     with_progress_bar(how_far, || render(prepared, region, run, &progress, None))
+}
+
+/// [`render_watched`] of a picture too large to be held in one piece.
+fn render_bands(prepared: &PreparedScene, bands: &Bands, run: &RunConfig) -> Option<RenderOutcome> {
+    let current = Mutex::new((0, RenderProgress::default()));
+    let lock = || current.lock().unwrap_or_else(PoisonError::into_inner);
+    let how_far = || {
+        let (number, progress) = &*lock();
+        let done = f64::from(number.max(&1) - 1) + progress.samples.fraction();
+        let count = bands.count();
+        (done / count as f64, format!("part {number} of {count}"))
+    };
+    let begin = || {
+        let mut current = lock();
+        current.0 += 1;
+        current.1 = RenderProgress::default();
+        current.1.clone()
+    };
+    with_progress_bar(how_far, || bands.render(prepared, run, begin))
 }
 
 /// Runs `work` with its progress shown on a terminal, and nothing shown where there is none. `how_far` tells the done part of

@@ -4,6 +4,13 @@ use std::ffi::OsStr;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
+use exr::image::write::layers::WritableLayers;
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, ImageAttributes,
+    IntegerBounds, Layer as ExrLayer, LayerAttributes, SmallVec, SpecificChannels, Vec2 as ExrVec2,
+    WritableImage,
+};
+
 use super::atomic::{check_writable, write_atomically};
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
@@ -155,11 +162,13 @@ fn write_png(
 }
 
 fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
-    use exr::prelude::{
-        AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer as ExrLayer,
-        LayerAttributes, SmallVec, WritableImage,
-    };
-
+    let size = (image.width as usize, image.height as usize);
+    if layers.is_empty() {
+        // Read where it is: channels apart would take as much memory again.
+        let pixel = |at: ExrVec2<usize>| image.pixels[at.y() * size.0 + at.x()].into();
+        let file = exr_image(size, SpecificChannels::rgb(pixel));
+        return exr_file(&file, image.pixels.len());
+    }
     let named = layers
         .iter()
         .map(|(layer, image)| (format!("{}.", layer.name()), image));
@@ -176,18 +185,38 @@ fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
                 })
         })
         .collect();
-    let size = (image.width as usize, image.height as usize);
-    let layer = ExrLayer::new(
-        size,
-        LayerAttributes::default(),
-        Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels),
-    );
+    let file = exr_image(size, AnyChannels::sort(channels));
+    exr_file(&file, image.pixels.len())
+}
+
+fn exr_image<C>(size: (usize, usize), channels: C) -> ExrImage<ExrLayer<C>> {
+    ExrImage {
+        attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
+        layer_data: ExrLayer {
+            channel_data: channels,
+            attributes: LayerAttributes::default(),
+            size: size.into(),
+            encoding: Encoding::SMALL_LOSSLESS,
+        },
+    }
+}
+
+/// Pixels of the largest picture that several threads compress.
+const MOST_COMPRESSED_TOGETHER: usize = 1 << 24;
+
+/// The bytes of the file of so many pixels.
+fn exr_file<'a, L: WritableLayers<'a>>(
+    image: &'a ExrImage<L>,
+    pixels: usize,
+) -> io::Result<Vec<u8>> {
     let mut file = Cursor::new(Vec::new());
-    ExrImage::from_layer(layer)
-        .write()
-        .to_buffered(&mut file)
-        .map_err(|error| io::Error::other(error.to_string()))?;
+    // Threads that compress are handed all of the picture at once, which a large one has no memory for.
+    let written = if pixels > MOST_COMPRESSED_TOGETHER {
+        image.write().non_parallel().to_buffered(&mut file)
+    } else {
+        image.write().to_buffered(&mut file)
+    };
+    written.map_err(|error| io::Error::other(error.to_string()))?;
     Ok(file.into_inner())
 }
 

@@ -43,6 +43,16 @@ impl PictureMemory {
         }
     }
 
+    /// The same with the picture of `region` beside it, as it is in memory.
+    #[must_use]
+    pub fn beside(self, region: Region) -> Self {
+        let copies = (region.pixel_count() as u64).div_ceil(self.pixels);
+        Self {
+            copies: self.copies + usize::try_from(copies).expect("few"),
+            ..self
+        }
+    }
+
     /// The most bytes at any time. Sums become pictures one after the other, so that only one is there twice.
     #[must_use]
     pub fn bytes(self) -> u64 {

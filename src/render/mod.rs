@@ -7,6 +7,7 @@
 
 mod aim;
 mod background;
+mod bands;
 mod camera;
 mod clock;
 mod direct;
@@ -41,6 +42,7 @@ mod surface;
 mod tile_samples;
 mod tiles;
 
+pub use bands::Bands;
 pub use camera::{CameraRay, PreparedCamera};
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
 pub(crate) use fresnel::fresnel;
