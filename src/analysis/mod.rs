@@ -3,6 +3,7 @@
 
 pub mod bench;
 mod difference;
+pub mod hazards;
 mod metrics;
 pub mod report;
 

@@ -3,6 +3,7 @@
 //! Errors carry exit code 1; wrong usage 2, by clap; signals 128 and their number.
 
 mod bench;
+mod check;
 mod compare;
 mod info;
 mod render;
@@ -46,6 +47,8 @@ pub enum Command {
     Info(info::InfoArguments),
     /// Measure how far a picture is from a reference, and draw the difference
     Compare(compare::CompareArguments),
+    /// Look for what may spoil the picture of a scene, and say what to do about it
+    Check(check::CheckArguments),
     /// Measure how fast the structures over a scene are built and traversed
     Bench(bench::BenchArguments),
 }
@@ -87,6 +90,7 @@ impl Command {
             Self::Report(arguments) => report::run(&arguments)?,
             Self::Info(arguments) => info::run(&arguments)?,
             Self::Compare(arguments) => compare::run(&arguments)?,
+            Self::Check(arguments) => check::run(&arguments)?,
             Self::Bench(arguments) => bench::run(&arguments)?,
         }
         Ok(ExitCode::SUCCESS)
