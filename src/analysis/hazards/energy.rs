@@ -19,7 +19,7 @@ const LEAST_BOUNCES: u32 = 64;
 /// 97.5 % of the t distribution with 15 degrees of freedom: what an estimate from 16 seeds is off by in 1 of 20 cases, in standard
 /// errors.
 const T_QUANTILE: f64 = 2.131;
-const _: () = assert!(pilot::SEEDS == 16, "15 degrees of freedom");
+const _: () = assert!(pilot::FEW_SEEDS == 16, "15 degrees of freedom");
 
 /// How many standard errors a loss must have to be told: by chance, 1 in 200 has.
 const SIGNIFICANT: f64 = 3.0;
@@ -38,7 +38,12 @@ pub fn examine(
         return Ok(Some(Vec::new()));
     }
     let bounces = pilot_scene.render.max_bounces;
-    let Some(short) = pilot::take(pilot_scene, prepared, bounces, cancel)? else {
+    // Specks are rare, and in mode direct hardly any.
+    let seeds = match scene.render.mode {
+        Mode::Path => pilot::SEEDS,
+        _ => pilot::FEW_SEEDS,
+    };
+    let Some(short) = pilot::take(pilot_scene, prepared, (bounces, seeds), cancel)? else {
         return Ok(None);
     };
     let mut hazards = Vec::new();
@@ -49,7 +54,8 @@ pub fn examine(
         let more = bounces
             .saturating_mul(MORE_BOUNCES)
             .clamp(LEAST_BOUNCES, RenderSettings::MAX_BOUNCES);
-        let Some(long) = pilot::take(pilot_scene, prepared, more, cancel)? else {
+        let Some(long) = pilot::take(pilot_scene, prepared, (more, pilot::FEW_SEEDS), cancel)?
+        else {
             return Ok(None);
         };
         hazards.extend(depth_loss(&short, bounces, &long, more));

@@ -11,8 +11,10 @@ use crate::math::color::luminance;
 use crate::render::{Image, PreparedScene, RenderProgress, RenderStats, RunConfig, render};
 use crate::scene::{RenderSettings, Scene, SceneError, Stop};
 
-/// Number of seeds, which is that of samples per pixel.
-pub const SEEDS: u32 = 16;
+/// Number of seeds, which is that of samples per pixel, where what is rare is looked for.
+pub const SEEDS: u32 = 64;
+/// The first so many of them, where means are compared.
+pub const FEW_SEEDS: u32 = 16;
 
 /// The longest side of the picture in pixels.
 const LONGEST_SIDE: u32 = 128;
@@ -72,14 +74,15 @@ pub fn scene_of(scene: &Scene) -> Scene {
     }
 }
 
-/// Renders the pilot `scene` with `max_bounces`; `prepared` is the same scene with any. `None` when cancelled.
+/// Renders the pilot `scene` with `max_bounces` and the first `seeds` seeds; `prepared` is the same scene with any. `None` when
+/// cancelled.
 ///
 /// # Errors
 /// What about the scene cannot be rendered.
 pub fn take(
     scene: &Scene,
     prepared: &PreparedScene,
-    max_bounces: u32,
+    (max_bounces, seeds): (u32, u32),
     cancel: &CancelToken,
 ) -> Result<Option<Pilot>, SceneError> {
     let RenderSettings { width, height, .. } = scene.render;
@@ -104,7 +107,7 @@ pub fn take(
             None,
         ))
     };
-    let outcomes: Option<Vec<_>> = (0..SEEDS)
+    let outcomes: Option<Vec<_>> = (0..seeds)
         .into_par_iter()
         .map(of_seed)
         .collect::<Result<_, SceneError>>()?;
@@ -141,9 +144,10 @@ impl Pilot {
         self.luminances.len() as u64 * (self.width * self.height) as u64
     }
 
-    /// The mean luminance for every seed.
+    /// The mean luminance for each of the first [`FEW_SEEDS`].
     pub fn means(&self) -> Vec<f64> {
         let mean = |picture: &Vec<f64>| picture.iter().sum::<f64>() / picture.len() as f64;
-        self.luminances.iter().map(mean).collect()
+        let few = self.luminances.iter().take(FEW_SEEDS as usize);
+        few.map(mean).collect()
     }
 }
