@@ -137,6 +137,27 @@ impl BoxTree {
             next = (enter <= limit).then_some(index);
         }
     }
+
+    /// Visits the boxes that have a point in common with `bounds`.
+    pub fn overlapping(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+        // One of each level, and both children of the last.
+        let mut stack = [0_u32; MAX_DEPTH + 1];
+        let mut waiting = usize::from(!self.nodes.is_empty());
+        while waiting > 0 {
+            waiting -= 1;
+            let node = &self.nodes[stack[waiting] as usize];
+            if node.bounds.intersection(*bounds).is_empty() {
+                continue;
+            }
+            match node.content {
+                Content::Item(item) => visit(item),
+                Content::Children(first) => {
+                    stack[waiting..waiting + 2].copy_from_slice(&[first + 1, first]);
+                    waiting += 2;
+                }
+            }
+        }
+    }
 }
 
 /// A ray prepared for tests against many boxes.
@@ -287,6 +308,25 @@ mod tests {
                 }
             }
             assert!(count < 3 || met < 2000 * count, "boxes are left out at all");
+        }
+    }
+
+    #[test]
+    fn the_boxes_that_overlap_are_those_that_do() {
+        for (count, size) in [(0, 0.5), (1, 0.5), (300, 0.2), (300, 0.0), (1000, 1.5)] {
+            let boxes = boxes(count, size);
+            let tree = BoxTree::build(&boxes);
+            let mut random = Random::new(6);
+            for _ in 0..200 {
+                let corners = [(); 2].map(|()| random.in_cube().as_vec3());
+                let asked = Bounds::of_points(corners);
+                let overlaps = |bounds: &Bounds| !bounds.intersection(asked).is_empty();
+                let expected: Vec<usize> = (0..count).filter(|&i| overlaps(&boxes[i])).collect();
+                let mut found = Vec::new();
+                tree.overlapping(&asked, |item| found.push(item as usize));
+                found.sort_unstable();
+                assert_eq!(found, expected);
+            }
         }
     }
 

@@ -47,10 +47,10 @@ pub enum Command {
     Info(info::InfoArguments),
     /// Measure how far a picture is from a reference, and draw the difference
     Compare(compare::CompareArguments),
+    /// Look for what may spoil the picture of a scene, or try the extreme cases that break renderers
+    Check(check::CheckArguments),
     /// Measure how fast the structures over a scene are built and traversed
     Bench(bench::BenchArguments),
-    /// Try the extreme cases that break renderers
-    Check(check::CheckArguments),
 }
 
 /// The scene of a file; the demo where none is named. `None` when cancelled.

@@ -123,6 +123,16 @@ impl PreparedGeometry {
         &self.frame
     }
 
+    /// The frame in which the corners of object number `object` are rounded, where copies share its mesh: one around the mesh in
+    /// its own coordinates. `None` where they are placed and then rounded in [`Self::frame`].
+    ///
+    /// # Panics
+    /// When there is no such object.
+    #[must_use]
+    pub fn shared_frame(&self, object: usize) -> Option<&SceneFrame> {
+        self.shared.frame_of(&self.origin.objects[object].0)
+    }
+
     /// What finds hits.
     #[must_use]
     pub fn accelerator(&self) -> &Assembly {

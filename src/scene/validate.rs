@@ -31,26 +31,28 @@ impl Scene {
     /// What can be rendered but is hardly meant: materials that reflect more light than arrives, where light bounces.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let creates_energy = |material: &Material| match material {
-            Material::Phong {
-                diffuse, specular, ..
-            } => {
-                self.render.mode == Mode::Path
-                    && (*diffuse + *specular).max_element() > MOST_REFLECTANCE
-            }
-            Material::Mirror { reflectance } => reflectance.max_element() > MOST_REFLECTANCE,
-            Material::Glass { .. } | Material::Emitter { .. } => false,
-        };
-        let makers = self
-            .materials
-            .iter()
-            .filter(|(_, material)| creates_energy(material));
-        let sentence = |(name, _): (&String, &Material)| {
+        let sentence = |(name, _): (&str, f64)| {
             format!(
                 "material \"{name}\" reflects more light than arrives; keep diffuse + specular, or reflectance, at 1 or less"
             )
         };
-        makers.map(sentence).collect()
+        self.energy_creators().map(sentence).collect()
+    }
+
+    /// The materials that reflect more light than arrives, where light bounces: their names, and the largest share of the light
+    /// that a channel reflects.
+    pub fn energy_creators(&self) -> impl Iterator<Item = (&str, f64)> {
+        let reflected = |material: &Material| match material {
+            Material::Phong {
+                diffuse, specular, ..
+            } if self.render.mode == Mode::Path => (*diffuse + *specular).max_element(),
+            Material::Mirror { reflectance } => reflectance.max_element(),
+            Material::Phong { .. } | Material::Glass { .. } | Material::Emitter { .. } => 0.0,
+        };
+        self.materials
+            .iter()
+            .map(move |(name, material)| (name.as_str(), reflected(material)))
+            .filter(|&(_, reflected)| reflected > MOST_REFLECTANCE)
     }
 }
 

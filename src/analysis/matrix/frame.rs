@@ -1,8 +1,14 @@
 //! Scenes of every size, near to the origin and far from it: what rendering takes out by centring and scaling.
 
-use super::stage::{different_pixels, largest, mapped, picture, showroom, visibly_different};
+use super::stage::{
+    add, different_pixels, largest, mapped, matt, picture, rectangle, showroom, still,
+    visibly_different,
+};
 use super::{Bar, Case, Effort};
+use crate::analysis::hazards::{self, HazardKind};
+use crate::control::CancelToken;
 use crate::geometry::TriangleMesh;
+use crate::geometry::shapes;
 use crate::math::{DVec3, power_of_two};
 use crate::scene::{Facing, Light, Material, Mode, Scene};
 use std::sync::Arc;
@@ -35,6 +41,20 @@ pub const CASES: &[Case] = &[
         bar: Bar::AtMost(0.1),
         is_timed: false,
         measure: moved_away,
+    },
+    Case {
+        name: "digits lost before",
+        tried: "balls moved off by up to 1e6 of their sizes, stored in single and in double precision: examinations that do not tell them apart",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: lost_digits,
+    },
+    Case {
+        name: "small and far from the middle",
+        tried: "a ball off the middle of a ground 1e2 to 1e7 times its size: examinations that do not name what is crushed, or name what is not",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: crushed,
     },
 ];
 
@@ -135,4 +155,51 @@ fn largest_difference(changed: impl Fn(&Scene) -> Vec<Scene>) -> f64 {
         let scenes = changed(scene).into_iter();
         largest(scenes.map(|scene| visibly_different(&base, &picture(&scene), 1.0)))
     }))
+}
+
+/// Whether the examination of `scene` finds something of `kind`.
+fn is_told(scene: &Scene, kind: HazardKind) -> bool {
+    let hazards = hazards::examine(scene, &CancelToken::new());
+    let hazards = hazards.unwrap_or_else(|error| panic!("cannot be rendered: {error}"));
+    let hazards = hazards.expect("nobody cancels");
+    hazards.iter().any(|hazard| hazard.kind == kind)
+}
+
+fn lost_digits(_: Effort) -> f64 {
+    let mut wrong = 0;
+    for distance in [1.0, 1e5, 1e6] {
+        let far = mapped(shapes::icosphere(3), |p| {
+            p + DVec3::new(2.0, -1.4, 0.6) * distance
+        });
+        let rounded = mapped(far.clone(), |p| p.as_vec3().as_dvec3());
+        for (mesh, has_lost) in [(far, false), (rounded, distance > 1.0)] {
+            let mut scene = still(16, 12);
+            scene.camera.target = mesh.bounds().center();
+            scene.camera.eye = scene.camera.target + DVec3::new(0.0, -6.0, 2.5);
+            add(&mut scene, "ball", mesh, matt(0.5));
+            wrong += u32::from(is_told(&scene, HazardKind::LostDigits) != has_lost);
+        }
+    }
+    f64::from(wrong)
+}
+
+fn crushed(_: Effort) -> f64 {
+    let mut wrong = 0;
+    for (size, is_crushed) in [(1e2, false), (1e3, false), (1e6, true), (1e7, true)] {
+        let place = DVec3::new(size / 3.0, size / 4.0, 1.0);
+        let mut scene = still(16, 12);
+        let (u, v) = (DVec3::X * size, DVec3::Y * size);
+        add(
+            &mut scene,
+            "ground",
+            rectangle(DVec3::ZERO, u, v),
+            matt(0.5),
+        );
+        let ball = mapped(shapes::icosphere(3), |p| p + place);
+        add(&mut scene, "ball", ball, matt(0.5));
+        scene.camera.target = place;
+        scene.camera.eye = place + DVec3::new(0.0, -6.0, 2.5);
+        wrong += u32::from(is_told(&scene, HazardKind::CoarseResolution) != is_crushed);
+    }
+    f64::from(wrong)
 }

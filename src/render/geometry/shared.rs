@@ -90,6 +90,11 @@ impl SharedMeshes {
         structures.collect()
     }
 
+    /// The frame of a mesh's own; `None` where it is not shared.
+    pub fn frame_of(&self, mesh: &MeshIdentity) -> Option<&SceneFrame> {
+        Some(&self.find(mesh)?.frame)
+    }
+
     /// Where the copies of an object are in the prepared scene, and their normals; `None` where its mesh is not shared.
     pub fn place(
         &self,

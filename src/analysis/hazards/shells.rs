@@ -1,0 +1,228 @@
+//! Connected surfaces: which of their faces turn the other way round than most, and which of them look inwards.
+
+use std::collections::BTreeMap;
+
+use super::Place;
+use super::tally::Tally;
+use crate::geometry::TriangleMesh;
+use crate::math::DBounds;
+
+/// Faces joined across the edges that exactly two of them share: sets that are united, each face with its own sense of turning
+/// against that of the face that stands for its set.
+///
+/// Source: union-find with parity; Tarjan, Efficiency of a Good But Not Linear Set Union Algorithm, 1975.
+pub struct Shells {
+    /// A face nearer to the one that stands for the set; itself where it does.
+    parents: Vec<u32>,
+    /// Whether a face turns the other way round than its parent.
+    opposed: Vec<bool>,
+    /// Of a face, and once settled of a set: whether an edge is open.
+    open: Vec<bool>,
+    /// The same: whether an edge is between faces that turn round in opposite ways.
+    mixed: Vec<bool>,
+    contradictions: u64,
+}
+
+/// A closed surface.
+struct Shell {
+    first_face: usize,
+    /// Six times its volume; negative where faces look inwards.
+    volume: f64,
+    bounds: DBounds,
+}
+
+/// The most surfaces that others may lie in.
+const MOST_OUTER_SHELLS: usize = 1000;
+
+/// What of its box's volume the volume of a surface must have to be told from rounding.
+const LEAST_VOLUME: f64 = 1e-9;
+
+impl Shells {
+    /// So many faces, each by itself.
+    ///
+    /// # Panics
+    /// When there are 2³².
+    pub fn new(faces: usize) -> Self {
+        Self {
+            parents: (0..u32::try_from(faces).expect("fewer than 2^32 faces")).collect(),
+            opposed: vec![false; faces],
+            open: vec![false; faces],
+            mixed: vec![false; faces],
+            contradictions: 0,
+        }
+    }
+
+    /// Notes that an edge of `face` is open.
+    pub fn open_at(&mut self, face: usize) {
+        self.open[face] = true;
+    }
+
+    /// Joins two faces across an edge; `opposed`: one turns the other way round than the other.
+    pub fn join(&mut self, a: usize, b: usize, opposed: bool) {
+        let ((root_a, turned_a), (root_b, turned_b)) = (self.find(a), self.find(b));
+        let between_roots = turned_a != (turned_b != opposed);
+        if root_a != root_b {
+            // The lower number stands for both, whatever the order of edges.
+            let (root, child) = (root_a.min(root_b), root_a.max(root_b));
+            self.parents[child] = u32::try_from(root).expect("a face's number");
+            self.opposed[child] = between_roots;
+        } else if between_roots {
+            self.contradictions += 1;
+        }
+        self.mixed[a] |= opposed;
+    }
+
+    /// The face that stands for the set of `face`, and whether `face` turns the other way round.
+    fn find(&mut self, face: usize) -> (usize, bool) {
+        let parent = |shells: &Self, face: usize| shells.parents[face] as usize;
+        let (mut root, mut turned) = (face, false);
+        while parent(self, root) != root {
+            turned ^= self.opposed[root];
+            root = parent(self, root);
+        }
+        // The next search finds it at once.
+        let (mut at, mut rest) = (face, turned);
+        while at != root {
+            let next = parent(self, at);
+            let own = self.opposed[at];
+            self.parents[at] = u32::try_from(root).expect("a face's number");
+            self.opposed[at] = rest;
+            rest ^= own;
+            at = next;
+        }
+        (root, turned)
+    }
+
+    /// Tells the faces that stand for sets what was noted of the others; to be called when all are joined.
+    pub fn settle(&mut self) {
+        for face in 0..self.parents.len() {
+            let (root, _) = self.find(face);
+            self.open[root] |= self.open[face];
+            self.mixed[root] |= self.mixed[face];
+        }
+    }
+
+    /// Edges at which no way round fits, as on a Möbius strip.
+    pub fn contradictions(&self) -> u64 {
+        self.contradictions
+    }
+
+    /// The faces that turn the other way round than most of their surface.
+    pub fn turned(&mut self, place: impl Fn(usize) -> Place) -> Tally {
+        let mut tally = Tally::default();
+        if !self.mixed.contains(&true) {
+            return tally;
+        }
+        let mut sides: BTreeMap<usize, [u64; 2]> = BTreeMap::new();
+        for face in 0..self.parents.len() {
+            let (root, turned) = self.find(face);
+            if self.mixed[root] {
+                sides.entry(root).or_default()[usize::from(turned)] += 1;
+            }
+        }
+        for face in 0..self.parents.len() {
+            let (root, turned) = self.find(face);
+            if let Some(&[along, against]) = sides.get(&root)
+                && turned == (against <= along)
+            {
+                tally.add(|| place(face));
+            }
+        }
+        tally
+    }
+
+    /// The closed surfaces whose faces look inwards, but for those that lie in others: these bound a hollow.
+    pub fn inside_out(
+        &mut self,
+        mesh: &TriangleMesh,
+        left_out: &[bool],
+        place: impl Fn(usize) -> Place,
+    ) -> Tally {
+        let shells = self.closed(mesh, left_out);
+        let is_solid = |shell: &&Shell| {
+            let size = shell.bounds.size();
+            shell.volume.abs() > LEAST_VOLUME * size.x * size.y * size.z
+        };
+        let (mut outer, inner): (Vec<&Shell>, Vec<&Shell>) = shells
+            .values()
+            .filter(is_solid)
+            .partition(|shell| shell.volume > 0.0);
+        outer.sort_by(|a, b| b.volume.total_cmp(&a.volume));
+        outer.truncate(MOST_OUTER_SHELLS);
+        let mut tally = Tally::default();
+        for shell in inner {
+            let is_hollow = |outer: &&Shell| {
+                outer.bounds.contains(shell.bounds.min) && outer.bounds.contains(shell.bounds.max)
+            };
+            if !outer.iter().any(is_hollow) {
+                tally.add(|| place(shell.first_face));
+            }
+        }
+        tally
+    }
+
+    /// The surfaces without open edges whose faces all turn the same way round, by the face that stands for each.
+    fn closed(&mut self, mesh: &TriangleMesh, left_out: &[bool]) -> BTreeMap<usize, Shell> {
+        let mut shells: BTreeMap<usize, Shell> = BTreeMap::new();
+        if mesh.triangles.is_empty() {
+            return shells;
+        }
+        let center = mesh.bounds().center();
+        for (face, _) in left_out.iter().enumerate().filter(|(_, out)| !**out) {
+            let (root, _) = self.find(face);
+            if self.open[root] || self.mixed[root] {
+                continue;
+            }
+            let [a, b, c] = mesh.corners(face).map(|corner| corner - center);
+            let shell = shells.entry(root).or_insert(Shell {
+                first_face: face,
+                volume: 0.0,
+                bounds: DBounds::EMPTY,
+            });
+            shell.volume += a.dot(b.cross(c));
+            for corner in [a, b, c] {
+                shell.bounds = shell.bounds.with_point(corner);
+            }
+        }
+        shells
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::Random;
+
+    /// A chain of faces in which some are turned, joined in random order: the fewer are found.
+    #[test]
+    fn the_fewer_faces_are_the_turned_ones() {
+        let mut random = Random::new(7);
+        for _ in 0..50 {
+            let turned: Vec<bool> = (0..40).map(|_| random.bits().is_multiple_of(5)).collect();
+            let mut joints: Vec<usize> = (0..39).collect();
+            joints.sort_by_cached_key(|_| random.bits());
+            let mut shells = Shells::new(40);
+            for joint in joints {
+                shells.join(joint, joint + 1, turned[joint] != turned[joint + 1]);
+            }
+            shells.settle();
+            let fewer = turned.iter().filter(|&&turned| turned).count();
+            let expected = fewer.min(40 - fewer) as u64;
+            let found = shells.turned(|face| Place {
+                faces: vec![face],
+                ..Place::default()
+            });
+            assert_eq!(found.count, expected);
+            assert_eq!(shells.contradictions(), 0);
+        }
+    }
+
+    #[test]
+    fn a_strip_of_one_side_contradicts_itself_once() {
+        let mut shells = Shells::new(5);
+        for face in 0..5 {
+            shells.join(face, (face + 1) % 5, face == 0);
+        }
+        assert_eq!(shells.contradictions(), 1);
+    }
+}

@@ -1,0 +1,75 @@
+use rayon::prelude::*;
+
+use crate::geometry::TriangleMesh;
+
+/// Which vertices of a mesh are at the same place, exactly.
+pub struct Welded {
+    /// For each vertex the first one at its place.
+    firsts: Vec<u32>,
+}
+
+impl Welded {
+    /// Finds them.
+    ///
+    /// # Panics
+    /// When there are 2³² vertices; indices of triangles reach no further.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let positions = &mesh.positions;
+        let count = u32::try_from(positions.len()).expect("fewer than 2^32 vertices");
+        // A sum with 0 makes 0 of −0, which is at the same place.
+        let place = |vertex: u32| (positions[vertex as usize] + 0.0).to_array();
+        let compare = |&a: &u32, &b: &u32| {
+            let (pa, pb) = (place(a), place(b));
+            let by_axis = |axis: usize| pa[axis].total_cmp(&pb[axis]);
+            by_axis(0)
+                .then_with(|| by_axis(1))
+                .then_with(|| by_axis(2))
+                .then(a.cmp(&b))
+        };
+        let mut sorted: Vec<u32> = (0..count).collect();
+        sorted.par_sort_unstable_by(compare);
+        let mut firsts = vec![0; positions.len()];
+        let mut first = 0;
+        for (index, &vertex) in sorted.iter().enumerate() {
+            if index == 0 || place(vertex) != place(first) {
+                first = vertex;
+            }
+            firsts[vertex as usize] = first;
+        }
+        Self { firsts }
+    }
+
+    /// The three corners of a triangle, each by the first vertex at its place.
+    pub fn corners(&self, triangle: [u32; 3]) -> [u32; 3] {
+        triangle.map(|vertex| self.firsts[vertex as usize])
+    }
+
+    /// Number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.firsts.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    #[test]
+    fn vertices_at_one_place_are_one() {
+        let mesh = TriangleMesh {
+            positions: vec![
+                DVec3::X,
+                DVec3::ZERO,
+                DVec3::X,
+                DVec3::new(-0.0, 0.0, -0.0),
+                DVec3::new(1.0, 0.0, 1e-300),
+            ],
+            ..TriangleMesh::default()
+        };
+        let welded = Welded::new(&mesh);
+        assert_eq!(welded.corners([0, 1, 2]), [0, 1, 0]);
+        assert_eq!(welded.corners([3, 4, 0]), [1, 4, 0]);
+        assert_eq!(welded.vertices(), 5);
+    }
+}

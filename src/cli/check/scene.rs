@@ -1,0 +1,220 @@
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result, anyhow};
+use serde::Serialize;
+
+use crate::analysis::hazards::{self, Hazard, Place, Severity, Subject};
+use crate::control::CancelToken;
+
+/// What is printed.
+#[derive(Debug, Serialize)]
+struct Facts {
+    scene: String,
+    hazards: Vec<Hazard>,
+    /// What was found while the files were read.
+    warnings: Vec<String>,
+    seconds: f64,
+}
+
+/// Examines the scene of a file and prints what is found.
+pub(super) fn run(path: &Path, json: bool) -> Result<()> {
+    let started = Instant::now();
+    let loaded = crate::cli::load(Some(path))?;
+    let hazards = hazards::examine(&loaded.scene, &CancelToken::new())?
+        .ok_or_else(|| anyhow!("examining was cancelled"))?;
+    let facts = Facts {
+        scene: path.display().to_string(),
+        hazards,
+        warnings: loaded.warnings,
+        seconds: started.elapsed().as_secs_f64(),
+    };
+    let text = if json {
+        serde_json::to_string_pretty(&facts).context("the facts cannot be written as JSON")?
+    } else {
+        describe(&facts)
+    };
+    crate::cli::say(&text)
+}
+
+/// The facts as lines for people: each hazard in one line, with where it is and what to do below.
+fn describe(facts: &Facts) -> String {
+    let of = |severity| facts.hazards.iter().filter(move |h| h.severity == severity);
+    let warnings = of(Severity::Warning).count() + facts.warnings.len();
+    let notes = of(Severity::Note).count();
+    let counts = [(warnings, "warning"), (notes, "note")]
+        .into_iter()
+        .filter(|&(count, _)| count > 0)
+        .map(|(count, name)| format!("{count} {name}{}", if count == 1 { "" } else { "s" }));
+    let found = counts.collect::<Vec<_>>().join(", ");
+    let mut lines = vec![format!(
+        "{}: {}, in {:.1} s",
+        facts.scene,
+        if found.is_empty() {
+            "nothing found"
+        } else {
+            &found
+        },
+        facts.seconds
+    )];
+    for warning in &facts.warnings {
+        lines.push(format!("warning: {}", shortened(warning)));
+        lines.push("    Repair the file, unless what is left out is not missed.".to_owned());
+    }
+    for hazard in &facts.hazards {
+        let severity = match hazard.severity {
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        };
+        let subject = describe_subject(&hazard.subject);
+        lines.push(format!("{severity}: {subject}{}", hazard.message));
+        if !hazard.places.is_empty() {
+            let left = hazard.count.saturating_sub(hazard.places.len() as u64);
+            lines.push(format!("    at {}", describe_places(&hazard.places, left)));
+        }
+        lines.push(format!("    {}", hazard.advice));
+    }
+    lines.join("\n")
+}
+
+/// What a hazard is about, with a colon; nothing for the whole picture.
+fn describe_subject(subject: &Subject) -> String {
+    match subject {
+        Subject::Mesh {
+            mesh,
+            objects,
+            copies,
+        } => format!(
+            "{} ({}): ",
+            shortened(mesh),
+            places_of_mesh(objects, *copies)
+        ),
+        Subject::Object {
+            object,
+            mesh,
+            copies,
+        } => {
+            let objects = std::slice::from_ref(object);
+            format!(
+                "{} ({}): ",
+                shortened(mesh),
+                places_of_mesh(objects, *copies)
+            )
+        }
+        Subject::Pair { objects, meshes } => {
+            let [a, b] = [0, 1].map(|i| named(&objects[i], &meshes[i]));
+            format!("{a} and {b}: ")
+        }
+        Subject::Light {
+            light,
+            object,
+            mesh,
+        } => format!("light {light} at {}: ", named(object, mesh)),
+        Subject::Material { material, objects } if objects.is_empty() => {
+            format!("material \"{material}\", which no object has: ")
+        }
+        Subject::Material { material, objects } => {
+            format!("material \"{material}\" ({}): ", objects_of(objects))
+        }
+        Subject::Picture {} => String::new(),
+    }
+}
+
+/// The most objects that are named in a line.
+const MOST_NAMED: usize = 3;
+
+fn objects_of(objects: &[String]) -> String {
+    let names = objects.iter().filter(|name| !name.is_empty());
+    let quoted: Vec<_> = names
+        .take(MOST_NAMED)
+        .map(|name| format!("\"{name}\""))
+        .collect();
+    let left = objects.len() - quoted.len();
+    match (quoted.is_empty(), left) {
+        (true, 1) => "one object".to_owned(),
+        (true, _) => format!("{left} objects"),
+        (false, 0) if quoted.len() == 1 => format!("object {}", quoted[0]),
+        (false, 0) => format!("objects {}", quoted.join(", ")),
+        (false, _) => format!("objects {} and {left} more", quoted.join(", ")),
+    }
+}
+
+fn places_of_mesh(objects: &[String], copies: u64) -> String {
+    let objects_of = objects_of(objects);
+    if copies == objects.len() as u64 {
+        objects_of
+    } else {
+        format!("{objects_of}; in each of {copies} copies")
+    }
+}
+
+/// An object by its name, or by its mesh where it has none.
+fn named(object: &str, mesh: &str) -> String {
+    if object.is_empty() {
+        shortened(mesh).to_owned()
+    } else {
+        format!("object \"{object}\"")
+    }
+}
+
+/// A path without the folder the program runs in.
+fn shortened(path: &str) -> &str {
+    let here = std::env::current_dir().ok();
+    let here = here.as_deref().and_then(Path::to_str).unwrap_or_default();
+    match path.strip_prefix(here) {
+        Some(rest) if !here.is_empty() => rest.strip_prefix(['/', '\\']).unwrap_or(path),
+        _ => path,
+    }
+}
+
+fn describe_places(places: &[Place], left: u64) -> String {
+    let mut places: Vec<_> = places.iter().map(describe_place).collect();
+    if left > 0 {
+        places.push(format!("and {left} more"));
+    }
+    places.join("; ")
+}
+
+fn describe_place(place: &Place) -> String {
+    let faces: Vec<_> = place.faces.iter().map(usize::to_string).collect();
+    let faces = match faces.len() {
+        0 => String::new(),
+        1 => format!("face {} ", faces[0]),
+        _ => format!("faces {} ", faces.join(", ")),
+    };
+    let position = place
+        .position
+        .map(|position| format!("({})", position.map(coordinate).join(", ")));
+    let pixel = place.pixel.map(|[x, y]| format!("pixel ({x}, {y})"));
+    format!("{faces}{}", position.or(pixel).unwrap_or_default())
+}
+
+/// A coordinate with six digits, enough to find the place; no zeros at the end.
+fn coordinate(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_have_six_digits_at_most() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-0.333_333_333, "-0.333333"),
+            (333_333.333, "333333"),
+            (1_234_567.8, "1234570"),
+            (0.000_012_345_67, "1.23457e-5"),
+            (1.5e20, "1.5e20"),
+        ] {
+            assert_eq!(coordinate(value), expected);
+        }
+    }
+}

@@ -1,0 +1,685 @@
+//! `raymini check SCENE` as a user calls it: what it finds in meshes and scenes whose hazards are known by construction.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use raymini::geometry::TriangleMesh;
+use raymini::geometry::shapes::{cuboid, icosphere};
+use raymini::math::DVec3;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// A folder to put a scene in, with a square of side 20 in z = 0 and a cube of side 1 in it.
+struct Folder(TempDir);
+
+const SETTINGS: &str = "
+[camera]
+eye = [3, -6, 3]
+[background]
+radiance = [0.5, 0.5, 0.5]
+[render]
+width = 16
+height = 12
+max_bounces = 64
+";
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(TempDir::new().expect("a folder"));
+        folder.write(
+            "ground.off",
+            "OFF\n4 1 0\n-10 -10 0\n10 -10 0\n10 10 0\n-10 10 0\n4 0 1 2 3\n",
+        );
+        folder.mesh("cube.off", &cube());
+        folder
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.path().join(name), text).expect("is written");
+    }
+
+    /// Writes a mesh, with all digits.
+    fn mesh(&self, name: &str, mesh: &TriangleMesh) {
+        let keyword = if mesh.normals.is_some() {
+            "NOFF"
+        } else {
+            "OFF"
+        };
+        let mut text = format!(
+            "{keyword}\n{} {} 0\n",
+            mesh.positions.len(),
+            mesh.triangles.len()
+        );
+        for (vertex, p) in mesh.positions.iter().enumerate() {
+            write!(text, "{} {} {}", p.x, p.y, p.z).expect("is written");
+            if let Some(normals) = &mesh.normals {
+                let n = normals[vertex];
+                write!(text, " {} {} {}", n.x, n.y, n.z).expect("is written");
+            }
+            text.push('\n');
+        }
+        for [a, b, c] in &mesh.triangles {
+            writeln!(text, "3 {a} {b} {c}").expect("is written");
+        }
+        self.write(name, &text);
+    }
+
+    /// Runs `raymini check` on a scene of [`SETTINGS`] and `text`.
+    fn run(&self, text: &str, arguments: &[&str]) -> Output {
+        self.write("scene.toml", &format!("{SETTINGS}{text}"));
+        Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(self.path())
+            .args(["check", "scene.toml"])
+            .args(arguments)
+            .output()
+            .expect("starts")
+    }
+
+    fn succeed(&self, text: &str, arguments: &[&str]) -> String {
+        let output = self.run(text, arguments);
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{complaint}");
+        assert_eq!(complaint, "");
+        String::from_utf8(output.stdout).expect("is text")
+    }
+
+    fn facts(&self, text: &str) -> Value {
+        serde_json::from_str(&self.succeed(text, &["--json"])).expect("is JSON")
+    }
+
+    /// The hazards of a scene.
+    fn hazards(&self, text: &str) -> Vec<Value> {
+        self.facts(text)["hazards"]
+            .as_array()
+            .expect("a list")
+            .clone()
+    }
+
+    /// The one hazard of a scene, of this kind.
+    fn hazard(&self, text: &str, kind: &str) -> Value {
+        let hazards = self.hazards(text);
+        assert_eq!(hazards.len(), 1, "{hazards:#?}");
+        assert_eq!(hazards[0]["kind"], kind, "{hazards:#?}");
+        hazards[0].clone()
+    }
+}
+
+fn cube() -> TriangleMesh {
+    cuboid(DVec3::new(-0.5, -0.5, 1.0), DVec3::new(0.5, 0.5, 2.0))
+}
+
+/// A scene of one mesh with this material; more lines of the object go between.
+fn object(mesh: &str, lines: &str, material: &str) -> String {
+    format!(
+        "[[objects]]\nname = \"it\"\nmesh = \"{mesh}\"\nmaterial = \"m\"\n{lines}\n[materials.m]\n{material}\n"
+    )
+}
+
+const GLASS: &str = "kind = \"glass\"\nior = 1.5";
+const MATT: &str = "diffuse = [0.5, 0.5, 0.5]";
+
+fn reversed(mesh: &mut TriangleMesh, faces: impl IntoIterator<Item = usize>) {
+    for face in faces {
+        mesh.triangles[face].swap(1, 2);
+    }
+}
+
+fn figure(hazard: &Value) -> f64 {
+    hazard["figure"]["value"].as_f64().expect("a number")
+}
+
+/// A sheet has a rim, a cube is closed, a point light and a sky light them: nothing is wrong.
+#[test]
+fn a_clean_scene_has_no_hazard() {
+    let folder = Folder::new();
+    let text = "[[objects]]\nmesh = \"ground.off\"\n[[objects]]\nmesh = \"cube.off\"\n\
+                [[lights]]\nposition = [2, -2, 4]\n";
+    let facts = folder.facts(text);
+    assert_eq!(facts["hazards"], json!([]));
+    assert_eq!(facts["warnings"], json!([]));
+    assert_eq!(facts["scene"], "scene.toml");
+    assert!(
+        facts["seconds"]
+            .as_f64()
+            .is_some_and(|seconds| seconds > 0.0)
+    );
+    let said = folder.succeed(text, &[]);
+    assert!(said.starts_with("scene.toml: nothing found, in ") && said.lines().count() == 1);
+}
+
+#[test]
+fn duplicates_slivers_and_dropped_faces_are_counted() {
+    let folder = Folder::new();
+    let mut mesh = cube();
+    // Doubles: one in another order, one that turns the other way, one by vertices of its own.
+    let [a, b, c] = mesh.triangles[0];
+    mesh.triangles.push([b, c, a]);
+    let [a, b, c] = mesh.triangles[5];
+    mesh.triangles.push([a, c, b]);
+    let first = u32::try_from(mesh.positions.len()).expect("few");
+    mesh.positions.extend(mesh.corners(7));
+    mesh.triangles.push([first, first + 1, first + 2]);
+    // Slivers, closed as pillows of two sides each. Their height over their length is 4e-5 and 2e-5.
+    for (x, height) in [(4.0, 4e-5), (6.0, 2e-5)] {
+        let first = u32::try_from(mesh.positions.len()).expect("few");
+        mesh.positions.extend([
+            DVec3::new(x, 0.0, 1.0),
+            DVec3::new(x + 1.0, 0.0, 1.0),
+            DVec3::new(x + 0.5, height, 1.0),
+        ]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    // No area: the loader leaves it out.
+    mesh.triangles.push([first, first + 1, first]);
+    folder.mesh("mesh.off", &mesh);
+    let facts = folder.facts(&object("mesh.off", "", MATT));
+    let of_kind = |kind: &str| {
+        let mut found = facts["hazards"].as_array().expect("a list").iter();
+        found
+            .find(|hazard| hazard["kind"] == kind)
+            .expect(kind)
+            .clone()
+    };
+    let doubles = of_kind("duplicate_faces");
+    assert_eq!(
+        (&doubles["count"], &doubles["severity"]),
+        (&json!(3), &json!("note"))
+    );
+    let faces: Vec<_> = doubles["where"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|p| p["faces"][0].as_u64())
+        .collect();
+    for face in [12, 13, 14] {
+        assert!(faces.contains(&Some(face)), "{faces:?}");
+    }
+    let slivers = of_kind("slivers");
+    assert_eq!(slivers["count"], 2);
+    assert!((figure(&slivers) - 2e-5).abs() < 1e-12);
+    assert_eq!(slivers["where"][1]["faces"], json!([16]));
+    // Three edges each.
+    assert_eq!(of_kind("open_edges")["count"], 6);
+    let warnings = facts["warnings"].as_array().expect("a list");
+    assert!(
+        warnings[0]
+            .as_str()
+            .is_some_and(|w| w.contains("1 face without area was dropped"))
+    );
+}
+
+#[test]
+fn open_edges_matter_for_glass_and_copies_are_counted_once() {
+    let folder = Folder::new();
+    let mut mesh = cube();
+    mesh.triangles.remove(3);
+    folder.mesh("open.off", &mesh);
+    let matt = folder.hazard(&object("open.off", "", MATT), "open_edges");
+    assert_eq!(
+        (&matt["count"], &matt["severity"]),
+        (&json!(3), &json!("note"))
+    );
+    let copies = "copies = { count = [3, 2, 1], step = [3.0, 3.0, 0.0] }\ntranslate = [100, 0, 0]";
+    let glass = folder.hazard(&object("open.off", copies, GLASS), "open_edges");
+    assert_eq!(
+        (&glass["count"], &glass["severity"]),
+        (&json!(3), &json!("warning"))
+    );
+    assert_eq!(
+        (&glass["copies"], &glass["objects"]),
+        (&json!(6), &json!(["it"]))
+    );
+    for place in glass["where"].as_array().expect("a list") {
+        let x = place["position"][0].as_f64().expect("a number");
+        assert!((99.5..=100.5).contains(&x), "{x}");
+    }
+    // A sheet of glass is open as well.
+    let sheet = folder.hazard(&object("ground.off", "", GLASS), "open_edges");
+    assert_eq!(sheet["count"], 4);
+}
+
+#[test]
+fn crowded_edges_are_those_with_more_than_two_faces() {
+    let folder = Folder::new();
+    let mut mesh = cube();
+    let other = cuboid(DVec3::new(0.5, 0.5, 1.0), DVec3::new(1.5, 1.5, 2.0));
+    let first = u32::try_from(mesh.positions.len()).expect("few");
+    mesh.positions.extend(other.positions);
+    mesh.triangles
+        .extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    folder.mesh("touching.off", &mesh);
+    let hazard = folder.hazard(&object("touching.off", "", MATT), "crowded_edges");
+    assert_eq!(
+        (&hazard["count"], &hazard["severity"]),
+        (&json!(1), &json!("note"))
+    );
+    assert_eq!(
+        hazard["where"][0]["faces"].as_array().map(Vec::len),
+        Some(4)
+    );
+    assert_eq!(hazard["where"][0]["position"], json!([0.5, 0.5, 1.5]));
+}
+
+#[test]
+fn flipped_faces_are_found_one_by_one() {
+    let folder = Folder::new();
+    let mut mesh = icosphere(2);
+    reversed(&mut mesh, [3, 100, 222]);
+    folder.mesh("flipped.off", &mesh);
+    let flat = folder.hazard(&object("flipped.off", "", MATT), "flipped_windings");
+    assert_eq!(
+        (&flat["count"], &flat["severity"]),
+        (&json!(3), &json!("note"))
+    );
+    let faces: Vec<_> = flat["where"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|p| p["faces"][0].clone())
+        .collect();
+    assert_eq!(faces, [3, 100, 222]);
+    assert!(
+        flat["message"]
+            .as_str()
+            .is_some_and(|m| m.contains("across 9 edges"))
+    );
+    let smooth = folder.hazard(
+        &object("flipped.off", "smooth = true", MATT),
+        "flipped_windings",
+    );
+    assert_eq!(smooth["severity"], "warning");
+}
+
+#[test]
+fn closed_surfaces_that_look_inwards_are_inside_out_unless_they_are_hollows() {
+    let folder = Folder::new();
+    let mut mesh = icosphere(2);
+    let count = mesh.triangles.len();
+    reversed(&mut mesh, 0..count);
+    folder.mesh("inwards.off", &mesh);
+    let hazard = folder.hazard(&object("inwards.off", "", GLASS), "inside_out");
+    assert_eq!(
+        (&hazard["count"], &hazard["severity"]),
+        (&json!(1), &json!("warning"))
+    );
+    // A placement that mirrors turns faces too, and the renderer turns them back.
+    assert_eq!(
+        folder.hazards(&object("cube.off", "scale = -1.0", GLASS)),
+        Vec::<Value>::new()
+    );
+    // A hollow ball.
+    let first = u32::try_from(mesh.positions.len()).expect("few");
+    let outer = icosphere(2);
+    mesh.positions
+        .extend(outer.positions.iter().map(|&p| p * 1.5));
+    mesh.triangles
+        .extend(outer.triangles.iter().map(|t| t.map(|v| v + first)));
+    folder.mesh("hollow.off", &mesh);
+    assert_eq!(
+        folder.hazards(&object("hollow.off", "", GLASS)),
+        Vec::<Value>::new()
+    );
+}
+
+/// The first twelve vertices of the ball are those of an icosahedron, where five faces meet.
+#[test]
+fn normals_that_oppose_their_faces_are_counted_by_corners() {
+    let folder = Folder::new();
+    let mut mesh = icosphere(2);
+    let mut normals = mesh.positions.clone();
+    mesh.normals = Some(normals.clone());
+    folder.mesh("right.off", &mesh);
+    let smooth = |mesh: &str| object(mesh, "smooth = true", MATT);
+    assert_eq!(folder.hazards(&smooth("right.off")), Vec::<Value>::new());
+    normals[4] = -normals[4] * 100.0;
+    normals[9] = DVec3::ZERO;
+    mesh.normals = Some(normals);
+    folder.mesh("wrong.off", &mesh);
+    let hazards = folder.hazards(&smooth("wrong.off"));
+    let found: Vec<_> = hazards
+        .iter()
+        .map(|h| (&h["kind"], &h["count"], &h["severity"]))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            (&json!("opposed_normals"), &json!(5), &json!("warning")),
+            (&json!("zero_normals"), &json!(5), &json!("note"))
+        ]
+    );
+}
+
+/// The figure against rounding done here: the ground's half side of 10ˢ fixes the power of two by which all is divided.
+#[test]
+fn a_small_ball_far_out_in_a_large_scene_is_crushed() {
+    let folder = Folder::new();
+    let ball = icosphere(3);
+    folder.mesh("ball.off", &ball);
+    let edge = {
+        let edges = ball
+            .triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+        let mut lengths: Vec<f64> = edges
+            .map(|(a, b)| (ball.positions[a as usize] - ball.positions[b as usize]).length())
+            .collect();
+        lengths.sort_by(f64::total_cmp);
+        lengths[lengths.len() / 2]
+    };
+    for (half_side, power) in [(1e3, 10), (1e4, 14), (1e6, 20), (1e7, 24)] {
+        let place = DVec3::new(half_side / 3.0, half_side / 4.0, 0.0);
+        let text = format!(
+            "[[objects]]\nname = \"ground\"\nmesh = \"ground.off\"\nscale = {}\ntranslate = [0, 0, -1.1]\n\
+             [[objects]]\nname = \"ball\"\nmesh = \"ball.off\"\ntranslate = [{}, {}, 0]\n",
+            half_side / 10.0,
+            place.x,
+            place.y
+        );
+        let hazards = folder.hazards(&text);
+        let found = hazards.iter().find(|h| h["kind"] == "coarse_resolution");
+        if half_side < 1e5 {
+            assert!(found.is_none(), "{found:?}");
+            continue;
+        }
+        let found = found.expect("is crushed");
+        assert_eq!(
+            (&found["object"], &found["severity"]),
+            (&json!("ball"), &json!("warning"))
+        );
+        let unit = 2_f64.powi(power);
+        let moved = ball.positions.iter().map(|&p| {
+            let exact = (p + place) / unit;
+            (exact.as_vec3().as_dvec3() - exact).length() * unit
+        });
+        let expected = moved.fold(0.0, f64::max) / edge;
+        // The ball's height reaches beyond the ground's plane and moves the middle by a bit.
+        assert!(
+            (figure(found) / expected - 1.0).abs() < 0.3,
+            "{} {expected}",
+            figure(found)
+        );
+    }
+}
+
+/// Copies share triangles in a frame of their own, where nothing is lost; points on them are still rounded in the scene.
+#[test]
+fn copies_keep_their_shape_in_a_large_scene() {
+    let folder = Folder::new();
+    folder.mesh("ball.off", &icosphere(3));
+    let text = "[[objects]]\nmesh = \"ground.off\"\nscale = 1e5\ntranslate = [0, 0, -1.1]\n\
+                [[objects]]\nname = \"balls\"\nmesh = \"ball.off\"\ntranslate = [333333.3, 250000.2, 0]\n\
+                copies = { count = [5, 1, 1], step = [3.0, 0.0, 0.0] }\n";
+    let hazard = folder.hazard(text, "coarse_resolution");
+    assert_eq!(
+        (&hazard["object"], &hazard["severity"]),
+        (&json!("balls"), &json!("note"))
+    );
+    // Half of 2⁻²⁵ · 2²⁰ over the edge.
+    assert!(
+        (figure(&hazard) / (0.5 / 32.0 / 0.154) - 1.0).abs() < 0.2,
+        "{}",
+        figure(&hazard)
+    );
+}
+
+#[test]
+fn digits_lost_before_the_file_was_written_are_told_from_those_that_are_there() {
+    let folder = Folder::new();
+    let far = DVec3::new(2e5, 0.0, 0.0);
+    let mut mesh = icosphere(3);
+    for p in &mut mesh.positions {
+        *p = (*p + far).as_vec3().as_dvec3();
+    }
+    folder.mesh("narrow.off", &mesh);
+    let hazards = folder.hazards(&object("narrow.off", "", MATT));
+    let lost = hazards
+        .iter()
+        .find(|h| h["kind"] == "lost_digits")
+        .expect("is told");
+    // From 131072 to 262144, numbers are 1/64 apart.
+    let edge = 0.154;
+    assert!(
+        (figure(lost) / (1.0 / 64.0 / edge) - 1.0).abs() < 0.2,
+        "{}",
+        figure(lost)
+    );
+    let mut mesh = icosphere(3);
+    for p in &mut mesh.positions {
+        *p += far;
+    }
+    folder.mesh("wide.off", &mesh);
+    assert_eq!(
+        folder.hazards(&object("wide.off", "", MATT)),
+        Vec::<Value>::new()
+    );
+    // Whole numbers have all their digits.
+    let mut mesh = cube();
+    for p in &mut mesh.positions {
+        *p = *p * 2.0 + far * 10.0;
+    }
+    folder.mesh("whole.off", &mesh);
+    assert_eq!(
+        folder.hazards(&object("whole.off", "", MATT)),
+        Vec::<Value>::new()
+    );
+}
+
+#[test]
+fn materials_that_make_light_are_told_where_light_bounces() {
+    let folder = Folder::new();
+    let material = "diffuse = [0.8, 0.2, 0.2]\nspecular = [0.4, 0.1, 0.1]";
+    let text = object("cube.off", "", material);
+    assert_eq!(folder.hazards(&text), Vec::<Value>::new());
+    folder.write("path.toml", &format!("{SETTINGS}mode = \"path\"\n{text}"));
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args(["check", "path.toml", "--json"])
+        .output()
+        .expect("starts");
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("is JSON");
+    let hazard = &facts["hazards"][0];
+    assert_eq!(
+        (&hazard["kind"], &hazard["material"]),
+        (&json!("energy_creating"), &json!("m"))
+    );
+    assert!((figure(hazard) - 1.2).abs() < 1e-12);
+}
+
+#[test]
+fn lights_that_cut_touch_or_nearly_touch_a_surface_are_told() {
+    let folder = Folder::new();
+    let ground = "[[objects]]\nname = \"ground\"\nmesh = \"ground.off\"\n";
+    let lit = |light: &str| format!("{ground}[[lights]]\n{light}\n");
+    let disk = |z: f64, normal: &str| {
+        lit(&format!(
+            "kind = \"disk\"\nradius = 0.5\ncenter = [1, 2, {z}]\nnormal = {normal}"
+        ))
+    };
+    // Both triangles meet in the diagonal x = y; the disk's trace in z = 0 reaches from x = 0.5 to 1.5 at y = 2.
+    let cut = folder.hazard(&disk(0.0, "[0, 1, 0]"), "light_cut");
+    assert_eq!(
+        (&cut["count"], &cut["light"], &cut["object"]),
+        (&json!(1), &json!(0), &json!("ground"))
+    );
+    let near = folder.hazard(&disk(0.0001, "[0, 0, -1]"), "light_touching");
+    assert_eq!(
+        (&near["count"], &near["severity"]),
+        (&json!(1), &json!("warning"))
+    );
+    assert!((figure(&near) - 0.0002).abs() < 1e-9);
+    let in_plane = folder.hazard(&disk(0.0, "[0, 0, 1]"), "light_touching");
+    assert_eq!(
+        (&in_plane["severity"], figure(&in_plane)),
+        (&json!("note"), 0.0)
+    );
+    // Its back is black.
+    assert_eq!(
+        folder.hazards(&disk(0.0001, "[0, 0, 1]")),
+        Vec::<Value>::new()
+    );
+    assert_eq!(
+        folder.hazards(&disk(0.01, "[0, 0, -1]")),
+        Vec::<Value>::new()
+    );
+    let point = folder.hazard(&lit("position = [1, 2, 1e-5]"), "light_touching");
+    assert!((figure(&point) - 1e-5).abs() < 1e-12);
+    assert_eq!(
+        folder.hazards(&lit("position = [1, 2, 0.01]")),
+        Vec::<Value>::new()
+    );
+}
+
+#[test]
+fn faces_of_two_objects_in_one_place_are_coincident() {
+    let folder = Folder::new();
+    // The same cube, moved in its file and moved back.
+    let mut moved = cube();
+    for p in &mut moved.positions {
+        *p += DVec3::new(0.1, -0.7, 0.3);
+    }
+    folder.mesh("moved.off", &moved);
+    let two = |material: &str| {
+        format!(
+            "[[objects]]\nname = \"a\"\nmesh = \"cube.off\"\n\
+             [[objects]]\nname = \"b\"\nmesh = \"moved.off\"\ntranslate = [-0.1, 0.7, -0.3]\nmaterial = \"m\"\n\
+             [materials.m]\n{material}\n"
+        )
+    };
+    let hazard = folder.hazard(&two(MATT), "coincident_faces");
+    assert_eq!(
+        (&hazard["count"], &hazard["severity"]),
+        (&json!(12), &json!("warning"))
+    );
+    assert_eq!(hazard["objects"], json!(["a", "b"]));
+    // Copies that do not move: the second, third and fourth coincide with the first.
+    let copies = "copies = { count = [2, 2, 1], step = [0.0, 0.0, 0.0] }";
+    let hazard = folder.hazard(&object("cube.off", copies, MATT), "coincident_faces");
+    assert_eq!(
+        (&hazard["count"], &hazard["severity"]),
+        (&json!(36), &json!("note"))
+    );
+}
+
+/// The lower half of the picture is a mirror that halves a sky of radiance 1; without it, a third of the light is missing:
+/// (½ · ½) / (½ + ½ · ½).
+#[test]
+fn what_max_bounces_takes_away_is_measured() {
+    let folder = Folder::new();
+    let text = |mode: &str, max_bounces: u32| {
+        format!(
+            "[camera]\neye = [0, 0, 1]\ntarget = [0, 100, 1]\n[background]\nradiance = [1, 1, 1]\n\
+             [materials.m]\nkind = \"mirror\"\nreflectance = [0.5, 0.5, 0.5]\n\
+             [[objects]]\nmesh = \"ground.off\"\nscale = 1000.0\nmaterial = \"m\"\n\
+             [render]\nwidth = 16\nheight = 12\nmode = \"{mode}\"\nmax_bounces = {max_bounces}\n"
+        )
+    };
+    let check = |text: &str| {
+        folder.write("mirror.toml", text);
+        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .args(["check", "mirror.toml", "--json"])
+            .output()
+            .expect("starts");
+        let facts: Value = serde_json::from_slice(&output.stdout).expect("is JSON");
+        facts["hazards"].as_array().expect("a list").clone()
+    };
+    for mode in ["direct", "path"] {
+        let hazards = check(&text(mode, 0));
+        assert_eq!(hazards.len(), 1, "{hazards:#?}");
+        assert_eq!(hazards[0]["kind"], "depth_loss");
+        assert!((figure(&hazards[0]) - 1.0 / 3.0).abs() < 1e-6);
+        assert_eq!(check(&text(mode, 1)), Vec::<Value>::new());
+    }
+}
+
+/// A floor lit by a small square right above what is seen, which scattering finds with the probability A / (π h²).
+#[test]
+fn fireflies_are_as_many_as_chance_gives() {
+    let folder = Folder::new();
+    let side = 0.04;
+    folder.write(
+        "lamp.off",
+        &format!("OFF\n4 1 0\n0 0 1\n0 {side} 1\n{side} {side} 1\n{side} 0 1\n4 0 1 2 3\n"),
+    );
+    let text = |sampling: &str| {
+        format!(
+            "[camera]\neye = [0, -0.5, 0.5]\ntarget = [0, 0, 0]\nvertical_fov = 2\n\
+             [materials.lamp]\nkind = \"emitter\"\nradiance = [1000, 1000, 1000]\n\
+             [[objects]]\nmesh = \"ground.off\"\n[[objects]]\nmesh = \"lamp.off\"\nmaterial = \"lamp\"\n\
+             [render]\nwidth = 160\nheight = 120\nsamples_per_pixel = 64\nmode = \"path\"\nmax_bounces = 1\n\
+             light_sampling = \"{sampling}\"\n"
+        )
+    };
+    let check = |sampling: &str| {
+        folder.write("lamp.toml", &text(sampling));
+        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .args(["check", "lamp.toml", "--json"])
+            .output()
+            .expect("starts");
+        let facts: Value = serde_json::from_slice(&output.stdout).expect("is JSON");
+        facts["hazards"].as_array().expect("a list").clone()
+    };
+    assert_eq!(check("mis"), Vec::<Value>::new());
+    let hazards = check("bsdf");
+    assert_eq!(hazards.len(), 1, "{hazards:#?}");
+    assert_eq!(hazards[0]["kind"], "fireflies");
+    let count = hazards[0]["count"].as_f64().expect("a number");
+    let samples = f64::from(64 * 128 * 96);
+    let expected = samples * side * side / std::f64::consts::PI;
+    // Poisson; the seed is fixed. 4 σ, and two that meet in one pixel do not count.
+    assert!(
+        (count - expected).abs() < 4.0 * expected.sqrt() + 0.04 * expected,
+        "{count} {expected}"
+    );
+    let share = 1.0 - (1.0 - count / samples).powi(64);
+    assert!((figure(&hazards[0]) / share - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn lines_say_what_is_found_where_and_what_to_do() {
+    let folder = Folder::new();
+    let mut mesh = cube();
+    mesh.triangles.remove(3);
+    folder.mesh("open.off", &mesh);
+    let said = folder.succeed(&object("open.off", "", GLASS), &[]);
+    let lines: Vec<_> = said.lines().collect();
+    assert!(lines[0].starts_with("scene.toml: 1 warning, in "), "{said}");
+    assert_eq!(
+        lines[1],
+        "warning: open.off (object \"it\"): 3 edges belong to one face only: the surface is open there"
+    );
+    assert!(
+        lines[2].starts_with("    at face ") && !lines[2].contains("more"),
+        "{said}"
+    );
+    assert!(lines[3].starts_with("    Close the mesh: "), "{said}");
+    assert_eq!(lines.len(), 4, "{said}");
+}
+
+#[test]
+fn scenes_that_cannot_be_examined_are_errors() {
+    let folder = Folder::new();
+    let complaint = |text: &str| {
+        let output = folder.run(text, &[]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(output.stdout.is_empty());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert!(complaint("[[objects]]\nmesh = \"none.off\"\n").contains("there is no such file"));
+    let said = complaint("[[objects]]\nmesh = \"cube.off\"\nmaterial = \"jade\"\n");
+    assert!(said.contains("material \"jade\" is not defined"), "{said}");
+    let said = complaint("[[objects]]\nmesh = \"cube.off\"\nscale = 1e120\n");
+    assert!(said.contains("expected between"), "{said}");
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args(["check", "nowhere.toml"])
+        .output()
+        .expect("starts");
+    assert_eq!(output.status.code(), Some(1));
+}
