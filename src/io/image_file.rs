@@ -166,8 +166,7 @@ fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
     if layers.is_empty() {
         // Read where it is: channels apart would take as much memory again.
         let pixel = |at: ExrVec2<usize>| image.pixels[at.y() * size.0 + at.x()].into();
-        let file = exr_image(size, SpecificChannels::rgb(pixel));
-        return exr_file(&file, image.pixels.len());
+        return exr_file(&exr_image(size, SpecificChannels::rgb(pixel)));
     }
     let named = layers
         .iter()
@@ -185,8 +184,7 @@ fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
                 })
         })
         .collect();
-    let file = exr_image(size, AnyChannels::sort(channels));
-    exr_file(&file, image.pixels.len())
+    exr_file(&exr_image(size, AnyChannels::sort(channels)))
 }
 
 fn exr_image<C>(size: (usize, usize), channels: C) -> ExrImage<ExrLayer<C>> {
@@ -201,22 +199,13 @@ fn exr_image<C>(size: (usize, usize), channels: C) -> ExrImage<ExrLayer<C>> {
     }
 }
 
-/// Pixels of the largest picture that several threads compress.
-const MOST_COMPRESSED_TOGETHER: usize = 1 << 24;
-
-/// The bytes of the file of so many pixels.
-fn exr_file<'a, L: WritableLayers<'a>>(
-    image: &'a ExrImage<L>,
-    pixels: usize,
-) -> io::Result<Vec<u8>> {
+/// The bytes of the file.
+fn exr_file<'a, L: WritableLayers<'a>>(image: &'a ExrImage<L>) -> io::Result<Vec<u8>> {
     let mut file = Cursor::new(Vec::new());
-    // Threads that compress are handed all of the picture at once, which a large one has no memory for.
-    let written = if pixels > MOST_COMPRESSED_TOGETHER {
-        image.write().non_parallel().to_buffered(&mut file)
-    } else {
-        image.write().to_buffered(&mut file)
-    };
-    written.map_err(|error| io::Error::other(error.to_string()))?;
+    image
+        .write()
+        .to_buffered(&mut file)
+        .map_err(|error| io::Error::other(error.to_string()))?;
     Ok(file.into_inner())
 }
 
