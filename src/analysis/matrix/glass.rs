@@ -179,20 +179,24 @@ fn every_index(effort: Effort) -> f64 {
             };
             scene.render.mode = Mode::Path;
             scene.render.samples_per_pixel = effort.pick(1 << 12, 1 << 16);
-            let expected = reflectance(cos, index);
             let found = f64::from(picture(&scene).pixel(0, 0)[0]);
-            let samples = f64::from(scene.render.samples_per_pixel);
-            let error = (expected * (1.0 - expected) / samples).sqrt();
-            distances.push(if error > 0.0 {
-                (found - expected).abs() / error
-            } else if found == 1.0 {
-                0.0
-            } else {
-                f64::INFINITY
-            });
+            let expected = reflectance(cos, index);
+            distances.push(standard_errors(
+                found,
+                expected,
+                scene.render.samples_per_pixel,
+            ));
         }
     }
     largest(distances)
+}
+
+/// How far the mean of so many samples of 0 and 1 is from what it should be.
+fn standard_errors(found: f64, expected: f64, samples: u32) -> f64 {
+    if found == expected {
+        return 0.0;
+    }
+    (found - expected).abs() / (expected * (1.0 - expected) / f64::from(samples)).sqrt()
 }
 
 fn critical_angle(_: Effort) -> f64 {
@@ -229,4 +233,18 @@ fn white_furnace(effort: Effort) -> f64 {
             .flatten()
             .map(|&c| (f64::from(c) - 1.0).abs()),
     )
+}
+
+#[cfg(test)]
+mod controls {
+    use super::*;
+
+    /// Source: Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994.
+    #[test]
+    fn an_approximation_of_fresnel_is_noticed() {
+        let cosine = 0.5;
+        let schlick = 0.04 + 0.96 * libm::pow(1.0 - cosine, 5.0);
+        let distance = standard_errors(schlick, reflectance(cosine, 1.5), 1 << 12);
+        assert!(distance > 4.0, "{distance}");
+    }
 }

@@ -203,11 +203,11 @@ pub fn stadium() -> TriangleMesh {
 }
 
 fn kd_tree(mesh: &TriangleMesh) -> KdTree {
-    let tree = KdTree::build(
-        &narrowed(mesh),
-        &KdParameters::default(),
-        &CancelToken::new(),
-    );
+    kd_tree_by(mesh, &KdParameters::default())
+}
+
+fn kd_tree_by(mesh: &TriangleMesh, parameters: &KdParameters) -> KdTree {
+    let tree = KdTree::build(&narrowed(mesh), parameters, &CancelToken::new());
     tree.expect("nobody cancels")
 }
 
@@ -274,4 +274,20 @@ fn empty_scene(_: Effort) -> f64 {
         }
     }
     count
+}
+
+#[cfg(test)]
+mod controls {
+    use super::*;
+
+    #[test]
+    fn a_tree_without_a_budget_is_noticed() {
+        let parameters = KdParameters {
+            reference_budget: f64::INFINITY,
+            ..KdParameters::default()
+        };
+        let tree = kd_tree_by(&shapes::flat_overlap(1000, 8), &parameters);
+        let references = tree.statistics().references as f64 / 1000.0;
+        assert!(references > 8.0, "{references} per triangle");
+    }
 }

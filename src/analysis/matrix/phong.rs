@@ -101,3 +101,25 @@ fn half_width(_: Effort) -> f64 {
         relative(value(&scene) / peak, 0.5 * libm::cos(angle))
     }))
 }
+
+#[cfg(test)]
+mod controls {
+    use super::*;
+    use crate::geometry::shapes::Random;
+
+    /// The power of a cosine in single precision, as it is written first.
+    #[test]
+    fn a_power_of_a_rounded_cosine_is_noticed() {
+        let mut random = Random::new(9);
+        let errors = (0..1000).map(|_| {
+            let mirrored = random.in_cube().normalize();
+            let across = mirrored.cross(random.in_cube()).normalize();
+            let angle = libm::acos(libm::pow(0.5, 1e-7));
+            let (sin, cos) = libm::sincos(angle);
+            let light = mirrored * cos + across * sin;
+            let cosine = mirrored.as_vec3().dot(light.as_vec3());
+            relative(f64::from(cosine.powf(1e7)), 0.5)
+        });
+        assert!(largest(errors) > 1e-2);
+    }
+}

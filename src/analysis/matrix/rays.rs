@@ -12,6 +12,7 @@ use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{Triangle, TriangleMesh};
 use crate::math::{Bounds, DVec3, Ray, Vec3, power_of_two};
+use crate::render::SurfacePoint;
 use crate::scene::Mode;
 
 pub const CASES: &[Case] = &[
@@ -230,11 +231,51 @@ fn count_over(count: u64, of_lot: impl Fn(&mut Random, u64) -> u64 + Sync) -> f6
     sum as f64
 }
 
+/// A closed body with a rough surface, placed by `change`, and rays at its weakest points.
+struct RoughBody {
+    triangles: Vec<Triangle>,
+    middle: DVec3,
+    /// Of its largest radius.
+    size: f64,
+}
+
+impl RoughBody {
+    fn new(change: impl Fn(Vec3) -> Vec3) -> Self {
+        let mut random = Random::new(5);
+        let rough = mapped(shapes::icosphere(3), |p| p * (0.5 + 0.5 * random.unit()));
+        let placed = |t: &Triangle| Triangle {
+            corners: t.corners.map(&change),
+        };
+        Self {
+            triangles: narrowed(&rough).iter().map(placed).collect(),
+            middle: change(Vec3::ZERO).as_dvec3(),
+            size: f64::from((change(Vec3::X) - change(Vec3::ZERO)).length()),
+        }
+    }
+
+    /// From near the middle to a corner or an edge.
+    fn ray(&self, random: &mut Random) -> Ray {
+        let origin = (self.middle + random.in_cube() * 0.1 * self.size).as_vec3();
+        let corners = self.triangles[below(random, self.triangles.len())].corners;
+        let [a, b, _] = corners.map(Vec3::as_dvec3);
+        let share = if random.bits() % 2 == 0 {
+            0.0
+        } else {
+            random.unit()
+        };
+        Ray::new(origin, (a + (b - a) * share).as_vec3() - origin)
+    }
+
+    /// How many of `rays` get out without meeting anything.
+    fn escapes(&self, rays: u64, meets: impl Fn(&Ray) -> bool + Sync) -> f64 {
+        count_over(rays, |random, count| {
+            let escapes = (0..count).filter(|_| !meets(&self.ray(random)));
+            escapes.count() as u64
+        })
+    }
+}
+
 fn escapes(effort: Effort) -> f64 {
-    let rays_each = effort.pick(100_000, 100_000_000) / 10;
-    let mut random = Random::new(5);
-    let rough = mapped(shapes::icosphere(3), |p| p * (0.5 + 0.5 * random.unit()));
-    let rough = narrowed(&rough);
     let changes: [fn(Vec3) -> Vec3; 5] = [
         |p| p,
         |p| p + 1000.0,
@@ -244,31 +285,10 @@ fn escapes(effort: Effort) -> f64 {
     ];
     let mut count = 0.0;
     for change in changes {
-        let triangles: Vec<_> = rough
-            .iter()
-            .map(|t| Triangle {
-                corners: t.corners.map(change),
-            })
-            .collect();
-        let middle = change(Vec3::ZERO).as_dvec3();
-        let size = (change(Vec3::X) - change(Vec3::ZERO)).length();
-        for tree in &trees(&triangles) {
-            count += count_over(rays_each, |random, count| {
-                let escapes = |random: &mut Random| {
-                    let origin = middle + random.in_cube() * 0.1 * f64::from(size);
-                    let origin = origin.as_vec3();
-                    let corners = triangles[below(random, triangles.len())].corners;
-                    let [a, b, _] = corners.map(Vec3::as_dvec3);
-                    let share = if random.bits() % 2 == 0 {
-                        0.0
-                    } else {
-                        random.unit()
-                    };
-                    let ray = Ray::new(origin, (a + (b - a) * share).as_vec3() - origin);
-                    tree.intersect(&ray, f32::INFINITY).is_none()
-                        || !tree.occluded(&ray, f32::INFINITY)
-                };
-                (0..count).map(|_| u64::from(escapes(random))).sum()
+        let body = RoughBody::new(change);
+        for tree in &trees(&body.triangles) {
+            count += body.escapes(effort.pick(100_000, 100_000_000) / 10, |ray| {
+                tree.intersect(ray, f32::INFINITY).is_some() && tree.occluded(ray, f32::INFINITY)
             });
         }
     }
@@ -276,6 +296,16 @@ fn escapes(effort: Effort) -> f64 {
 }
 
 fn self_hits(effort: Effort) -> f64 {
+    self_hits_of_rays(effort, |point, onward| {
+        [point.ray_above(onward), point.ray_through(-onward)]
+    })
+}
+
+/// How many of the rays that `leave` makes, given the point and a direction above it, meet the triangle they leave.
+fn self_hits_of_rays(
+    effort: Effort,
+    leave: impl Fn(&SurfacePoint, Vec3) -> [Ray; 2] + Sync,
+) -> f64 {
     let mut count = 0.0;
     for distance in [0.0, 100.0, 1e4] {
         // Many triangles of size 1 around two places.
@@ -315,11 +345,10 @@ fn self_hits(effort: Effort) -> f64 {
                 if onward.dot(point.geometric_normal()) < 0.0 {
                     onward = -onward;
                 }
-                let above = accelerator.intersect(&point.ray_above(onward), f32::INFINITY);
-                let through = accelerator.intersect(&point.ray_through(-onward), f32::INFINITY);
-                let is_own =
-                    |hit: Option<Hit>| hit.is_some_and(|hit| hit.triangle == point.triangle);
-                hits += u64::from(is_own(above)) + u64::from(is_own(through));
+                for ray in leave(&point, onward) {
+                    let met = accelerator.intersect(&ray, f32::INFINITY);
+                    hits += u64::from(met.is_some_and(|hit| hit.triangle == point.triangle));
+                }
             }
             hits
         });
@@ -502,4 +531,43 @@ fn eye_in_geometry(_: Effort) -> f64 {
         }
     }
     count
+}
+
+/// That the figures notice what they are there for: the same protocols with a weaker renderer.
+#[cfg(test)]
+mod controls {
+    use super::*;
+
+    /// The test that most renderers begin with, in single precision.
+    fn meets_by_moller_trumbore(ray: &Ray, triangle: &Triangle) -> bool {
+        let [a, b, c] = triangle.corners;
+        let (ab, ac) = (b - a, c - a);
+        let p = ray.direction.cross(ac);
+        let s = ray.origin - a;
+        let q = s.cross(ab);
+        let inverse = 1.0 / ab.dot(p);
+        let (u, v) = (s.dot(p) * inverse, ray.direction.dot(q) * inverse);
+        u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(q) * inverse > 0.0
+    }
+
+    #[test]
+    fn a_leaking_test_of_triangles_is_noticed() {
+        let body = RoughBody::new(|p| p);
+        let meets = |ray: &Ray| {
+            let mut triangles = body.triangles.iter();
+            triangles.any(|triangle| meets_by_moller_trumbore(ray, triangle))
+        };
+        let escaped = body.escapes(4096, meets);
+        assert!(escaped > 100.0, "only {escaped} of 4096");
+    }
+
+    #[test]
+    fn rays_that_start_a_fixed_distance_away_are_noticed() {
+        let hits = self_hits_of_rays(Effort::Quick, |point, onward| {
+            let normal = point.geometric_normal();
+            let start = |side: f32| point.position + normal * (1e-7 * side);
+            [Ray::new(start(1.0), onward), Ray::new(start(-1.0), -onward)]
+        });
+        assert!(hits > 100.0, "only {hits}");
+    }
 }
