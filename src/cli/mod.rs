@@ -3,6 +3,7 @@
 //! Errors carry exit code 1; wrong usage 2, by clap; signals 128 and their number.
 
 mod bench;
+mod checkpoint;
 mod compare;
 mod info;
 mod render;

@@ -9,11 +9,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Serialize, Serializer};
 
 use super::Signals;
+use super::checkpoint::{CheckpointArguments, CheckpointFile};
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
-    Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory, PreparedScene, RayCounts,
-    Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+    Checkpoint, CheckpointKeeper, Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory,
+    PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, Watch,
+    render_watched, resume,
 };
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -67,6 +69,9 @@ pub struct RenderArguments {
     /// Write times, counts and the picture's hash to this file as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
+
+    #[command(flatten)]
+    checkpoint: CheckpointArguments,
 }
 
 impl RenderArguments {
@@ -213,6 +218,11 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
     if let Some(path) = &arguments.stats {
         io::check_writable(path).with_context(|| cannot_write_stats(path))?;
     }
+    let others: Vec<&Path> = std::iter::once(&arguments.output)
+        .chain(&arguments.stats)
+        .map(PathBuf::as_path)
+        .collect();
+    arguments.checkpoint.check(&others)?;
 
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
@@ -249,6 +259,7 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
         region: None,
         assignments: Vec::new(),
         stats: None,
+        checkpoint: CheckpointArguments::default(),
     };
     render_scene(scene, &arguments, 0.0, signals)
 }
@@ -290,14 +301,31 @@ fn render_scene(
         layers: scene.output.layers && io::holds_layers(&arguments.output),
         ..RunConfig::default()
     };
-    PictureMemory::of_render(&prepared, arguments.region, &run).require()?;
-    let outcome = render_watched(&prepared, arguments.region, &run)
+    let region = (arguments.region).unwrap_or(Region::full(settings.width, settings.height));
+    let kept = &arguments.checkpoint;
+    let kept = kept.of_render(scene, &prepared, region, &run);
+    let memory = PictureMemory {
+        has_checkpoint: kept.is_some(),
+        ..PictureMemory::of_render(&prepared, Some(region), &run)
+    };
+    memory.require()?;
+    let start = match &kept {
+        Some(file) => file.load(&prepared, region, &run, memory)?,
+        None => None,
+    };
+    let outcome = render_with_progress(&prepared, region, &run, kept.as_ref(), start)
         .ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    let is_interrupted = outcome.stats.ending == Ending::Interrupted;
     // Black where nothing is known would be taken for the scene's own black.
     if outcome.stats.sample_range[0] == 0 {
-        return Ok(interrupted_early(signals));
+        let code = interrupted_early(signals);
+        kept.iter().for_each(CheckpointFile::say_how_to_go_on);
+        return Ok(code);
     }
     let (place, failure) = write_picture(&outcome, scene, &arguments.output)?;
+    if !is_interrupted && failure.is_none() {
+        kept.iter().for_each(CheckpointFile::remove);
+    }
 
     let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
@@ -309,6 +337,9 @@ fn render_scene(
         None => Ok(()),
     };
     say_what_it_took(&place, image, &hash, stats, settings)?;
+    if is_interrupted {
+        kept.iter().for_each(CheckpointFile::say_how_to_go_on);
+    }
     failure.map_or(Ok(()), Err)?;
     recorded?;
     Ok(exit_code(signals))
@@ -463,11 +494,13 @@ fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// Renders with the progress and the rate of rays shown.
-fn render_watched(
+/// Renders, from `start` on if there is one, with the progress and the rate of rays shown, and checkpoints `kept`.
+fn render_with_progress(
     prepared: &PreparedScene,
-    region: Option<Region>,
+    region: Region,
     run: &RunConfig,
+    kept: Option<&CheckpointFile<'_>>,
+    start: Option<Checkpoint>,
 ) -> Option<RenderOutcome> {
     let progress = RenderProgress::default();
     let started = Instant::now();
@@ -481,7 +514,22 @@ fn render_watched(
             format!("{rate:.1} Mrays/s{noise}"),
         )
     };
-    with_progress_bar(how_far, || render(prepared, region, run, &progress, None))
+    let keep = |checkpoint| {
+        if let Some(file) = kept {
+            file.keep(&checkpoint);
+        }
+    };
+    let watch = Watch {
+        checkpoints: kept.map(|file| CheckpointKeeper {
+            every: file.every,
+            keep: &keep,
+        }),
+        ..Watch::default()
+    };
+    with_progress_bar(how_far, || match start {
+        Some(start) => resume(prepared, start, run, &progress, watch),
+        None => render_watched(prepared, Some(region), run, &progress, watch),
+    })
 }
 
 /// Runs `work` with its progress shown on a terminal, and nothing shown where there is none. `how_far` tells the done part of

@@ -8,6 +8,7 @@
 mod aim;
 mod background;
 mod camera;
+mod checkpoint;
 mod clock;
 mod direct;
 mod disks;
@@ -42,6 +43,7 @@ mod tile_samples;
 mod tiles;
 
 pub use camera::{CameraRay, PreparedCamera};
+pub use checkpoint::Checkpoint;
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
@@ -52,8 +54,8 @@ pub use memory::{PictureMemory, ShortOfMemory};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 pub use run::{
-    Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats, Round, RunConfig,
-    Watch, render, render_watched,
+    CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
+    Round, RunConfig, Watch, render, render_watched, resume,
 };
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;

@@ -1,5 +1,7 @@
 //! Sampling one tile.
 
+use serde::{Deserialize, Serialize};
+
 use super::film::{Film, TileSums, block_after};
 use super::layers::{Gathered, Layer};
 use super::prepare::PreparedScene;
@@ -72,7 +74,7 @@ impl Work<'_> {
 }
 
 /// What is counted about samples.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct SampleCounts {
     pub rays: RayCounts,
     pub non_finite: u64,
