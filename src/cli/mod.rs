@@ -9,6 +9,7 @@ mod info;
 mod render;
 mod report;
 mod signals;
+mod trace;
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -10,6 +10,7 @@ use serde::{Serialize, Serializer};
 
 use super::Signals;
 use super::checkpoint::{CheckpointArguments, CheckpointFile};
+use super::trace::TraceArguments;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
@@ -27,8 +28,8 @@ pub struct RenderArguments {
     scene: Option<PathBuf>,
 
     /// Where to write the picture: .png, or .exr for the radiance itself
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
+    output: Option<PathBuf>,
 
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -72,9 +73,24 @@ pub struct RenderArguments {
 
     #[command(flatten)]
     checkpoint: CheckpointArguments,
+
+    #[command(flatten)]
+    trace: TraceArguments,
 }
 
 impl RenderArguments {
+    /// Looks for what cannot be written, before work is spent on it.
+    fn check_files(&self, output: &Path) -> Result<()> {
+        io::check_image_path(output)?;
+        if let Some(path) = &self.stats {
+            io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+        }
+        let others: Vec<&Path> = std::iter::once(output)
+            .chain(self.stats.as_deref())
+            .collect();
+        self.checkpoint.check(&others)
+    }
+
     /// Every change to the scene's keys that the flags ask for.
     fn assignments(&self) -> Vec<String> {
         let mut assignments = self.assignments.clone();
@@ -213,17 +229,9 @@ impl From<&ErrorEstimate> for ErrorFacts {
 }
 
 pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<ExitCode> {
-    // Before work is spent on what could not be written.
-    io::check_image_path(&arguments.output)?;
-    if let Some(path) = &arguments.stats {
-        io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+    if let Some(output) = &arguments.output {
+        arguments.check_files(output)?;
     }
-    let others: Vec<&Path> = std::iter::once(&arguments.output)
-        .chain(&arguments.stats)
-        .map(PathBuf::as_path)
-        .collect();
-    arguments.checkpoint.check(&others)?;
-
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
     let Some(mut loaded) = super::load_unless(&interrupt, arguments.scene.as_deref())? else {
@@ -237,7 +245,16 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
         eprintln!("warning: {warning}");
     }
     let load_seconds = started.elapsed().as_secs_f64();
-    render_scene(&loaded.scene, arguments, load_seconds, signals)
+    if let Some(pixel) = arguments.trace.pixel {
+        let Some(prepared) = prepare(&loaded.scene, &interrupt)? else {
+            return Ok(exit_code(signals));
+        };
+        arguments.trace.print(&loaded.scene, &prepared, pixel)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let output = arguments.output.as_deref();
+    let output = output.context("--output names no file for the picture")?;
+    render_scene(&loaded.scene, output, arguments, load_seconds, signals)
 }
 
 /// Renders `scene` as it is to `output`; what the window does where there is no screen.
@@ -248,7 +265,7 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
     io::check_image_path(output)?;
     let arguments = RenderArguments {
         scene: None,
-        output: output.to_owned(),
+        output: None,
         size: None,
         mode: None,
         spp: None,
@@ -260,23 +277,31 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
         assignments: Vec::new(),
         stats: None,
         checkpoint: CheckpointArguments::default(),
+        trace: TraceArguments::default(),
     };
-    render_scene(scene, &arguments, 0.0, signals)
+    render_scene(scene, output, &arguments, 0.0, signals)
 }
 
-/// Renders `scene`, writes the picture and the stats, and says what it took. A signal ends that early, with what is there.
+/// Prepares `scene` with the progress shown; `None` when cancelled.
+fn prepare(scene: &Scene, cancel: &CancelToken) -> Result<Option<PreparedScene>> {
+    let progress = Progress::new();
+    let how_far = || (progress.fraction(), "building the tree".to_owned());
+    let prepare = || PreparedScene::prepare_watched(scene, None, cancel, &progress);
+    Ok(with_progress_bar(how_far, prepare)?)
+}
+
+/// Renders `scene`, writes the picture to `output` and the stats, and says what it took. A signal ends that early, with what is
+/// there.
 fn render_scene(
     scene: &Scene,
+    output: &Path,
     arguments: &RenderArguments,
     load_seconds: f64,
     signals: &Signals,
 ) -> Result<ExitCode> {
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
-    let progress = Progress::new();
-    let how_far = || (progress.fraction(), "building the tree".to_owned());
-    let prepare = || PreparedScene::prepare_watched(scene, None, &interrupt, &progress);
-    let Some(prepared) = with_progress_bar(how_far, prepare)? else {
+    let Some(prepared) = prepare(scene, &interrupt)? else {
         return Ok(interrupted_early(signals));
     };
     let build_seconds = started.elapsed().as_secs_f64();
@@ -298,7 +323,7 @@ fn render_scene(
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),
         interrupt,
-        layers: scene.output.layers && io::holds_layers(&arguments.output),
+        layers: scene.output.layers && io::holds_layers(output),
         ..RunConfig::default()
     };
     let region = (arguments.region).unwrap_or(Region::full(settings.width, settings.height));
@@ -322,7 +347,7 @@ fn render_scene(
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
         return Ok(code);
     }
-    let (place, failure) = write_picture(&outcome, scene, &arguments.output)?;
+    let (place, failure) = write_picture(&outcome, scene, output)?;
     if !is_interrupted && failure.is_none() {
         kept.iter().for_each(CheckpointFile::remove);
     }

@@ -287,8 +287,18 @@ impl Gathered {
         }
     }
 
+    /// Scales it down to `most` in its brightest channel; whether it was brighter.
+    pub fn limit(&mut self, most: f32) -> bool {
+        let brightest = self.radiance.max_element();
+        let is_brighter = brightest > most;
+        if is_brighter {
+            self.scale(most / brightest);
+        }
+        is_brighter
+    }
+
     /// Scales the parts and their sum.
-    pub fn scale(&mut self, factor: f32) {
+    fn scale(&mut self, factor: f32) {
         self.radiance *= factor;
         for layer in Layer::ALL.into_iter().filter(|layer| layer.is_part()) {
             self.parts[layer as usize] *= factor;

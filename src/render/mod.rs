@@ -32,6 +32,7 @@ mod phong;
 mod prepare;
 mod progress;
 mod radiance_image;
+mod ray_log;
 mod renderer;
 mod run;
 mod sampler;
@@ -41,6 +42,7 @@ mod specular;
 mod surface;
 mod tile_samples;
 mod tiles;
+mod trace;
 
 pub use camera::{CameraRay, PreparedCamera};
 pub use checkpoint::Checkpoint;
@@ -53,6 +55,7 @@ pub use layers::Layer;
 pub use memory::{PictureMemory, ShortOfMemory};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
+pub use ray_log::RayPurpose;
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
     Round, RunConfig, Watch, render, render_watched, resume,
@@ -60,3 +63,4 @@ pub use run::{
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;
 pub use tiles::{Region, TilePixels};
+pub use trace::{Met, MetSurface, SampleTrace, TraceError, TracedRay, trace_sample};

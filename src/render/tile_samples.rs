@@ -118,9 +118,7 @@ impl SampleCounts {
     fn clamp(&mut self, sample: &mut Gathered, most: f32) {
         let before = f64::from(luminance(sample.radiance));
         self.luminance += before;
-        let brightest = sample.radiance.max_element();
-        if brightest > most {
-            sample.scale(most / brightest);
+        if sample.limit(most) {
             self.clamped += 1;
             self.removed += before - f64::from(luminance(sample.radiance));
         }
