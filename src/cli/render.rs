@@ -573,6 +573,8 @@ pub(super) fn with_progress_bar<T>(
     bar.set_style(style.expect("the template is right"));
     let finished = CancelToken::new();
     std::thread::scope(|scope| {
+        // Also where the work panics: the scope waits for its thread.
+        let ending = CancelWhenDropped(&finished);
         scope.spawn(|| {
             while !finished.is_cancelled() {
                 let (fraction, message) = how_far();
@@ -587,10 +589,19 @@ pub(super) fn with_progress_bar<T>(
             }
         });
         let result = work();
-        finished.cancel();
+        drop(ending);
         bar.finish_and_clear();
         result
     })
+}
+
+/// Cancels a token when it goes.
+struct CancelWhenDropped<'a>(&'a CancelToken);
+
+impl Drop for CancelWhenDropped<'_> {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
 }
 
 /// The most memory this process has held, where the system tells (Linux).

@@ -16,6 +16,7 @@ pub mod display;
 mod emitters;
 mod error;
 mod false_color;
+mod fault;
 mod film;
 mod filter;
 mod fresnel;
@@ -47,6 +48,7 @@ mod trace;
 pub use camera::{CameraRay, PreparedCamera};
 pub use checkpoint::Checkpoint;
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
+pub use fault::{RenderFault, keep_panics_quiet, panic_message};
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
 };

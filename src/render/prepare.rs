@@ -47,6 +47,9 @@ pub struct PreparedScene {
     clamp: Option<f32>,
     layers: Vec<Layer>,
     settings: RenderSettings,
+    /// A sample that panics.
+    #[cfg(test)]
+    faulty: Option<Sampler>,
 }
 
 /// What a ray meets first.
@@ -198,7 +201,15 @@ impl PreparedScene {
             lights,
             settings: scene.render.clone(),
             geometry,
+            #[cfg(test)]
+            faulty: None,
         }))
+    }
+
+    /// From now on that sample of that pixel panics.
+    #[cfg(test)]
+    pub(super) fn fail_at(&mut self, (x, y): (u32, u32), sample: u32) {
+        self.faulty = Some(Sampler::new(self.settings.seed, x, y, sample));
     }
 
     /// The triangles and their structure.
@@ -298,6 +309,8 @@ impl PreparedScene {
     /// What `sample` brings: linear radiance, or a false colour.
     pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut impl RayLog) -> Gathered {
         let &CameraSample { sampler, hit, .. } = sample;
+        #[cfg(test)]
+        assert!(self.faulty != Some(sampler), "as the test wants");
         rays.note(RayPurpose::Camera, || sample.noted());
         let Some(camera_ray) = sample.ray else {
             return Gathered::seen(match self.settings.mode {

@@ -5,20 +5,23 @@
 //! pixels until each has its double. What is decided, is decided at the end of a round, from the film alone, so that the
 //! picture does not depend on threads; only a stop by time depends on the clock.
 
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
 use super::error::{Allotment, ErrorEstimator, Forecast, Outlook};
+use super::fault::{RenderFault, SampleNote, caught};
 use super::film::{Film, block_after};
 use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 use super::run::{Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
-use super::tile_samples::{SampleCounts, TileBlock, coarse_tile, sample_tile};
+use super::tile_samples::{SampleCounts, Stops, TileBlock, coarse_tile, sample_tile};
 use super::tiles::{Region, TilePixels};
+use crate::control::CancelToken;
 use crate::scene::RenderSettings;
 
 /// Side of a tile in pixels: small enough to balance two threads to the end, large enough that handing one out costs nothing.
@@ -57,6 +60,10 @@ pub struct Renderer<'a> {
     clock: Clock,
     /// When a checkpoint was kept last, or the render began.
     last_kept: Mutex<Instant>,
+    /// The first sample at which the program failed.
+    fault: Mutex<Option<RenderFault>>,
+    /// Ends the work of the other threads then.
+    halt: CancelToken,
 }
 
 /// What follows on samples of all pixels.
@@ -69,6 +76,7 @@ enum Next {
 enum Cut {
     Cancelled,
     Interrupted,
+    Failed(RenderFault),
 }
 
 impl Shared {
@@ -153,20 +161,34 @@ impl<'a> Renderer<'a> {
             threads,
             clock,
             last_kept: Mutex::new(Instant::now()),
+            fault: Mutex::new(None),
+            halt: CancelToken::new(),
         }
     }
 
     /// Takes all samples; `None` when cancelled.
+    ///
+    /// # Panics
+    /// With a [`RenderFault`], where the program fails at a sample.
     pub fn render(&mut self) -> Option<Ending> {
         match self.take_samples() {
             Ok(ending) => Some(ending),
+            Err(Cut::Cancelled) => None,
             Err(Cut::Interrupted) => {
-                if let Some(keeper) = self.watch.checkpoints {
-                    (keeper.keep)(self.checkpoint());
-                }
+                self.keep_last_checkpoint();
                 Some(Ending::Interrupted)
             }
-            Err(Cut::Cancelled) => None,
+            Err(Cut::Failed(fault)) => {
+                self.keep_last_checkpoint();
+                resume_unwind(Box::new(fault))
+            }
+        }
+    }
+
+    /// Has what the tiles that are done hold kept, whenever the last checkpoint was.
+    fn keep_last_checkpoint(&self) {
+        if let Some(keeper) = self.watch.checkpoints {
+            (keeper.keep)(self.checkpoint());
         }
     }
 
@@ -392,11 +414,16 @@ impl<'a> Renderer<'a> {
                 let Some(&tile) = self.tiles.get(number) else {
                     return;
                 };
-                if self.run.interrupt.is_cancelled() || work(number, tile).is_none() {
+                let is_cut = self.run.interrupt.is_cancelled() || self.halt.is_cancelled();
+                if is_cut || work(number, tile).is_none() {
                     return;
                 }
             }
         });
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(fault) = &*fault {
+            return Err(Cut::Failed(fault.clone()));
+        }
         if self.run.cancel.is_cancelled() {
             return Err(Cut::Cancelled);
         }
@@ -406,12 +433,27 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
+    /// Has samples taken as `take` does, which says at which it is; `None` when they are stopped, or the program fails at one.
+    fn sample<T>(&self, take: impl FnOnce(Stops<'_>, &SampleNote) -> Option<T>) -> Option<T> {
+        let note = SampleNote::default();
+        let stops = Stops {
+            cancel: &self.run.cancel,
+            halt: &self.halt,
+        };
+        caught(&note, || take(stops, &note)).unwrap_or_else(|found| {
+            let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+            fault.get_or_insert(found);
+            self.halt.cancel();
+            None
+        })
+    }
+
     fn deliver_coarse_picture(&self) -> Result<(), Cut> {
         let Some(on_tile) = self.watch.on_tile else {
             return Ok(());
         };
         self.for_each_tile(&|_, tile| {
-            let rgb = coarse_tile(self.scene, tile, &self.run.cancel)?;
+            let rgb = self.sample(|stops, note| coarse_tile(self.scene, tile, stops, note))?;
             on_tile(&TilePixels {
                 region: tile,
                 rgb: &rgb,
@@ -441,14 +483,10 @@ impl<'a> Renderer<'a> {
                 return Some(());
             }
             drop(shared);
-            let block = sample_tile(
-                this.scene,
-                tile,
-                &samples,
-                this.layers,
-                &this.run.cancel,
-                this.progress,
-            )?;
+            let (scene, layers, progress) = (this.scene, this.layers, this.progress);
+            let block = this.sample(|stops, note| {
+                sample_tile(scene, tile, &samples, layers, stops, progress, note)
+            })?;
             let mut shared = this.lock();
             shared.add(number, tile, &block, &this.clock);
             let means = this.watch.on_tile.map(|_| shared.film.means(tile));

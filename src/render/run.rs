@@ -219,7 +219,7 @@ pub struct Watch<'a> {
 /// The pixels of a region are those of the full picture, bit for bit, as long as every pixel gets the same number of samples.
 ///
 /// # Panics
-/// When the region does not lie in the picture.
+/// When the region does not lie in the picture, and with a [`RenderFault`](super::RenderFault) where the program fails at a sample.
 #[must_use]
 pub fn render(
     scene: &PreparedScene,
@@ -238,7 +238,7 @@ pub fn render(
 /// [`render`] for whoever wants to see more than tiles.
 ///
 /// # Panics
-/// When the region does not lie in the picture.
+/// When the region does not lie in the picture, and with a [`RenderFault`](super::RenderFault) where the program fails at a sample.
 #[must_use]
 pub fn render_watched(
     scene: &PreparedScene,
@@ -262,7 +262,8 @@ pub fn render_watched(
 /// interrupted; its time is that of both. Tiles are shown when they get more samples.
 ///
 /// # Panics
-/// When the checkpoint does not [fit](Checkpoint::fits) the scene and the layers to keep.
+/// When the checkpoint does not [fit](Checkpoint::fits) the scene and the layers to keep, and with a
+/// [`RenderFault`](super::RenderFault) where the program fails at a sample.
 #[must_use]
 pub fn resume(
     scene: &PreparedScene,
