@@ -223,6 +223,40 @@ fn a_reference_comes_from_another_estimator_or_from_a_file() {
     assert!(number(&given["points"][0]["true_rmse"]) > 0.0);
 }
 
+/// A sharp lobe under a wide disk: aimed at, the disk is rarely met where the lobe is bright, so that aiming alone is no
+/// reference.
+#[test]
+fn a_reference_that_finds_the_light_badly_is_replaced() {
+    let folder = folder();
+    let scene = r#"
+[camera]
+eye = [2, -4, 2]
+[materials.polished]
+diffuse = [0, 0, 0]
+specular = [0.9, 0.9, 0.9]
+shininess = 1e5
+[[objects]]
+mesh = "builtin:ground"
+material = "polished"
+scale = 3
+[[lights]]
+kind = "disk"
+center = [0, 0, 2]
+normal = [0, 0, -1]
+radius = 9
+[render]
+mode = "path"
+width = 24
+height = 16
+"#;
+    std::fs::write(folder.path().join("polished.toml"), scene).expect("is written");
+    let facts = succeed(
+        folder.path(),
+        &["polished.toml", "--seeds", "1", "--spp", "16"],
+    );
+    assert_eq!(facts["reference"]["light_sampling"], "mis");
+}
+
 #[test]
 fn an_adaptive_variant_has_points_at_its_rounds() {
     let folder = folder();

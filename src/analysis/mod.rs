@@ -3,6 +3,7 @@
 
 pub mod bench;
 mod difference;
+pub mod matrix;
 mod metrics;
 pub mod report;
 

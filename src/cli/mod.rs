@@ -3,6 +3,7 @@
 //! Errors carry exit code 1; wrong usage 2, by clap; signals 128 and their number.
 
 mod bench;
+mod check;
 mod checkpoint;
 mod compare;
 mod info;
@@ -50,6 +51,8 @@ pub enum Command {
     Compare(compare::CompareArguments),
     /// Measure how fast the structures over a scene are built and traversed
     Bench(bench::BenchArguments),
+    /// Try the extreme cases that break renderers
+    Check(check::CheckArguments),
 }
 
 /// The scene of a file; the demo where none is named. `None` when cancelled.
@@ -86,6 +89,7 @@ impl Command {
     pub fn run(self, signals: &Signals) -> Result<ExitCode> {
         match self {
             Self::Render(arguments) => return render::run(&arguments, signals),
+            Self::Check(arguments) => return check::run(&arguments),
             Self::Report(arguments) => report::run(&arguments)?,
             Self::Info(arguments) => info::run(&arguments)?,
             Self::Compare(arguments) => compare::run(&arguments)?,

@@ -155,6 +155,13 @@ fn describe(study: &Study, folder: &Path) -> Result<()> {
                 variant.name, honesty.intervals_held, honesty.intervals
             ))?;
         }
+        if summary.clamped.samples > 0 {
+            eprintln!(
+                "warning: {}: render.clamp took {} of the light away, an error that no estimate knows and no sample cures",
+                variant.name,
+                percent(summary.clamped.energy_share)
+            );
+        }
         if summary.non_finite_samples > 0 {
             eprintln!(
                 "warning: {}: {} samples were infinite or not a number",

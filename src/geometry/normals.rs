@@ -105,7 +105,7 @@ fn near_one(vector: DVec3) -> DVec3 {
 /// An average weighs each face by its angle at the vertex, so that it does not depend on how a flat part is cut into
 /// triangles. Faces share it where a chain of faces, each meeting the next across an edge at no more than `crease`,
 /// connects them around the vertex; from 180° on, all faces of the vertex do. `crease` 0 (or negative, or NaN) joins only
-/// coplanar faces. Where an average vanishes, as between two opposite faces, each corner has its face's normal; a corner
+/// coplanar faces. A face that is there twice, either way round, counts once, as it is seen. Where an average vanishes, as between two opposite faces, each corner has its face's normal; a corner
 /// of a triangle without area takes a normal of its vertex's other faces, or +Z when there is none.
 ///
 /// Source: Thürmer & Wüthrich, Computing Vertex Normals from Polygonal Facets, Journal of Graphics Tools 3(1), 1998.
@@ -250,10 +250,14 @@ impl Shading<'_> {
 
     /// Gives the corners around one vertex the averages of their groups.
     fn average(&mut self, fan: &[Corner], groups: &mut FanGroups) {
+        groups.find_repeats(fan, self.mesh);
         groups.find(fan, self.mesh, &self.faces, self.sharing);
         groups.sums.clear();
         groups.sums.resize(fan.len(), GroupSum::default());
         for (place, &corner) in fan.iter().enumerate() {
+            if groups.is_repeat[place] {
+                continue;
+            }
             if let Some(normal) = self.faces[corner.triangle()] {
                 let angle = self.angles[corner.triangle()][corner.index()];
                 let sum = &mut groups.sums[groups.leaders[place]];
@@ -268,6 +272,7 @@ impl Shading<'_> {
         for (place, &corner) in fan.iter().enumerate() {
             if let Some(face) = self.faces[corner.triangle()] {
                 let shared = groups.sums[groups.leaders[place]].id;
+                let shared = shared.filter(|_| !groups.is_repeat[place]);
                 let id = shared.unwrap_or_else(|| self.add(face));
                 any_id.get_or_insert(id);
                 self.assign(corner, id);
@@ -323,6 +328,10 @@ impl GroupSum {
 /// Work space that finds which corners around a vertex share a normal; reused from vertex to vertex.
 #[derive(Default)]
 struct FanGroups {
+    /// For each corner of the fan, whether its triangle has the vertices of one before it.
+    is_repeat: Vec<bool>,
+    /// The other two vertices of each corner's triangle, and its place in the fan.
+    opposite: Vec<([u32; 2], usize)>,
     /// For each corner of the fan, the place of the corner that stands for its group.
     leaders: Vec<usize>,
     sums: Vec<GroupSum>,
@@ -343,7 +352,26 @@ struct Spoke {
 }
 
 impl FanGroups {
-    /// Fills `leaders`.
+    /// Fills `is_repeat`.
+    fn find_repeats(&mut self, fan: &[Corner], mesh: &TriangleMesh) {
+        self.is_repeat.clear();
+        self.is_repeat.resize(fan.len(), false);
+        self.opposite.clear();
+        self.opposite
+            .extend(fan.iter().enumerate().map(|(place, corner)| {
+                let triangle = mesh.triangles[corner.triangle()];
+                let mut others = [1, 2].map(|step| triangle[(corner.index() + step) % 3]);
+                others.sort_unstable();
+                (others, place)
+            }));
+        self.opposite.sort_unstable();
+        for pair in self.opposite.windows(2) {
+            let ((first, _), (second, place)) = (pair[0], pair[1]);
+            self.is_repeat[place] = first == second;
+        }
+    }
+
+    /// Fills `leaders`; `is_repeat` is filled. A repeat joins nothing.
     fn find(
         &mut self,
         fan: &[Corner],
@@ -362,6 +390,9 @@ impl FanGroups {
         self.leaders.extend(0..fan.len());
         self.spokes.clear();
         for (place, corner) in fan.iter().enumerate() {
+            if self.is_repeat[place] {
+                continue;
+            }
             if let Some(normal) = faces[corner.triangle()] {
                 let triangle = mesh.triangles[corner.triangle()];
                 for step in [1, 2] {
@@ -637,6 +668,22 @@ mod tests {
         for crease in [0.0, 90.0, 180.0] {
             let normals = per_corner(&mesh, crease);
             assert_eq!(normals, [[DVec3::Z; 3], [DVec3::NEG_Z; 3]], "{crease}");
+        }
+    }
+
+    #[test]
+    fn a_face_that_is_there_twice_counts_once() {
+        let clean = sphere(1);
+        let mut repeated = clean.clone();
+        for (index, &[a, b, c]) in clean.triangles.iter().enumerate() {
+            let again = [[a, b, c], [b, c, a], [a, c, b]];
+            repeated.triangles.extend(&again[..index % 4]);
+        }
+        assert!(repeated.triangles.len() > 2 * clean.triangles.len());
+        for crease in [0.0, 25.0, 40.0, 180.0] {
+            let expected = per_corner(&clean, crease);
+            let found = per_corner(&repeated, crease);
+            assert_eq!(found[..expected.len()], expected, "{crease}");
         }
     }
 

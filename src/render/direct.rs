@@ -261,10 +261,8 @@ impl<L: RayLog> Shading<'_, L> {
         let choices = self.turns(Decision::LightChoice, 0, count);
         let emitter_points = self.turns(Decision::EmitterPoint, 0, count);
         let numbers = LightNumbers::new(self, 0, count);
-        for turn in 0..count {
-            let Some(chosen) = emitters.choose(&at, choices.next_2d(turn)) else {
-                continue;
-            };
+        let number = |turn| choices.next_2d(turn);
+        emitters.choose_each(&at, (0..count).map(number), |turn, chosen| {
             if let Some(index) = chosen.light() {
                 let light = &lights[index as usize];
                 for ray in self.aim(light, &numbers, turn).into_iter().flatten() {
@@ -277,7 +275,7 @@ impl<L: RayLog> Shading<'_, L> {
                     sum += self.light_along(&ray, None);
                 }
             }
-        }
+        });
         sum * Vec3::splat(1.0 / count as f32)
     }
 

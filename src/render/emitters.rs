@@ -147,17 +147,35 @@ impl Emitters {
         self.holds_lights
     }
 
-    /// One of them for light at `at`: `u` uniform over the unit square. `None` where there is none, and now and then where most
-    /// give nothing.
-    pub fn choose(&self, at: &Receiver, u: Vec2) -> Option<Chosen<'_>> {
+    /// One of them for light at `at` for each of `numbers`, uniform over the unit square: `choose(index, chosen)`, in no order. There
+    /// is none where all is dark, and now and then where most give nothing.
+    pub fn choose_each<'a>(
+        &'a self,
+        at: &Receiver,
+        numbers: impl Iterator<Item = Vec2>,
+        mut choose: impl FnMut(u32, Chosen<'a>),
+    ) {
         match &self.choice {
-            Choice::ByPower(_) => Some(self.choose_by_power(u.x)?.0),
-            Choice::ByPlace(tree) => self.choose_by_place(tree, at, u),
+            Choice::ByPower(_) => {
+                for (index, u) in (0..).zip(numbers) {
+                    if let Some((chosen, _)) = self.choose_by_power(u.x) {
+                        choose(index, chosen);
+                    }
+                }
+            }
+            Choice::ByPlace(tree) => tree.choose_each(at, numbers, |index, item, probability| {
+                let emitter = &self.items[item];
+                let chosen = Chosen {
+                    emitter,
+                    probability,
+                };
+                choose(index, chosen);
+            }),
         }
     }
 
     /// Aims at one of them from `at`: `u` uniform over the unit square; so is `choice`, asked for where the choice needs more
-    /// digits. `None` as for [`Self::choose`].
+    /// digits. `None` as for [`Self::choose_each`].
     #[inline]
     pub fn aim(
         &self,

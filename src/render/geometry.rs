@@ -2,6 +2,7 @@
 //! structure; a mesh that occurs often is there once, in a frame of its own, and its copies are places.
 
 mod origin;
+mod shading;
 mod shared;
 
 use std::ops::Range;
@@ -13,9 +14,11 @@ use crate::accel::{
 };
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, TriangleMesh, corner_normals};
-use crate::math::{Degrees, SceneFrame, Vec3};
+use crate::math::{DVec3, SceneFrame, Vec3};
 use crate::scene::{AcceleratorBuild, AcceleratorChoice, Placement, Scene, SceneError};
 use origin::{GeometryOrigin, ObjectShape};
+pub use shading::ShadingNormals;
+use shading::{SmoothNormals, TrueNormals};
 use shared::SharedMeshes;
 
 /// The scene's triangles, placed, narrowed and in an acceleration structure. It depends on the objects and their meshes
@@ -36,26 +39,9 @@ pub struct PreparedObject {
     pub triangles: Range<u32>,
     /// Triangles of one copy.
     pub triangles_per_copy: u32,
-    /// Shading normals, shared by the copies; `None` for flat shading. In world orientation, or that of the mesh where the
-    /// object shares it.
+    /// Shading normals, shared by the copies; `None` where all triangles are shaded by their own. In world orientation, or
+    /// that of the mesh where the object shares it.
     pub normals: Option<Arc<ShadingNormals>>,
-}
-
-/// Shading normals of the corners of one copy.
-#[derive(Debug)]
-pub struct ShadingNormals {
-    /// Unit vectors.
-    pub normals: Vec<Vec3>,
-    /// Indices into `normals` for the three corners of each triangle.
-    pub corners: Vec<[u32; 3]>,
-}
-
-impl ShadingNormals {
-    /// The normals of the corners of triangle `index`.
-    #[must_use]
-    pub fn of_corners(&self, index: usize) -> [Vec3; 3] {
-        self.corners[index].map(|normal| self.normals[normal as usize])
-    }
 }
 
 impl PreparedGeometry {
@@ -108,10 +94,9 @@ impl PreparedGeometry {
             } else {
                 let before = triangles.len();
                 place_triangles(mesh, shape, &frame, &mut triangles, cancel)?;
-                let count = id(triangles.len() - before);
-                let normals = shape
-                    .smooth
-                    .map(|crease| place_normals(mesh, shape, crease));
+                let placed = &triangles[before..];
+                let normals = place_normals(mesh, shape, placed);
+                let count = id(placed.len());
                 (Part::Flat(count), count, normals.map(Arc::new))
             };
             parts.push(part);
@@ -163,15 +148,15 @@ impl PreparedGeometry {
         self.accelerator.part_of(triangle)
     }
 
-    /// The shading normals of the corners of `triangle` in world orientation, in the order of its corners; `None` for flat
-    /// shading.
+    /// The shading normals of the corners of `triangle` in world orientation, in the order of its corners; `None` where it is
+    /// shaded by its own.
     #[must_use]
     #[inline]
     pub fn corner_normals(&self, triangle: &PlacedTriangle<'_>) -> Option<[Vec3; 3]> {
         let object = &self.objects[triangle.part];
         let normals = object.normals.as_ref()?;
         let in_copy = triangle.number % object.triangles_per_copy;
-        Some(triangle.directions_in_scene(normals.of_corners(in_copy as usize)))
+        Some(triangle.directions_in_scene(normals.of_corners(in_copy)?))
     }
 }
 
@@ -242,25 +227,28 @@ fn place_triangles(
     Some(())
 }
 
-fn place_normals(mesh: &TriangleMesh, shape: &ObjectShape, crease: Degrees) -> ShadingNormals {
-    let object = corner_normals(mesh, crease);
-    let linear = shape.placement.linear;
-    ShadingNormals {
-        normals: object
-            .normals
-            .iter()
-            .map(|&n| (linear * n).normalize_or_zero().as_vec3())
-            .collect(),
-        corners: object
-            .corners
-            .iter()
-            .map(|&corners| outward_order(corners, &shape.placement))
-            .collect(),
+/// The shading normals of all copies of a mesh, which are the triangles `placed`; `None` where they are those of the triangles.
+fn place_normals(
+    mesh: &TriangleMesh,
+    shape: &ObjectShape,
+    placed: &[Triangle],
+) -> Option<ShadingNormals> {
+    let placement = &shape.placement;
+    if let Some(crease) = shape.smooth {
+        let turned = |normal: DVec3| (placement.linear * normal).normalize_or_zero();
+        let ordered = |corners| outward_order(corners, placement);
+        let normals = SmoothNormals::new(corner_normals(mesh, crease), turned, ordered);
+        return Some(ShadingNormals::Smooth(normals));
     }
+    let exact = |index: usize| {
+        outward_order(mesh.corners(index), placement)
+            .map(|corner| placement.world_from_object(corner))
+    };
+    TrueNormals::of_copies(placed, mesh.triangles.len(), exact).map(ShadingNormals::Flat)
 }
 
 /// A placement that mirrors turns triangles inside out; swapping two corners turns them back.
-fn outward_order(corners: [u32; 3], placement: &Placement) -> [u32; 3] {
+fn outward_order<T: Copy>(corners: [T; 3], placement: &Placement) -> [T; 3] {
     let [a, b, c] = corners;
     if placement.linear.determinant() < 0.0 {
         [a, c, b]

@@ -92,6 +92,28 @@ struct Cluster {
     both_sides: bool,
 }
 
+/// A number on its way down the tree.
+#[derive(Clone, Copy, Debug, Default)]
+struct Draw {
+    index: u32,
+    /// Uniform in `0..1`.
+    u: f64,
+}
+
+impl Draw {
+    /// Which of two children it leads to. What is left of the number is uniform again.
+    fn pass(&mut self, shares: [f64; 2]) -> usize {
+        let child = usize::from(self.u >= shares[0]);
+        let left = if child == 0 {
+            self.u / shares[0]
+        } else {
+            (self.u - shares[0]) / shares[1]
+        };
+        self.u = left.min(1.0_f64.next_down());
+        child
+    }
+}
+
 impl LightTree {
     /// The tree over `luminaries`, fewer than 2³¹ with finite numbers.
     ///
@@ -147,7 +169,10 @@ impl LightTree {
     /// things that give nothing there.
     pub fn choose(&self, at: &Receiver, u: Vec2) -> Option<(usize, f32)> {
         let mut node = self.nodes.first()?;
-        let mut u = joined(u);
+        let mut draw = Draw {
+            index: 0,
+            u: joined(u),
+        };
         let mut probability = 1.0;
         loop {
             let first = match node.content {
@@ -159,16 +184,86 @@ impl LightTree {
                 Content::Children(first) => first as usize,
             };
             let shares = self.shares(first, at)?;
-            let child = usize::from(u >= shares[0]);
-            // What is left of the number is uniform again.
-            u = if child == 0 {
-                u / shares[0]
-            } else {
-                (u - shares[0]) / shares[1]
-            };
-            u = u.min(1.0_f64.next_down());
+            let child = draw.pass(shares);
             probability *= shares[child];
             node = &self.nodes[first + child];
+        }
+    }
+
+    /// [`Self::choose`] for each of `numbers` uniform over the unit square, to the same bits, but on one way as far as they go
+    /// together: `choose(index, item, probability)` for those that lead to something, in no order.
+    pub fn choose_each(
+        &self,
+        at: &Receiver,
+        numbers: impl Iterator<Item = Vec2>,
+        mut choose: impl FnMut(u32, usize, f32),
+    ) {
+        let mut open = [Draw::default(); Self::MOST_TOGETHER];
+        let mut count = 0;
+        for (index, u) in (0..).zip(numbers) {
+            open[count] = Draw {
+                index,
+                u: joined(u),
+            };
+            count += 1;
+            if count == open.len() {
+                self.descend(0, 1.0, at, &mut open, &mut choose);
+                count = 0;
+            }
+        }
+        if count > 0 {
+            self.descend(0, 1.0, at, &mut open[..count], &mut choose);
+        }
+    }
+
+    /// Draws that go down the tree together.
+    const MOST_TOGETHER: usize = 64;
+
+    /// Takes `draws`, at least one, from `node` down.
+    fn descend(
+        &self,
+        node: usize,
+        probability: f64,
+        at: &Receiver,
+        draws: &mut [Draw],
+        choose: &mut impl FnMut(u32, usize, f32),
+    ) {
+        let Some(node) = self.nodes.get(node) else {
+            return;
+        };
+        let first = match node.content {
+            Content::Children(first) => first as usize,
+            Content::Item(item) => {
+                #[expect(clippy::cast_possible_truncation, reason = "a probability")]
+                let probability = probability as f32;
+                for draw in draws.iter().filter(|_| probability > 0.0) {
+                    choose(draw.index, item as usize, probability);
+                }
+                return;
+            }
+        };
+        let Some(shares) = self.shares(first, at) else {
+            return;
+        };
+        let mut to_first = 0;
+        for index in 0..draws.len() {
+            let child = draws[index].pass(shares);
+            if child == 0 {
+                draws.swap(index, to_first);
+                to_first += 1;
+            }
+        }
+        let (left, right) = draws.split_at_mut(to_first);
+        for (child, draws) in [left, right].into_iter().enumerate() {
+            if !draws.is_empty() {
+                self.descend(
+                    first + child,
+                    probability * shares[child],
+                    at,
+                    draws,
+                    choose,
+                );
+            }
         }
     }
 
@@ -545,6 +640,22 @@ mod tests {
             let degrees = cells - 1.0_f64;
             let z = (chi_squared - degrees) / (2.0 * degrees).sqrt();
             assert!(z < 4.4, "{chi_squared} of {degrees}, z = {z}");
+        }
+    }
+
+    #[test]
+    fn draws_together_choose_what_each_does_alone() {
+        let tree = LightTree::build(&luminaries(500, Random::unit));
+        let mut random = Random::new(23);
+        for count in [1, 8, 64, 65, 200] {
+            let at = receiver(&mut random);
+            let numbers: Vec<Vec2> = (0..count).map(|_| unit_square(&mut random)).collect();
+            let mut together = vec![None; numbers.len()];
+            tree.choose_each(&at, numbers.iter().copied(), |index, item, probability| {
+                together[index as usize] = Some((item, probability));
+            });
+            let alone: Vec<_> = numbers.iter().map(|&u| tree.choose(&at, u)).collect();
+            assert_eq!(together, alone);
         }
     }
 

@@ -49,6 +49,7 @@ pub use camera::{CameraRay, PreparedCamera};
 pub use checkpoint::Checkpoint;
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
 pub use fault::{RenderFault, keep_panics_quiet, panic_message};
+pub(crate) use fresnel::fresnel;
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
 };

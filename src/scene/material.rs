@@ -20,7 +20,7 @@ pub enum Material {
     },
     /// A clear solid that reflects and refracts by Fresnel's equations.
     Glass {
-        /// Index of refraction relative to the outside, more than 0.
+        /// Index of refraction relative to the outside, more than 0. With 1 and no attenuation, nothing is there.
         ior: f64,
         /// Absorption inside, per scene unit (Beer-Lambert): light fades by `exp(−attenuation · distance)`.
         attenuation: Rgb,

@@ -290,10 +290,13 @@ fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
         ..
     } = &study.reference.origin
     {
-        let independent = if light_sampling.is_some() {
-            "Its seed and its way of finding light are not those of the scene"
-        } else {
-            "Its seed is none of those that are measured"
+        let own_way = study.variants[0].scene.render.light_sampling;
+        let independent = match light_sampling {
+            Some(way) if *way == own_way => {
+                "Its seed is none of those that are measured; its way of finding light is the scene's, as another was tried and was worse"
+            }
+            Some(_) => "Its seed and its way of finding light are not those of the scene",
+            None => "Its seed is none of those that are measured",
         };
         sentences.push(format!(
             "{independent}; no sample of it is clamped. It took {} s to render.",

@@ -11,7 +11,7 @@ use super::study::{Machine, Study, Variant};
 use crate::control::CancelToken;
 use crate::io::{self, LoadedScene, scene_file};
 use crate::render::{PictureMemory, RunConfig};
-use crate::scene::{RenderSettings, Scene};
+use crate::scene::{LightSampling, Mode, RenderSettings, Scene, SceneError};
 
 /// What is to be rendered, all of it known to make sense.
 #[derive(Clone, Debug)]
@@ -28,7 +28,17 @@ pub struct ReportPlan {
 #[derive(Clone, Debug)]
 enum Wanted {
     Given(Reference),
-    Rendered { seed: u64, samples: u32 },
+    Rendered(Rendering),
+}
+
+/// How a reference is made.
+#[derive(Clone, Copy, Debug)]
+struct Rendering {
+    seed: u64,
+    samples: u32,
+    /// Samples of a pixel of what is measured against it, where `light_sampling` is a matter of choice. A render of so many
+    /// then shows whether the reference is good enough.
+    trial: Option<u32>,
 }
 
 impl ReportPlan {
@@ -84,11 +94,13 @@ impl ReportPlan {
             ReferenceOptions::Rendered { samples } => {
                 let most = variants.iter().map(|v| v.scene.render.samples_per_pixel);
                 let most = most.fold(1, u32::max);
-                Wanted::Rendered {
+                let is_path = variants[0].scene.render.mode == Mode::Path;
+                Wanted::Rendered(Rendering {
                     seed: free_seed(&variants, options.seeds),
                     samples: samples
                         .unwrap_or_else(|| ReportOptions::default_reference_samples(most)),
-                }
+                    trial: is_path.then_some(most),
+                })
             }
         };
         Ok(Self {
@@ -105,7 +117,9 @@ impl ReportPlan {
         let trials = self.variants.iter().map(samples).sum::<f64>() * f64::from(self.seeds);
         match self.reference {
             Wanted::Given(_) => trials,
-            Wanted::Rendered { samples, .. } => trials + f64::from(samples),
+            Wanted::Rendered(Rendering { samples, trial, .. }) => {
+                trials + f64::from(samples) + f64::from(trial.unwrap_or(0))
+            }
         }
     }
 
@@ -138,11 +152,9 @@ impl ReportPlan {
         progress.set_total(self.work());
         let reference = match self.reference {
             Wanted::Given(reference) => reference,
-            Wanted::Rendered { seed, samples } => {
-                let progress = progress.begin("reference".to_owned(), f64::from(samples));
+            Wanted::Rendered(rendering) => {
                 let scene = &self.variants[0].scene;
-                let Some(reference) = Reference::render(scene, seed, samples, run, &progress)?
-                else {
+                let Some(reference) = rendering.carry_out(scene, run, progress)? else {
                     return Ok(None);
                 };
                 reference
@@ -169,6 +181,59 @@ impl ReportPlan {
         }
         Ok(Some(study))
     }
+}
+
+impl Rendering {
+    /// Renders with a seed of its own and by another way of finding light, so that what is wrong with one is not wrong with the
+    /// other. Where that way finds the light of `scene` so badly that it is no reference, the scene's own is tried as well and
+    /// the better of both is taken. `None` when cancelled.
+    fn carry_out(
+        self,
+        scene: &Scene,
+        run: &RunConfig,
+        progress: &ReportProgress,
+    ) -> Result<Option<Reference>, SceneError> {
+        let render = |what: &str, samples, by| {
+            let progress = progress.begin(what.to_owned(), f64::from(samples));
+            Reference::render(scene, self.seed, samples, by, run, &progress)
+        };
+        let own = scene.render.light_sampling;
+        let Some(reference) = render("reference", self.samples, other_way(own))? else {
+            return Ok(None);
+        };
+        let Some(samples) = self.trial else {
+            return Ok(Some(reference));
+        };
+        let Some(trial) = render("trial of the reference", samples, own)? else {
+            return Ok(None);
+        };
+        if !reference.is_too_wrong_for(&trial) {
+            return Ok(Some(reference));
+        }
+        progress.add_to_total(f64::from(self.samples));
+        let second = render("reference by the scene's own way", self.samples, own)?;
+        Ok(second.map(|second| {
+            if is_better(&second, &reference) {
+                second
+            } else {
+                reference
+            }
+        }))
+    }
+}
+
+/// A way of finding light that shares as little as possible with `way`.
+fn other_way(way: LightSampling) -> LightSampling {
+    match way {
+        LightSampling::Mis => LightSampling::Nee,
+        LightSampling::Nee | LightSampling::Bsdf => LightSampling::Mis,
+    }
+}
+
+/// Whether the own error of `one` is known to be smaller than that of `other`.
+fn is_better(one: &Reference, other: &Reference) -> bool {
+    let error = |reference: &Reference| reference.relmse().map_or(f64::INFINITY, |own| own.value);
+    error(one) < error(other)
 }
 
 /// The name and the scene of the variant that `comparison` makes.

@@ -26,6 +26,11 @@ impl ReportProgress {
         self.steps().total = samples;
     }
 
+    /// Says that there is more to do than was known.
+    pub(super) fn add_to_total(&self, samples: f64) {
+        self.steps().total += samples;
+    }
+
     /// Begins the next render, which is called `name`.
     pub(super) fn begin(&self, name: String, samples: f64) -> RenderProgress {
         let mut steps = self.steps();

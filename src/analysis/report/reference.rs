@@ -58,8 +58,9 @@ impl Reference {
         }
     }
 
-    /// Renders one for `scene`: with its own seed, in mode `path` by another way of finding light, with `samples_per_pixel` for
-    /// every pixel, and without the bias of `render.clamp`. `None` when cancelled.
+    /// Renders one for `scene` with `seed`, `samples_per_pixel` for every pixel, and without the bias of `render.clamp`.
+    ///
+    /// `by` is how it finds light in mode `path`; other modes have no choice. `None` when cancelled.
     ///
     /// # Errors
     /// What about the scene cannot be rendered.
@@ -67,6 +68,7 @@ impl Reference {
         scene: &Scene,
         seed: u64,
         samples_per_pixel: u32,
+        by: LightSampling,
         run: &RunConfig,
         progress: &RenderProgress,
     ) -> Result<Option<Self>, SceneError> {
@@ -77,11 +79,8 @@ impl Reference {
         settings.stop = Stop::default();
         settings.error_estimate = true;
         settings.clamp = None;
-        settings.light_sampling = match settings.light_sampling {
-            LightSampling::Mis => LightSampling::Nee,
-            LightSampling::Nee | LightSampling::Bsdf => LightSampling::Mis,
-        };
-        let light_sampling = (settings.mode == Mode::Path).then_some(settings.light_sampling);
+        settings.light_sampling = by;
+        let light_sampling = (settings.mode == Mode::Path).then_some(by);
 
         let Some(prepared) = PreparedScene::prepare(&scene, None, &run.cancel)? else {
             return Ok(None);
@@ -99,6 +98,16 @@ impl Reference {
                 },
             }),
         )
+    }
+
+    /// Whether its own mean square error is more than a quarter of that of `measured`, or is not known where that is.
+    ///
+    /// With sixteen times the samples it is expected to be a sixteenth.
+    pub(super) fn is_too_wrong_for(&self, measured: &Self) -> bool {
+        match (self.relmse(), measured.relmse()) {
+            (Some(own), Some(measured)) => own.value > measured.value / 4.0,
+            (own, measured) => own.is_none() && measured.is_some(),
+        }
     }
 
     /// Root mean square of its own error; `None` where it is not known.

@@ -27,7 +27,7 @@ pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
             let key = (Arc::as_ptr(structure), normals.map(std::ptr::from_ref));
             let corners = shared.entry(key).or_insert_with(|| {
                 let corners = structure.triangles().map(|t| t.corners);
-                mesh.add_corners(corners, normals)
+                mesh.add_corners(corners, object.triangles_per_copy, normals)
             });
             PreviewObject {
                 corners: corners.clone(),
@@ -38,7 +38,7 @@ pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
             let ids = object.triangles.clone();
             let corners = ids.map(|id| geometry.triangle(id).in_scene().corners);
             PreviewObject {
-                corners: mesh.add_corners(corners, normals),
+                corners: mesh.add_corners(corners, object.triangles_per_copy, normals),
                 places: 0..1,
                 turn: ScaledRotation::new(DMat3::IDENTITY),
             }
@@ -49,19 +49,18 @@ pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
 }
 
 impl PreviewMesh {
-    /// Adds the corners of triangles, copy after copy of what `normals` belong to; returns where they are.
+    /// Adds the corners of triangles, copy after copy of `per_copy` each that `normals` belong to; returns where they are.
     fn add_corners(
         &mut self,
         triangles: impl ExactSizeIterator<Item = [Vec3; 3]>,
+        per_copy: u32,
         normals: Option<&ShadingNormals>,
     ) -> Range<usize> {
         let start = self.vertices.len();
         self.vertices.reserve(triangles.len() * 3);
-        for (index, corners) in triangles.enumerate() {
-            let normals = match normals {
-                Some(normals) => normals.of_corners(index % normals.corners.len()),
-                None => [flat_normal(corners); 3],
-            };
+        for (index, corners) in (0..).zip(triangles) {
+            let normals = normals.and_then(|normals| normals.of_corners(index % per_copy));
+            let normals = normals.unwrap_or([flat_normal(corners); 3]);
             let vertices = (0..3).map(|i| Vertex::new(corners[i], normals[i]));
             self.vertices.extend(vertices);
         }

@@ -40,13 +40,13 @@ const SWINGS: [(f64, f64); 4] = [(0.0, 0.4), (0.1, 0.2), (0.2, 0.2), (0.3, 0.2)]
 
 /// Which part of the variance falls as for independent samples, at the level where the law is asked, and how likely that is.
 const SLOW_PARTS: [(f64, f64); 7] = [
-    (0.0, 0.75),
+    (0.0, 0.68),
     (0.03, 0.05),
     (0.1, 0.05),
     (0.3, 0.05),
-    (0.6, 0.04),
-    (0.8, 0.03),
-    (0.9, 0.03),
+    (0.6, 0.05),
+    (0.8, 0.06),
+    (0.9, 0.06),
 ];
 
 /// Typical deviation of the logarithm of a link from the law: of the newest, what each level of age adds to it, and what is

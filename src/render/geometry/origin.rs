@@ -1,10 +1,12 @@
 use std::hash::{Hash, Hasher};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use super::StructureChoice;
 use crate::geometry::TriangleMesh;
 use crate::math::Degrees;
-use crate::scene::{Copies, Object, Placement, Scene, SceneError};
+use crate::scene::{
+    Copies, Material, Mode, Object, Placement, RenderSettings, Rgb, Scene, SceneError,
+};
 
 /// Everything geometry is made from, kept to tell whether a changed scene needs new geometry.
 #[derive(Debug, PartialEq)]
@@ -39,6 +41,18 @@ pub struct ObjectShape {
     pub smooth: Option<Degrees>,
 }
 
+/// The mesh of what is not there.
+static NOTHING: LazyLock<Arc<TriangleMesh>> = LazyLock::new(Arc::default);
+
+/// Whether light passes `material` as if nothing were there. No ray must know of it, or its rounding would show.
+fn is_nothing(material: &Material, settings: &RenderSettings) -> bool {
+    let clear = Material::Glass {
+        ior: 1.0,
+        attenuation: Rgb::ZERO,
+    };
+    *material == clear && settings.glass && matches!(settings.mode, Mode::Direct | Mode::Path)
+}
+
 impl GeometryOrigin {
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
         let object_origin = |object: &Object| {
@@ -47,7 +61,12 @@ impl GeometryOrigin {
                 copies: object.copies,
                 smooth: object.smooth.then_some(object.crease_angle),
             };
-            Ok((MeshIdentity(Arc::clone(scene.mesh_of(object)?)), shape))
+            let mesh = if is_nothing(&scene.material_of(object)?, &scene.render) {
+                Arc::clone(&NOTHING)
+            } else {
+                Arc::clone(scene.mesh_of(object)?)
+            };
+            Ok((MeshIdentity(mesh), shape))
         };
         let objects = scene
             .objects

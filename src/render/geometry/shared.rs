@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::origin::{GeometryOrigin, MeshIdentity, ObjectShape};
-use super::{ShadingNormals, StructureChoice};
+use super::{ShadingNormals, SmoothNormals, StructureChoice, TrueNormals};
 use crate::accel::{Accelerator, Copies};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, corner_normals};
@@ -22,14 +22,14 @@ pub struct SharedMeshes {
     indices: HashMap<MeshIdentity, usize>,
 }
 
-/// A mesh in a frame of its own, its structure, and its normals for each crease angle asked for. None of that depends on
-/// where the copies are.
+/// A mesh in a frame of its own, its structure, and its normals for each way of shading asked for: flat, or smooth up to a
+/// crease angle. None of that depends on where the copies are.
 #[derive(Clone, Debug)]
 struct SharedMesh {
     mesh: MeshIdentity,
     frame: SceneFrame,
     structure: Arc<Accelerator>,
-    normals: Vec<(Degrees, Arc<ShadingNormals>)>,
+    normals: Vec<(Option<Degrees>, Option<Arc<ShadingNormals>>)>,
 }
 
 impl SharedMeshes {
@@ -68,9 +68,7 @@ impl SharedMeshes {
                     None => SharedMesh::build(mesh, origin.structure, cancel, progress)?,
                 })
             };
-            if let Some(crease) = shape.smooth {
-                shared.meshes[index].add_normals(crease);
-            }
+            shared.meshes[index].add_normals(shape.smooth);
         }
         Some(shared)
     }
@@ -113,11 +111,11 @@ impl SharedMeshes {
                 .map(|offset| scene.prepared_from_world(in_world + offset))
                 .collect(),
         };
-        let normals = shape.smooth.map(|crease| {
-            let known = shared.normals.iter().find(|(known, _)| *known == crease);
-            Arc::clone(&known.expect("added when the meshes were prepared").1)
-        });
-        Some((copies, normals))
+        let mut known = shared.normals.iter();
+        let (_, normals) = known
+            .find(|(smooth, _)| *smooth == shape.smooth)
+            .expect("added when the meshes were prepared");
+        Some((copies, normals.clone()))
     }
 }
 
@@ -165,15 +163,21 @@ impl SharedMesh {
         })
     }
 
-    fn add_normals(&mut self, crease: Degrees) {
-        if self.normals.iter().any(|(known, _)| *known == crease) {
+    fn add_normals(&mut self, smooth: Option<Degrees>) {
+        if self.normals.iter().any(|(known, _)| *known == smooth) {
             return;
         }
-        let normals = corner_normals(&self.mesh.0, crease);
-        let normals = ShadingNormals {
-            normals: normals.normals.iter().map(|n| n.as_vec3()).collect(),
-            corners: normals.corners,
+        let mesh = &self.mesh.0;
+        let normals = if let Some(crease) = smooth {
+            let normals = corner_normals(mesh, crease);
+            let normals = SmoothNormals::new(normals, |normal| normal, |corners| corners);
+            Some(ShadingNormals::Smooth(normals))
+        } else {
+            let rounded: Vec<_> = self.structure.triangles().collect();
+            let found =
+                TrueNormals::of_copies(&rounded, rounded.len(), |index| mesh.corners(index));
+            found.map(ShadingNormals::Flat)
         };
-        self.normals.push((crease, Arc::new(normals)));
+        self.normals.push((smooth, normals.map(Arc::new)));
     }
 }

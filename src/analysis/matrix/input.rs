@@ -1,0 +1,167 @@
+//! Files and numbers that mean harm or make no sense.
+
+use super::{Bar, Case, Effort};
+use crate::control::{CancelToken, Progress};
+use crate::geometry::shapes::{self, Random};
+use crate::io::{self, scene_file};
+use crate::render::PreparedScene;
+
+pub const CASES: &[Case] = &[
+    Case {
+        name: "impossible meshes",
+        tried: "numbers, counts and indices that no mesh can have: files that are taken",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: impossible_meshes,
+    },
+    Case {
+        name: "impossible settings",
+        tried: "not a number, infinite, negative and huge values of every kind of key: scenes that are taken",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: impossible_settings,
+    },
+    Case {
+        name: "damaged meshes",
+        tried: "mutated OFF files: files that are taken with an index out of range or a corner that is not finite",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: damaged_meshes,
+    },
+];
+
+fn is_mesh(bytes: &[u8]) -> bool {
+    matches!(
+        io::off::parse(bytes, &CancelToken::new(), &Progress::new()),
+        Ok(Some(_))
+    )
+}
+
+fn impossible_meshes(_: Effort) -> f64 {
+    let with_vertex = |text: &str| format!("OFF 3 1 0\n0 0 0\n1 0 0\n{text}\n3 0 1 2\n");
+    let with_face = |text: &str| format!("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n{text}\n");
+    let mut files: Vec<String> = [
+        "0 1 nan",
+        "0 inf 0",
+        "0 -inf 0",
+        "0 1e400 0",
+        "0 1",
+        "0 one 0",
+        "",
+    ]
+    .map(with_vertex)
+    .into();
+    files.extend(
+        [
+            "3 0 1 3",
+            "3 0 1 -1",
+            "3 0 1 2147483648",
+            "3 0 1 4294967296",
+            "3 0 1 1e20",
+            "3 0 1 1.5",
+            "3 0 1",
+            "-3 0 1 2",
+        ]
+        .map(with_face),
+    );
+    for counts in [
+        "1000000000000 1 0",
+        "18446744073709551615 1 0",
+        "1e30 1 0",
+        "-1 1 0",
+        "3 -1 0",
+        "3",
+        "",
+    ] {
+        files.push(format!("OFF {counts}\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    }
+    files.iter().filter(|text| is_mesh(text.as_bytes())).count() as f64
+}
+
+/// Values that the key may not have.
+const IMPOSSIBLE: &[(&str, &[&str])] = &[
+    (
+        "render.width",
+        &["0", "-1", "65537", "1.5", "nan", "1000000000000"],
+    ),
+    (
+        "render.samples_per_pixel",
+        &["0", "-1", "0.5", "99999999999"],
+    ),
+    ("render.max_bounces", &["-1", "1048577", "inf"]),
+    ("render.clamp", &["0", "-1", "nan"]),
+    ("render.stop.noise", &["0", "-0.1", "nan"]),
+    ("render.stop.seconds", &["0", "-1", "nan"]),
+    ("render.shadow_samples", &["0", "-1", "70000"]),
+    (
+        "render.ambient_occlusion.radius",
+        &["0", "-1", "nan", "inf"],
+    ),
+    (
+        "camera.eye",
+        &["[nan, 0, 0]", "[0, inf, 0]", "[0, 0]", "[1e200, 0, 0]"],
+    ),
+    ("camera.up", &["[0, 0, 0]", "[nan, 0, 1]"]),
+    ("camera.vertical_fov", &["0", "180", "-5", "nan"]),
+    ("camera.aperture_radius", &["-1", "nan", "inf"]),
+    ("camera.focus_distance", &["0", "-1", "nan"]),
+    (
+        "background.radiance",
+        &["[1e39, 0, 0]", "[-1, 0, 0]", "[nan, 0, 0]"],
+    ),
+];
+
+fn impossible_settings(_: Effort) -> f64 {
+    let demo = io::demo_scene();
+    let mut taken = 0;
+    for (key, values) in IMPOSSIBLE {
+        for value in *values {
+            let changes = [
+                "background.radiance=[0, 0, 0]".to_owned(),
+                format!("{key}={value}"),
+            ];
+            let Ok(scene) = scene_file::apply_overrides(&demo, &changes) else {
+                continue;
+            };
+            // Some numbers are only impossible together with the size of the scene.
+            let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+            taken += u32::from(prepared.is_ok());
+        }
+    }
+    f64::from(taken)
+}
+
+fn damaged_meshes(effort: Effort) -> f64 {
+    let whole = io::off::write(&shapes::icosphere(1)).into_bytes();
+    let mut random = Random::new(31);
+    let mut wrong = 0;
+    for _ in 0..effort.pick(2_000, 100_000) {
+        let mut bytes = whole.clone();
+        for _ in 0..=random.bits() % 4 {
+            let place = usize::try_from(random.bits() % bytes.len() as u64).expect("a small file");
+            match random.bits() % 5 {
+                0 => bytes[place] = random.bits().to_le_bytes()[0],
+                1 => bytes.truncate(place + 1),
+                2 => drop(bytes.drain(place..(place + 9).min(bytes.len() - 1).max(place))),
+                3 => bytes.splice(place..place, *b" 1e999 -7 ").for_each(drop),
+                _ => {
+                    bytes[place] =
+                        b"0123456789.-e \n"[usize::from(random.bits().to_le_bytes()[0] % 15)]
+                }
+            }
+        }
+        let Ok(Some(file)) = io::off::parse(&bytes, &CancelToken::new(), &Progress::new()) else {
+            continue;
+        };
+        let mesh = &file.mesh;
+        let count = mesh.positions.len();
+        let in_range = mesh
+            .triangles
+            .iter()
+            .flatten()
+            .all(|&vertex| (vertex as usize) < count);
+        let finite = mesh.positions.iter().all(|position| position.is_finite());
+        wrong += u32::from(!(in_range && finite));
+    }
+    f64::from(wrong)
+}

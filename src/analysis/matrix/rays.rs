@@ -1,0 +1,505 @@
+//! Rays that graze, aim at cracks, run along planes and start on what they left.
+
+use rayon::prelude::*;
+
+use super::meshes::{by_every_structure, narrowed, stadium};
+use super::stage::{
+    add, different_pixels, glass, improper_pixels, joined, mapped, phong, prepared, showroom, still,
+};
+use super::{Bar, Case, Effort};
+use crate::accel::{Accelerator, BruteForce, BuildQuality, Hit, KdParameters, KdTree, WideTree};
+use crate::control::{CancelToken, Progress};
+use crate::geometry::shapes::{self, Random};
+use crate::geometry::{Triangle, TriangleMesh};
+use crate::math::{Bounds, DVec3, Ray, Vec3, power_of_two};
+use crate::scene::Mode;
+
+pub const CASES: &[Case] = &[
+    Case {
+        name: "no ray escapes a closed body",
+        tried: "rays aimed at edges and corners from within, at several offsets and sizes, both trees: rays that get out",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: escapes,
+    },
+    Case {
+        name: "no ray hits what it leaves",
+        tried: "reflected rays off triangles up to 10,000 of their sizes from the middle: rays that meet their own triangle",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: self_hits,
+    },
+    Case {
+        name: "the trees answer like brute force",
+        tried: "rays that miss, hit, graze and run along 20 scenes: answers of either tree that are not the same bits",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: unlike_brute_force,
+    },
+    Case {
+        name: "brute force in double precision",
+        tried: "the same rays by another test of triangles: answers that differ further than 1e-6 of a size from an edge",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: unlike_double_precision,
+    },
+    Case {
+        name: "rays along the axes",
+        tried: "26 directions with both zeros, origins on the planes of the tree: answers that are not those of brute force",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: along_the_axes,
+    },
+    Case {
+        name: "length of directions",
+        tried: "directions times 2^±40: answers other than the same triangle at the same point",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: scaled_directions,
+    },
+    Case {
+        name: "eye on and in geometry",
+        tried: "eyes inside bodies, on faces, edges and corners, every structure: pixels that differ or are no light",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: eye_in_geometry,
+    },
+];
+
+/// Twenty scenes of at most some hundred triangles, as rendering stores them or moved and scaled against its habit.
+fn scenes() -> Vec<Vec<Triangle>> {
+    let identical = TriangleMesh {
+        triangles: vec![[0, 1, 2]; 60],
+        ..shapes::soup(1, 1.0, 3)
+    };
+    let square = shapes::grid(3);
+    let far_apart = joined([
+        shapes::icosphere(1),
+        mapped(shapes::icosphere(1), |p| p * 1e-3 + 30.0),
+    ]);
+    let meshes = [
+        TriangleMesh::default(),
+        shapes::soup(1, 1.0, 1),
+        shapes::soup(2, 1.0, 2),
+        shapes::icosphere(2),
+        shapes::cuboid(DVec3::NEG_ONE, DVec3::ONE),
+        shapes::soup(300, 0.2, 4),
+        shapes::soup(300, 1.5, 5),
+        shapes::slivers(200, 1e-6, 6),
+        shapes::vertex_fan(120, 7),
+        identical,
+        shapes::flat_overlap(150, 8),
+        shapes::axis_aligned(300, 16, 9),
+        shapes::one_spot(150, 10),
+        joined([square.clone(), square.clone(), square]),
+        far_apart,
+    ];
+    let mut scenes: Vec<_> = meshes.iter().map(narrowed).collect();
+    let ball = narrowed(&shapes::icosphere(1));
+    let changed = |f: &dyn Fn(Vec3) -> Vec3| {
+        let triangles = ball.iter();
+        triangles
+            .map(|t| Triangle {
+                corners: t.corners.map(f),
+            })
+            .collect()
+    };
+    scenes.push(changed(&|p| p + 1000.0));
+    scenes.push(changed(&|p| p * 2_f32.powi(-20)));
+    scenes.push(changed(&|p| p * 2_f32.powi(20)));
+    scenes.push(changed(&|p| p * 2_f32.powi(-100)));
+    scenes.push(changed(&|p| p + Vec3::new(1e5, -3e4, 7.0)));
+    scenes
+}
+
+/// The literal tree and the wide one.
+fn trees(triangles: &[Triangle]) -> [Accelerator; 2] {
+    let cancel = CancelToken::new();
+    let kd = KdTree::build(triangles, &KdParameters::default(), &cancel);
+    let wide = WideTree::build(triangles, BuildQuality::Best, &cancel, &Progress::new());
+    [
+        Accelerator::KdTree(kd.expect("nobody cancels")),
+        Accelerator::Wide(wide.expect("nobody cancels")),
+    ]
+}
+
+/// Where rays to a scene may start and aim.
+struct Surroundings<'a> {
+    triangles: &'a [Triangle],
+    center: DVec3,
+    half: DVec3,
+    size: f64,
+}
+
+impl<'a> Surroundings<'a> {
+    fn of(triangles: &'a [Triangle]) -> Self {
+        let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
+        let (center, half) = if bounds.is_empty() {
+            (DVec3::ZERO, DVec3::ONE)
+        } else {
+            (bounds.center().as_dvec3(), bounds.size().as_dvec3() * 0.5)
+        };
+        let size = half.max_element().max(f64::from(f32::MIN_POSITIVE));
+        Self {
+            triangles,
+            center,
+            half,
+            size,
+        }
+    }
+
+    /// One of the kinds of rays that find mistakes.
+    fn ray(&self, random: &mut Random) -> Ray {
+        loop {
+            let ray = self.candidate(random);
+            if ray.direction.is_finite() && ray.direction != Vec3::ZERO {
+                return ray;
+            }
+        }
+    }
+
+    fn candidate(&self, random: &mut Random) -> Ray {
+        let reach = [0.9, 3.0, 100.0][below(random, 3)];
+        let origin = (self.center + random.in_cube() * self.size * reach).as_vec3();
+        if self.triangles.is_empty() {
+            return Ray::new(origin, random.in_cube().as_vec3());
+        }
+        let corners = self.triangles[below(random, self.triangles.len())].corners;
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let beside =
+            a + (b - a) * (random.unit() * 6.0 - 3.0) + (c - a) * (random.unit() * 6.0 - 3.0);
+        match below(random, 9) {
+            0 => Ray::new(origin, random.in_cube().as_vec3()),
+            1 => {
+                let target = self.center + random.in_cube() * self.half;
+                Ray::new(origin, target.as_vec3() - origin)
+            }
+            // At corners, at edges.
+            2 => Ray::new(origin, corners[0] - origin),
+            3 => Ray::new(origin, (a + (b - a) * random.unit()).as_vec3() - origin),
+            // In the plane of a triangle, and from it.
+            4 => Ray::new(beside.as_vec3(), (b - beside).as_vec3()),
+            5 => Ray::new(beside.as_vec3(), (c - b).as_vec3()),
+            6 => Ray::new(corners[0], (c - b).as_vec3()),
+            7 => Ray::new(corners[0], random.in_cube().as_vec3()),
+            // Along the lattice, with both zeros, from coordinates of corners, where planes are likely.
+            _ => {
+                let mut of_corner =
+                    || self.triangles[below(random, self.triangles.len())].corners[0];
+                let mut origin = Vec3::new(of_corner().x, of_corner().y, of_corner().z);
+                let direction = lattice_direction(below(random, 64));
+                if below(random, 2) == 0 {
+                    origin -= direction * (self.size * 4.0) as f32;
+                }
+                Ray::new(origin, direction)
+            }
+        }
+    }
+}
+
+/// A random index below `count`.
+fn below(random: &mut Random, count: usize) -> usize {
+    usize::try_from(random.bits() % count as u64).expect("below a usize")
+}
+
+/// Number `number` below 64 of the vectors of −1, −0, 0 and 1.
+fn lattice_direction(number: usize) -> Vec3 {
+    let values = [-1.0, -0.0, 0.0, 1.0];
+    Vec3::new(
+        values[number % 4],
+        values[number / 4 % 4],
+        values[number / 16],
+    )
+}
+
+fn bits(hit: Option<Hit>) -> Option<(u32, u32, [u32; 3])> {
+    hit.map(|hit| {
+        let weights = hit.barycentrics.map(f32::to_bits);
+        (hit.triangle, hit.t.to_bits(), weights)
+    })
+}
+
+/// Counts over `count` rays, in parallel, each lot of them with random numbers of its own.
+fn count_over(count: u64, of_lot: impl Fn(&mut Random, u64) -> u64 + Sync) -> f64 {
+    const LOT: u64 = 4096;
+    let lots = count.div_ceil(LOT);
+    let sum: u64 = (0..lots)
+        .into_par_iter()
+        .map(|lot| of_lot(&mut Random::new(lot ^ 0x5eed), LOT.min(count - lot * LOT)))
+        .sum();
+    sum as f64
+}
+
+fn escapes(effort: Effort) -> f64 {
+    let rays_each = effort.pick(100_000, 100_000_000) / 10;
+    let mut random = Random::new(5);
+    let rough = mapped(shapes::icosphere(3), |p| p * (0.5 + 0.5 * random.unit()));
+    let rough = narrowed(&rough);
+    let changes: [fn(Vec3) -> Vec3; 5] = [
+        |p| p,
+        |p| p + 1000.0,
+        |p| p + Vec3::new(-30.0, 4e4, 0.7),
+        |p| p * 2_f32.powi(-60),
+        |p| p * 2_f32.powi(60),
+    ];
+    let mut count = 0.0;
+    for change in changes {
+        let triangles: Vec<_> = rough
+            .iter()
+            .map(|t| Triangle {
+                corners: t.corners.map(change),
+            })
+            .collect();
+        let middle = change(Vec3::ZERO).as_dvec3();
+        let size = (change(Vec3::X) - change(Vec3::ZERO)).length();
+        for tree in &trees(&triangles) {
+            count += count_over(rays_each, |random, count| {
+                let escapes = |random: &mut Random| {
+                    let origin = middle + random.in_cube() * 0.1 * f64::from(size);
+                    let origin = origin.as_vec3();
+                    let corners = triangles[below(random, triangles.len())].corners;
+                    let [a, b, _] = corners.map(Vec3::as_dvec3);
+                    let share = if random.bits() % 2 == 0 {
+                        0.0
+                    } else {
+                        random.unit()
+                    };
+                    let ray = Ray::new(origin, (a + (b - a) * share).as_vec3() - origin);
+                    tree.intersect(&ray, f32::INFINITY).is_none()
+                        || !tree.occluded(&ray, f32::INFINITY)
+                };
+                (0..count).map(|_| u64::from(escapes(random))).sum()
+            });
+        }
+    }
+    count
+}
+
+fn self_hits(effort: Effort) -> f64 {
+    let mut count = 0.0;
+    for distance in [0.0, 100.0, 1e4] {
+        // Many triangles of size 1 around two places.
+        let soup = shapes::soup(2000, 0.7, 9);
+        let apart = joined([
+            mapped(soup.clone(), |p| p + distance),
+            mapped(soup, |p| p - distance),
+        ]);
+        let mut scene = still(1, 1);
+        add(&mut scene, "soup", apart, phong(0.5, 0.0, 1.0));
+        let scene = prepared(&scene);
+        let accelerator = scene.geometry().accelerator();
+        let scale = scene.geometry().frame().scale();
+        count += count_over(effort.pick(100_000, 30_000_000) / 3, |random, count| {
+            let mut hits = 0;
+            for _ in 0..count {
+                let id = u32::try_from(random.bits() % 4000).expect("few");
+                let [a, b, c] = scene
+                    .geometry()
+                    .triangle(id)
+                    .in_scene()
+                    .corners
+                    .map(Vec3::as_dvec3);
+                let (u, v) = (random.unit(), random.unit());
+                let (u, v) = if u + v > 1.0 {
+                    (1.0 - u, 1.0 - v)
+                } else {
+                    (u, v)
+                };
+                let aim = a + (b - a) * u + (c - a) * v;
+                let away = random.in_cube().normalize();
+                let ray = Ray::new((aim + away * (10.0 * scale)).as_vec3(), -away.as_vec3());
+                let Some(point) = scene.surface_along(&ray, f32::INFINITY) else {
+                    continue;
+                };
+                let mut onward = random.in_cube().normalize().as_vec3();
+                if onward.dot(point.geometric_normal()) < 0.0 {
+                    onward = -onward;
+                }
+                let above = accelerator.intersect(&point.ray_above(onward), f32::INFINITY);
+                let through = accelerator.intersect(&point.ray_through(-onward), f32::INFINITY);
+                let is_own =
+                    |hit: Option<Hit>| hit.is_some_and(|hit| hit.triangle == point.triangle);
+                hits += u64::from(is_own(above)) + u64::from(is_own(through));
+            }
+            hits
+        });
+    }
+    count
+}
+
+fn unlike_brute_force(effort: Effort) -> f64 {
+    let scenes = scenes();
+    let rays_each = effort.pick(100_000, 100_000_000) / scenes.len() as u64;
+    let mut count = 0.0;
+    for triangles in &scenes {
+        let trees = trees(triangles);
+        let all = BruteForce::new(triangles.clone());
+        let around = Surroundings::of(triangles);
+        count += count_over(rays_each, |random, count| {
+            let differs = |random: &mut Random| {
+                let ray = around.ray(random);
+                let expected = all.intersect(&ray, f32::INFINITY);
+                trees.iter().any(|tree| {
+                    bits(tree.intersect(&ray, f32::INFINITY)) != bits(expected)
+                        || tree.occluded(&ray, f32::INFINITY) != expected.is_some()
+                })
+            };
+            (0..count).map(|_| u64::from(differs(random))).sum()
+        });
+    }
+    count
+}
+
+/// Where a ray meets a triangle: the parameter, and the distance from the nearest edge over the longest one, negative outside.
+/// Source: Möller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997; in `f64`, without a threshold.
+fn by_barycentrics(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
+    let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let (ab, ac) = (b - a, c - a);
+    let p = direction.cross(ac);
+    let determinant = ab.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = origin - a;
+    let u = s.dot(p) / determinant;
+    let q = s.cross(ab);
+    let v = direction.dot(q) / determinant;
+    let t = ac.dot(q) / determinant;
+    let edges = [(u, ac), (v, ab), (1.0 - u - v, c - b)];
+    let longest = edges
+        .map(|(_, edge)| edge.length())
+        .into_iter()
+        .fold(0.0, f64::max);
+    let doubled_area = ab.cross(ac).length();
+    // A weight is the distance from its edge over the height on that edge.
+    let inside = edges.map(|(weight, edge)| weight * doubled_area / edge.length() / longest);
+    Some((t, inside.into_iter().fold(f64::INFINITY, f64::min)))
+}
+
+fn unlike_double_precision(effort: Effort) -> f64 {
+    /// Of the longest edge: far above the rounding of the second test for rays of the scene's size.
+    const NEAR_EDGE: f64 = 1e-6;
+    let meshes = [
+        shapes::icosphere(2),
+        shapes::soup(300, 0.2, 4),
+        shapes::cuboid(DVec3::NEG_ONE, DVec3::ONE),
+        shapes::axis_aligned(300, 16, 9),
+    ];
+    let mut count = 0.0;
+    for mesh in &meshes {
+        let triangles = narrowed(mesh);
+        let all = BruteForce::new(triangles.clone());
+        let around = Surroundings::of(&triangles);
+        count += count_over(effort.pick(40_000, 4_000_000) / 4, |random, count| {
+            let differs = |random: &mut Random| {
+                let origin = (around.center + random.in_cube() * around.size * 3.0).as_vec3();
+                let target = (around.center + random.in_cube() * around.half).as_vec3();
+                let ray = Ray::new(origin, target - origin);
+                let mut nearest = f64::INFINITY;
+                for triangle in &triangles {
+                    match by_barycentrics(&ray, triangle) {
+                        Some((_, inside)) if inside.abs() < NEAR_EDGE => return false,
+                        Some((t, inside)) if inside > 0.0 && t > 0.0 => nearest = nearest.min(t),
+                        _ => {}
+                    }
+                }
+                match all.intersect(&ray, f32::INFINITY) {
+                    None => nearest.is_finite(),
+                    Some(hit) => (f64::from(hit.t) - nearest).abs() > 1e-6 * nearest,
+                }
+            };
+            (0..count).map(|_| u64::from(differs(random))).sum()
+        });
+    }
+    count
+}
+
+fn along_the_axes(effort: Effort) -> f64 {
+    let meshes = [
+        shapes::axis_aligned(400, 8, 3),
+        shapes::grid(12),
+        shapes::cuboid(DVec3::NEG_ONE, DVec3::ONE),
+        stadium(),
+    ];
+    let mut count = 0.0;
+    for mesh in &meshes {
+        let triangles = narrowed(mesh);
+        let (trees, all) = (trees(&triangles), BruteForce::new(triangles.clone()));
+        let around = Surroundings::of(&triangles);
+        count += count_over(effort.pick(20_000, 2_000_000), |random, count| {
+            let differs = |random: &mut Random| {
+                let mut of_corner = || triangles[below(random, triangles.len())].corners[1];
+                let mut origin = Vec3::new(of_corner().x, of_corner().y, of_corner().z);
+                let direction = lattice_direction(below(random, 64));
+                if direction == Vec3::ZERO {
+                    return false;
+                }
+                if random.bits() % 2 == 0 {
+                    origin -= direction * (around.size * 4.0) as f32;
+                }
+                let ray = Ray::new(origin, direction);
+                let expected = bits(all.intersect(&ray, f32::INFINITY));
+                trees
+                    .iter()
+                    .any(|tree| bits(tree.intersect(&ray, f32::INFINITY)) != expected)
+            };
+            (0..count).map(|_| u64::from(differs(random))).sum()
+        });
+    }
+    count
+}
+
+fn scaled_directions(effort: Effort) -> f64 {
+    let triangles = narrowed(&shapes::soup(300, 0.3, 4));
+    let trees = trees(&triangles);
+    let around = Surroundings::of(&triangles);
+    count_over(effort.pick(20_000, 2_000_000), |random, count| {
+        let differs = |random: &mut Random| {
+            let ray = around.ray(random);
+            let base = trees[0].intersect(&ray, f32::INFINITY);
+            [-40, 40].into_iter().any(|exponent| {
+                let factor = power_of_two(exponent) as f32;
+                let scaled = Ray::new(ray.origin, ray.direction * factor);
+                let back = |hit: Hit| Hit {
+                    t: hit.t * factor,
+                    ..hit
+                };
+                trees.iter().any(|tree| {
+                    bits(tree.intersect(&scaled, f32::INFINITY).map(back)) != bits(base)
+                })
+            })
+        };
+        (0..count).map(|_| u64::from(differs(random))).sum()
+    })
+}
+
+fn eye_in_geometry(_: Effort) -> f64 {
+    let mut count = 0.0;
+    for material in [phong(0.5, 0.4, 30.0), glass(1.5)] {
+        for mode in [Mode::Direct, Mode::Path, Mode::Normals] {
+            let mut scene = showroom(24, 18);
+            scene.materials.insert("matt".into(), material);
+            scene.render.mode = mode;
+            let mesh = &scene.meshes["matt"];
+            let [a, b, c] = mesh.corners(17);
+            let eyes = [
+                a,
+                (a + b) / 2.0,
+                (a + b + c) / 3.0,
+                DVec3::new(-1.3, 0.2, -0.3),
+            ];
+            for eye in eyes {
+                scene.camera.eye = eye;
+                scene.camera.target = DVec3::new(1.2, 0.9, -0.2);
+                let pictures = by_every_structure(&mut scene);
+                count += improper_pixels(&pictures[0]);
+                let others = pictures[1..].iter();
+                count += others
+                    .map(|other| different_pixels(&pictures[0], other))
+                    .sum::<f64>();
+            }
+        }
+    }
+    count
+}

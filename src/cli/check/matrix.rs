@@ -1,0 +1,102 @@
+use std::process::ExitCode;
+
+use anyhow::Result;
+use serde::Serialize;
+
+use super::super::say;
+use crate::analysis::matrix::{self, Bar, Case, Effort, Finding};
+
+/// A case as it is written for programs.
+#[derive(Debug, Serialize)]
+struct CaseFacts {
+    name: &'static str,
+    tried: &'static str,
+    /// `None` where there is no figure.
+    measured: Option<f64>,
+    bar: f64,
+    /// Whether the figure must be the bar, or may be less.
+    exactly: bool,
+    passed: bool,
+    seconds: f64,
+    /// What the program said when it broke down.
+    panic: Option<String>,
+}
+
+impl CaseFacts {
+    fn new(case: &Case, finding: Finding) -> Self {
+        Self {
+            name: case.name,
+            tried: case.tried,
+            measured: finding.measured.is_finite().then_some(finding.measured),
+            bar: case.bar.value(),
+            exactly: matches!(case.bar, Bar::Exactly(_)),
+            passed: finding.passed,
+            seconds: finding.seconds,
+            panic: finding.panic,
+        }
+    }
+
+    fn line(&self) -> String {
+        let verdict = if self.passed { "pass" } else { "FAIL" };
+        let measured = self.measured.map_or("none".to_owned(), shown);
+        let relation = if self.exactly { "=" } else { "≤" };
+        let panic = self
+            .panic
+            .iter()
+            .map(|words| format!("; panicked: {words}"));
+        format!(
+            "{verdict}  {measured:>9}  {relation} {:<7} {:6.1} s  {}: {}{}",
+            shown(self.bar),
+            self.seconds,
+            self.name,
+            self.tried,
+            panic.collect::<String>()
+        )
+    }
+}
+
+/// Three digits, with an exponent where zeros would hide them.
+fn shown(number: f64) -> String {
+    let has_few_zeros = number == 0.0 || (1e-3..1e6).contains(&number.abs());
+    if !has_few_zeros {
+        format!("{number:.2e}")
+    } else if number.fract() == 0.0 {
+        number.to_string()
+    } else {
+        format!("{number:.3}")
+    }
+}
+
+/// Tries every case whose name holds `only`; exit code 1 where one fails.
+pub fn run(effort: Effort, only: Option<&str>, as_json: bool) -> Result<ExitCode> {
+    let mut all = Vec::new();
+    for case in matrix::cases().filter(|case| only.is_none_or(|only| case.name.contains(only))) {
+        let facts = CaseFacts::new(case, case.run(effort));
+        if !as_json {
+            say(&facts.line())?;
+        }
+        all.push(facts);
+    }
+    anyhow::ensure!(
+        !all.is_empty(),
+        "no case's name holds \"{}\"",
+        only.unwrap_or_default()
+    );
+    let failed = all.iter().filter(|case| !case.passed).count();
+    let seconds: f64 = all.iter().map(|case| case.seconds).sum();
+    if as_json {
+        let facts = serde_json::json!({ "cases": all, "seconds": seconds });
+        say(&serde_json::to_string_pretty(&facts)?)?;
+    } else {
+        say(&format!(
+            "{} of {} cases pass, in {seconds:.0} s",
+            all.len() - failed,
+            all.len()
+        ))?;
+    }
+    Ok(if failed == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
