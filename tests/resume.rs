@@ -198,7 +198,7 @@ fn every_checkpoint_leads_to_the_same_end() {
         let all = all.into_inner().unwrap_or_else(PoisonError::into_inner);
         assert!(all.len() > 20, "{}: {} checkpoints", case.name, all.len());
         // An odd step, so that all moments of a pass are met.
-        let step = all.len() / MOST_TRIED | 1;
+        let step = (all.len() / MOST_TRIED) | 1;
         for (number, checkpoint) in all.into_iter().enumerate().step_by(step) {
             let found = case.render_all(&prepared, Some(checkpoint));
             assert_same(&found, &whole, &format!("{}, {number}", case.name));
