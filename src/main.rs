@@ -1,5 +1,6 @@
 //! The program: reads the command line and hands over to a command or to the window.
 
+use std::panic::{catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -8,10 +9,19 @@ use clap::Parser;
 use raymini::cli::{Arguments, Signals, render_to_file};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
+use raymini::render::{RenderFault, keep_panics_quiet};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    run(arguments).unwrap_or_else(|error| {
+    keep_panics_quiet();
+    let result = catch_unwind(|| run(arguments)).unwrap_or_else(|payload| {
+        // Any other panic has been printed, and ends the program as panics do.
+        match payload.downcast::<RenderFault>() {
+            Ok(fault) => Err((*fault).into()),
+            Err(payload) => resume_unwind(payload),
+        }
+    });
+    result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
         ExitCode::FAILURE
     })

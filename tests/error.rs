@@ -32,8 +32,8 @@ fn rounds(scene: &Scene) -> Vec<(Image, ErrorEstimate)> {
         }
     };
     let watch = Watch {
-        on_tile: None,
         on_round: Some(&on_round),
+        ..Watch::default()
     };
     let (run, progress) = (RunConfig::default(), RenderProgress::default());
     render_watched(&prepared, None, &run, &progress, watch).expect("nobody cancels");

@@ -4,11 +4,13 @@
 
 mod bench;
 mod check;
+mod checkpoint;
 mod compare;
 mod info;
 mod render;
 mod report;
 mod signals;
+mod trace;
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -10,11 +10,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Serialize, Serializer};
 
 use super::Signals;
+use super::checkpoint::{CheckpointArguments, CheckpointFile};
+use super::trace::TraceArguments;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
-    Bands, Clamped, Ending, ErrorEstimate, Image, Interval, PictureMemory, PreparedScene,
-    RayCounts, Region, RenderOutcome, RenderProgress, RenderStats, RunConfig, render,
+    Bands, Checkpoint, CheckpointKeeper, Clamped, Ending, ErrorEstimate, Image, Interval,
+    PictureMemory, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RenderStats,
+    RunConfig, Watch, render_watched, resume,
 };
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -26,8 +29,8 @@ pub struct RenderArguments {
     scene: Option<PathBuf>,
 
     /// Where to write the picture: .png, or .exr for the radiance itself
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
+    output: Option<PathBuf>,
 
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -68,9 +71,27 @@ pub struct RenderArguments {
     /// Write times, counts and the picture's hash to this file as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
+
+    #[command(flatten)]
+    checkpoint: CheckpointArguments,
+
+    #[command(flatten)]
+    trace: TraceArguments,
 }
 
 impl RenderArguments {
+    /// Looks for what cannot be written, before work is spent on it.
+    fn check_files(&self, output: &Path) -> Result<()> {
+        io::check_image_path(output)?;
+        if let Some(path) = &self.stats {
+            io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+        }
+        let others: Vec<&Path> = std::iter::once(output)
+            .chain(self.stats.as_deref())
+            .collect();
+        self.checkpoint.check(&others)
+    }
+
     /// Every change to the scene's keys that the flags ask for.
     fn assignments(&self) -> Vec<String> {
         let mut assignments = self.assignments.clone();
@@ -209,12 +230,9 @@ impl From<&ErrorEstimate> for ErrorFacts {
 }
 
 pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<ExitCode> {
-    // Before work is spent on what could not be written.
-    io::check_image_path(&arguments.output)?;
-    if let Some(path) = &arguments.stats {
-        io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+    if let Some(output) = &arguments.output {
+        arguments.check_files(output)?;
     }
-
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
     let Some(mut loaded) = super::load_unless(&interrupt, arguments.scene.as_deref())? else {
@@ -228,7 +246,16 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
         eprintln!("warning: {warning}");
     }
     let load_seconds = started.elapsed().as_secs_f64();
-    render_scene(&loaded.scene, arguments, load_seconds, signals)
+    if let Some(pixel) = arguments.trace.pixel {
+        let Some(prepared) = prepare(&loaded.scene, &interrupt)? else {
+            return Ok(exit_code(signals));
+        };
+        arguments.trace.print(&loaded.scene, &prepared, pixel)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let output = arguments.output.as_deref();
+    let output = output.context("--output names no file for the picture")?;
+    render_scene(&loaded.scene, output, arguments, load_seconds, signals)
 }
 
 /// Renders `scene` as it is to `output`; what the window does where there is no screen.
@@ -239,7 +266,7 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
     io::check_image_path(output)?;
     let arguments = RenderArguments {
         scene: None,
-        output: output.to_owned(),
+        output: None,
         size: None,
         mode: None,
         spp: None,
@@ -250,23 +277,32 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
         region: None,
         assignments: Vec::new(),
         stats: None,
+        checkpoint: CheckpointArguments::default(),
+        trace: TraceArguments::default(),
     };
-    render_scene(scene, &arguments, 0.0, signals)
+    render_scene(scene, output, &arguments, 0.0, signals)
 }
 
-/// Renders `scene`, writes the picture and the stats, and says what it took. A signal ends that early, with what is there.
+/// Prepares `scene` with the progress shown; `None` when cancelled.
+fn prepare(scene: &Scene, cancel: &CancelToken) -> Result<Option<PreparedScene>> {
+    let progress = Progress::new();
+    let how_far = || (progress.fraction(), "building the tree".to_owned());
+    let prepare = || PreparedScene::prepare_watched(scene, None, cancel, &progress);
+    Ok(with_progress_bar(how_far, prepare)?)
+}
+
+/// Renders `scene`, writes the picture to `output` and the stats, and says what it took. A signal ends that early, with what is
+/// there.
 fn render_scene(
     scene: &Scene,
+    output: &Path,
     arguments: &RenderArguments,
     load_seconds: f64,
     signals: &Signals,
 ) -> Result<ExitCode> {
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
-    let progress = Progress::new();
-    let how_far = || (progress.fraction(), "building the tree".to_owned());
-    let prepare = || PreparedScene::prepare_watched(scene, None, &interrupt, &progress);
-    let Some(prepared) = with_progress_bar(how_far, prepare)? else {
+    let Some(prepared) = prepare(scene, &interrupt)? else {
         return Ok(interrupted_early(signals));
     };
     let build_seconds = started.elapsed().as_secs_f64();
@@ -288,22 +324,40 @@ fn render_scene(
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),
         interrupt,
-        layers: scene.output.layers && io::holds_layers(&arguments.output),
+        layers: scene.output.layers && io::holds_layers(output),
         ..RunConfig::default()
     };
-    let outcome = if let Some(bands) = Bands::of(&prepared, arguments.region, &run) {
+    let region = (arguments.region).unwrap_or(Region::full(settings.width, settings.height));
+    let kept = &arguments.checkpoint;
+    let kept = kept.of_render(scene, &prepared, region, &run);
+    let bands = Bands::of(&prepared, Some(region), &run).filter(|_| kept.is_none());
+    let outcome = if let Some(bands) = bands {
         bands.memory(&prepared, &run).require()?;
         render_bands(&prepared, &bands, &run)
     } else {
-        PictureMemory::of_render(&prepared, arguments.region, &run).require()?;
-        render_watched(&prepared, arguments.region, &run)
+        let memory = PictureMemory {
+            has_checkpoint: kept.is_some(),
+            ..PictureMemory::of_render(&prepared, Some(region), &run)
+        };
+        memory.require()?;
+        let start = match &kept {
+            Some(file) => file.load(&prepared, region, &run, memory)?,
+            None => None,
+        };
+        render_with_progress(&prepared, region, &run, kept.as_ref(), start)
     };
     let outcome = outcome.ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    let is_interrupted = outcome.stats.ending == Ending::Interrupted;
     // Black where nothing is known would be taken for the scene's own black.
     if outcome.stats.sample_range[0] == 0 {
-        return Ok(interrupted_early(signals));
+        let code = interrupted_early(signals);
+        kept.iter().for_each(CheckpointFile::say_how_to_go_on);
+        return Ok(code);
     }
-    let (place, failure) = write_picture(&outcome, scene, &arguments.output)?;
+    let (place, failure) = write_picture(&outcome, scene, output)?;
+    if !is_interrupted && failure.is_none() {
+        kept.iter().for_each(CheckpointFile::remove);
+    }
 
     let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
@@ -315,6 +369,9 @@ fn render_scene(
         None => Ok(()),
     };
     say_what_it_took(&place, image, &hash, stats, settings)?;
+    if is_interrupted {
+        kept.iter().for_each(CheckpointFile::say_how_to_go_on);
+    }
     failure.map_or(Ok(()), Err)?;
     recorded?;
     Ok(exit_code(signals))
@@ -469,11 +526,13 @@ fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// Renders with the progress and the rate of rays shown.
-fn render_watched(
+/// Renders, from `start` on if there is one, with the progress and the rate of rays shown, and checkpoints `kept`.
+fn render_with_progress(
     prepared: &PreparedScene,
-    region: Option<Region>,
+    region: Region,
     run: &RunConfig,
+    kept: Option<&CheckpointFile<'_>>,
+    start: Option<Checkpoint>,
 ) -> Option<RenderOutcome> {
     let progress = RenderProgress::default();
     let started = Instant::now();
@@ -487,7 +546,22 @@ fn render_watched(
             format!("{rate:.1} Mrays/s{noise}"),
         )
     };
-    with_progress_bar(how_far, || render(prepared, region, run, &progress, None))
+    let keep = |checkpoint| {
+        if let Some(file) = kept {
+            file.keep(&checkpoint);
+        }
+    };
+    let watch = Watch {
+        checkpoints: kept.map(|file| CheckpointKeeper {
+            every: file.every,
+            keep: &keep,
+        }),
+        ..Watch::default()
+    };
+    with_progress_bar(how_far, || match start {
+        Some(start) => resume(prepared, start, run, &progress, watch),
+        None => render_watched(prepared, Some(region), run, &progress, watch),
+    })
 }
 
 /// [`render_watched`] of a picture too large to be held in one piece.
@@ -525,6 +599,8 @@ pub(super) fn with_progress_bar<T>(
     bar.set_style(style.expect("the template is right"));
     let finished = CancelToken::new();
     std::thread::scope(|scope| {
+        // Also where the work panics: the scope waits for its thread.
+        let ending = CancelWhenDropped(&finished);
         scope.spawn(|| {
             while !finished.is_cancelled() {
                 let (fraction, message) = how_far();
@@ -539,10 +615,19 @@ pub(super) fn with_progress_bar<T>(
             }
         });
         let result = work();
-        finished.cancel();
+        drop(ending);
         bar.finish_and_clear();
         result
     })
+}
+
+/// Cancels a token when it goes.
+struct CancelWhenDropped<'a>(&'a CancelToken);
+
+impl Drop for CancelWhenDropped<'_> {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
 }
 
 /// The most memory this process has held, where the system tells (Linux).

@@ -10,7 +10,6 @@
 //! generation: whatever an older job still sends is dropped, so the window never shows a result it no longer wants. A
 //! job that panics is reported in words like any other failure; the window and its scene go on.
 
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,6 +18,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::control::CancelToken;
+use crate::render::panic_message;
 
 /// A kind of background work. Work in different lanes runs at the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -234,17 +234,10 @@ impl<E> Drop for Jobs<E> {
     }
 }
 
-/// The message of a panic.
-#[must_use]
-pub fn panic_message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| payload.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "no message".to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::RenderFault;
     use std::time::Instant;
 
     fn wait_for<E: Send + 'static>(jobs: &mut Jobs<E>) -> News<E> {
@@ -290,6 +283,21 @@ mod tests {
         let expected = News::Panicked(Lane::Prepare, "a triangle has 4 corners".to_owned());
         assert_eq!(wait_for(&mut jobs), expected);
         assert!(!jobs.is_busy(Lane::Prepare));
+    }
+
+    #[test]
+    fn a_sample_at_which_a_render_fails_is_named() {
+        let mut jobs = Jobs::<()>::new(egui::Context::default());
+        let fault = RenderFault {
+            pixel: (3, 4),
+            sample: 5,
+            message: "as the test wants".to_owned(),
+        };
+        let said = fault.to_string();
+        assert!(said.ends_with("raymini render SCENE --pixel 3,4 --sample 5"));
+        jobs.start(Lane::Render, |_| std::panic::resume_unwind(Box::new(fault)));
+        assert_eq!(wait_for(&mut jobs), News::Panicked(Lane::Render, said));
+        assert!(!jobs.is_busy(Lane::Render));
     }
 
     #[test]

@@ -86,7 +86,7 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
     match opened {
         Ok(result) => result.map_err(|error| in_words(&error)),
         Err(payload) => Err(GuiError::Panicked {
-            reason: super::jobs::panic_message(payload.as_ref()),
+            reason: crate::render::panic_message(payload.as_ref()),
         }),
     }
 }

@@ -278,6 +278,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let watch = Watch {
         on_tile: Some(&on_tile),
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
+        ..Watch::default()
     };
     let outcome = render::render_watched(&prepared, None, &run, &request.progress, watch);
     let Some(RenderOutcome {

@@ -1,7 +1,8 @@
-//! Bytes to meshes, scene files, pictures and rays, and back. Parsers take bytes or text; paths appear at the edge only.
+//! Bytes to meshes, scene files, pictures, rays and checkpoints, and back. Parsers take bytes or text; paths appear at the edge only.
 
 mod atomic;
 mod builtin;
+mod checkpoint_file;
 mod image_file;
 mod load;
 mod mesh_file;
@@ -11,10 +12,12 @@ mod picture_file;
 pub mod ply;
 mod radiance_file;
 mod ray_file;
+mod render_description;
 pub mod scene_file;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};
+pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{
     ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_image, write_image,
 };
@@ -27,4 +30,5 @@ pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, read_image};
 pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};
 pub use ray_file::{RayFileError, load_rays, save_rays};
+pub use render_description::{describe_render, difference};
 pub use whole_file::open_file;

@@ -9,7 +9,7 @@ use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
-use super::run::RayCounts;
+use super::ray_log::{NotedRay, RayLog, RayPurpose};
 use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
 use super::specular::{Specular, transmittance};
@@ -30,7 +30,7 @@ pub fn gather(
     CameraRay { mut ray, mut start }: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
-    rays: &mut RayCounts,
+    rays: &mut impl RayLog,
 ) -> Gathered {
     let mut gathered = Gathered::nothing();
     let mut beginning = Beginning::Eye;
@@ -86,9 +86,9 @@ pub fn gather(
             }
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         }
-        rays.bounce += 1;
         start = 0.0;
         hit = scene.hit(&ray);
+        rays.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
     gathered
 }
@@ -112,7 +112,7 @@ pub fn ambient_occlusion(
     scene: &PreparedScene,
     point: &SurfacePoint,
     turns: &Turns,
-    rays: &mut RayCounts,
+    rays: &mut impl RayLog,
     radiance: impl Fn(Vec3) -> Vec3,
 ) -> Occlusion {
     let samples = scene.settings().ambient_occlusion.samples;
@@ -127,8 +127,11 @@ pub fn ambient_occlusion(
             let local = warp::cosine_hemisphere(turns.next_2d(turn));
             *wi = around_normal.world_from_local(local);
         }
-        rays.ambient_occlusion += unit.len() as u64;
         let occluded = scene.near_things(point, unit);
+        rays.note_all(RayPurpose::AmbientOcclusion, unit.len(), |number| {
+            let ray = point.ray_above(unit[number] * scene.occlusion_radius());
+            NotedRay::of_fan(ray, number, occluded)
+        });
         for (index, &wi) in unit.iter().enumerate() {
             if occluded >> index & 1 == 0 {
                 free += 1;
@@ -191,7 +194,7 @@ impl ShadowRays {
 }
 
 /// A surface point to be shaded.
-struct Shading<'a> {
+struct Shading<'a, L> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
@@ -202,10 +205,10 @@ struct Shading<'a> {
     bounce: u32,
     /// Takes note of shadow and occlusion.
     gathered: &'a mut Gathered,
-    rays: &'a mut RayCounts,
+    rays: &'a mut L,
 }
 
-impl Shading<'_> {
+impl<L: RayLog> Shading<'_, L> {
     /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
     fn ambient(&mut self) -> Vec3 {
         let background = self.scene.background();
@@ -424,8 +427,14 @@ impl Shading<'_> {
             }
             return sum;
         }
-        self.rays.shadow += directions.len() as u64;
         let occluded = self.scene.occluded_fan(&fan, light);
+        let origin = self.point;
+        let noted = |number| {
+            let ray = origin.ray_above(directions[number]);
+            NotedRay::of_fan(ray, number, occluded)
+        };
+        self.rays
+            .note_all(RayPurpose::Shadow, directions.len(), noted);
         for (index, &brought) in lights.iter().enumerate() {
             let passed = if occluded >> index & 1 == 0 {
                 Vec3::ONE
@@ -443,7 +452,6 @@ impl Shading<'_> {
         if self.scene.settings().shadows == Shadows::Off {
             return Vec3::ONE;
         }
-        self.rays.shadow += 1;
         let passed = if self.scene.has_glass() {
             self.through_glass(*ray, light)
         } else if self.scene.occluded(ray, 1.0, light) {
@@ -451,6 +459,8 @@ impl Shading<'_> {
         } else {
             Vec3::ONE
         };
+        let noted = || NotedRay::passing(*ray, 1.0, passed);
+        self.rays.note(RayPurpose::Shadow, noted);
         self.gathered.count_shadow_ray(passed);
         passed
     }
@@ -501,7 +511,7 @@ struct LightNumbers {
 }
 
 impl LightNumbers {
-    fn new(shading: &Shading<'_>, item: u32, count: u32) -> Self {
+    fn new(shading: &Shading<'_, impl RayLog>, item: u32, count: u32) -> Self {
         Self {
             points: shading.turns(Decision::Light, item, count),
             directions: shading.turns(Decision::NearLight, item, count),

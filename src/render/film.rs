@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use super::Image;
 use super::layers::{Gathered, Layer};
 use super::tiles::Region;
@@ -7,7 +9,7 @@ use super::tiles::Region;
 /// Sums are `f64`: a hundred thousand samples drift by less than an `f32` can show. Samples arrive in blocks, each summed from
 /// zero, and blocks are added in index order, so an interrupted render continues to the same bits. A block never reaches beyond
 /// the next power of two, nor across the middle between two of them: there the film notes the mean, see [`Halves`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Film {
     region: Region,
     /// The picture's sums first, then those of each layer.
@@ -20,7 +22,7 @@ pub struct Film {
 
 /// Means of a pixel on its way from one power of two, or the present number of samples where that is one, to the next, and what
 /// its samples took.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Marks {
     rays: u32,
     quarter: [f32; 3],
@@ -124,6 +126,20 @@ impl Film {
     pub fn bytes_per_pixel(layers: usize, with_marks: bool) -> usize {
         let marks = if with_marks { size_of::<Marks>() } else { 0 };
         (1 + layers) * size_of::<[f64; 3]>() + size_of::<u32>() + marks
+    }
+
+    /// Whether it is as [`Self::new`] makes it, and no pixel has more than `most` samples: what one read from a file may not be.
+    #[must_use]
+    pub fn is_like(&self, region: Region, layers: &[Layer], with_marks: bool, most: u32) -> bool {
+        let pixels = region.pixel_count();
+        self.region == region
+            && self.layers == layers
+            && self.planes.len() == 1 + layers.len()
+            && self.planes.iter().all(|plane| plane.len() == pixels)
+            && self.samples.len() == pixels
+            && self.samples.iter().all(|&samples| samples <= most)
+            && self.marks.is_some() == with_marks
+            && self.marks.iter().all(|marks| marks.len() == pixels)
     }
 
     /// Adds one block of samples over `tile`.

@@ -1,5 +1,7 @@
 //! The parts of a picture: where its light comes from, and by how much shadow and occlusion darken it.
 
+use serde::{Deserialize, Serialize};
+
 use crate::math::Vec3;
 use crate::scene::{Material, Mode, Rgb, Scene, Shadows};
 
@@ -7,7 +9,7 @@ use crate::scene::{Material, Mode, Rgb, Scene, Shadows};
 ///
 /// Parts add up to the picture. To which one light belongs is decided by what the camera ray met first: an emitter, the
 /// background or a light, a surface that scatters, or a mirror or glass, which take everything that is seen in them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Layer {
     /// Lights, emitters and background seen directly.
     Emission,
@@ -285,8 +287,18 @@ impl Gathered {
         }
     }
 
+    /// Scales it down to `most` in its brightest channel; whether it was brighter.
+    pub fn limit(&mut self, most: f32) -> bool {
+        let brightest = self.radiance.max_element();
+        let is_brighter = brightest > most;
+        if is_brighter {
+            self.scale(most / brightest);
+        }
+        is_brighter
+    }
+
     /// Scales the parts and their sum.
-    pub fn scale(&mut self, factor: f32) {
+    fn scale(&mut self, factor: f32) {
         self.radiance *= factor;
         for layer in Layer::ALL.into_iter().filter(|layer| layer.is_part()) {
             self.parts[layer as usize] *= factor;

@@ -17,6 +17,8 @@ pub struct PictureMemory {
     pub has_error: bool,
     /// Pictures of this size that whoever asks for it keeps, or makes of it, meanwhile.
     pub copies: usize,
+    /// Whether checkpoints are made of the render, or read.
+    pub has_checkpoint: bool,
 }
 
 /// The bytes of a pixel of a picture, an [`Image`](super::Image).
@@ -25,6 +27,9 @@ const IMAGE: usize = size_of::<[f32; 3]>();
 /// what decides where samples go.
 const FALLS: usize = size_of::<f32>();
 const ESTIMATE: usize = 3 * IMAGE + size_of::<f32>();
+/// What a checkpoint holds of a pixel beside the film, where some pixels get more samples than others: what they are worth, and
+/// whether it is one.
+const CHOICE: usize = size_of::<f32>() + size_of::<bool>();
 /// What writing takes of a pixel of each picture that goes into the file: itself, its channels apart, and the file, which is not
 /// larger.
 const WRITING: usize = 3 * IMAGE;
@@ -40,6 +45,7 @@ impl PictureMemory {
             layers: if run.layers { scene.layers().len() } else { 0 },
             has_error: settings.measures_error(),
             copies: 0,
+            has_checkpoint: false,
         }
     }
 
@@ -61,9 +67,13 @@ impl PictureMemory {
             layers,
             has_error,
             copies,
+            has_checkpoint,
         } = self;
         let (kept, estimate) = if has_error { (FALLS, ESTIMATE) } else { (0, 0) };
-        let rendering = Film::bytes_per_pixel(layers, has_error) + kept + estimate.max(IMAGE);
+        let film = Film::bytes_per_pixel(layers, has_error) + kept;
+        let choice = if has_error { CHOICE } else { 0 };
+        let checkpoint = if has_checkpoint { film + choice } else { 0 };
+        let rendering = film + estimate.max(IMAGE) + checkpoint;
         let pictures = 1 + layers + usize::from(has_error && layers > 0);
         let most = rendering.max(pictures * WRITING) + copies * IMAGE;
         pixels * most as u64
@@ -128,6 +138,7 @@ mod tests {
         layers: 0,
         has_error: false,
         copies: 0,
+        has_checkpoint: false,
     };
 
     #[test]
@@ -144,6 +155,13 @@ mod tests {
         assert_eq!(more(with_error), 1000 * (40 + 4 + 28));
         let layers = 2;
         assert_eq!(more(PictureMemory { layers, ..PICTURE }), 1000 * 68);
+        let with_checkpoint = |picture| PictureMemory {
+            has_checkpoint: true,
+            ..picture
+        };
+        assert_eq!(more(with_checkpoint(PICTURE)), 1000 * 28);
+        let copy = with_checkpoint(with_error).bytes() - with_error.bytes();
+        assert_eq!(copy, 1000 * (28 + 40 + 4 + 5));
     }
 
     #[test]

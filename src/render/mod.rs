@@ -9,6 +9,7 @@ mod aim;
 mod background;
 mod bands;
 mod camera;
+mod checkpoint;
 mod clock;
 mod direct;
 mod disks;
@@ -16,6 +17,7 @@ pub mod display;
 mod emitters;
 mod error;
 mod false_color;
+mod fault;
 mod film;
 mod filter;
 mod fresnel;
@@ -32,6 +34,7 @@ mod phong;
 mod prepare;
 mod progress;
 mod radiance_image;
+mod ray_log;
 mod renderer;
 mod run;
 mod sampler;
@@ -41,10 +44,13 @@ mod specular;
 mod surface;
 mod tile_samples;
 mod tiles;
+mod trace;
 
 pub use bands::Bands;
 pub use camera::{CameraRay, PreparedCamera};
+pub use checkpoint::Checkpoint;
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
+pub use fault::{RenderFault, keep_panics_quiet, panic_message};
 pub(crate) use fresnel::fresnel;
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
@@ -54,10 +60,12 @@ pub use layers::Layer;
 pub use memory::{PictureMemory, ShortOfMemory};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
+pub use ray_log::RayPurpose;
 pub use run::{
-    Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats, Round, RunConfig,
-    Watch, render, render_watched,
+    CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
+    Round, RunConfig, Watch, render, render_watched, resume,
 };
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;
 pub use tiles::{Region, TilePixels};
+pub use trace::{Met, MetSurface, SampleTrace, TraceError, TracedRay, trace_sample};

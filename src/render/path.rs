@@ -12,7 +12,7 @@ use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
-use super::run::RayCounts;
+use super::ray_log::{NotedRay, RayLog, RayPurpose};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use crate::accel::Hit;
@@ -33,7 +33,7 @@ pub fn gather(
     CameraRay { mut ray, mut start }: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
-    rays: &mut RayCounts,
+    rays: &mut impl RayLog,
 ) -> Gathered {
     let settings = scene.settings();
     let mut gathered = Gathered::nothing();
@@ -136,9 +136,9 @@ pub fn gather(
             gathered.is_depth_limited = true;
             break;
         }
-        rays.bounce += 1;
         start = 0.0;
         hit = scene.hit(&ray);
+        rays.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
     gathered
 }
@@ -178,7 +178,7 @@ struct Lit {
 
 impl Aiming<'_> {
     /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
-    fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut RayCounts) -> Option<Lit> {
+    fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut impl RayLog) -> Option<Lit> {
         let Self {
             scene,
             phong,
@@ -205,9 +205,10 @@ impl Aiming<'_> {
         if reflected.sum() == Vec3::ZERO {
             return None;
         }
-        rays.shadow += 1;
         let is_occluded = scene.occluded(&aimed.ray, aimed.reach, aimed.light);
         let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
+        let noted = || NotedRay::passing(aimed.ray, aimed.reach, passed);
+        rays.note(RayPurpose::Shadow, noted);
         Some(Lit {
             lobes: reflected * (aimed.irradiance * weight * passed),
             passed,

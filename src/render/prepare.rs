@@ -13,13 +13,13 @@ use super::layers::{Gathered, Layer};
 use super::light::PreparedLight;
 use super::material::PreparedMaterial;
 use super::path;
-use super::run::RayCounts;
+use super::ray_log::{NotedRay, RayLog, RayPurpose};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::Specular;
 use super::surface::SurfacePoint;
 use crate::accel::{Assembly, Fan, Hit, Packet};
 use crate::control::{CancelToken, Progress};
-use crate::math::{Ray, Vec2, Vec3};
+use crate::math::{DVec3, Ray, Vec2, Vec3};
 use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
 
 /// A scene as rendering reads it: immutable, shared by all threads, cheap to clone.
@@ -47,6 +47,9 @@ pub struct PreparedScene {
     clamp: Option<f32>,
     layers: Vec<Layer>,
     settings: RenderSettings,
+    /// A sample that panics.
+    #[cfg(test)]
+    faulty: Option<Sampler>,
 }
 
 /// What a ray meets first.
@@ -66,6 +69,19 @@ pub(super) struct CameraSample {
     ray: Option<CameraRay>,
     /// What the ray hits first, lights aside.
     pub hit: Option<Hit>,
+}
+
+impl CameraSample {
+    /// What there is to note of the ray from the eye.
+    fn noted(&self) -> NotedRay {
+        match self.ray {
+            Some(CameraRay { ray, start }) => NotedRay {
+                start,
+                ..NotedRay::nearest(ray, self.hit)
+            },
+            None => NotedRay::passing_by(self.direction),
+        }
+    }
 }
 
 impl PreparedScene {
@@ -185,7 +201,15 @@ impl PreparedScene {
             lights,
             settings: scene.render.clone(),
             geometry,
+            #[cfg(test)]
+            faulty: None,
         }))
+    }
+
+    /// From now on that sample of that pixel panics.
+    #[cfg(test)]
+    pub(super) fn fail_at(&mut self, (x, y): (u32, u32), sample: u32) {
+        self.faulty = Some(Sampler::new(self.settings.seed, x, y, sample));
     }
 
     /// The triangles and their structure.
@@ -251,6 +275,17 @@ impl PreparedScene {
     /// Sample `index` of a pixel, before it is known what it hits.
     fn begun(&self, (x, y): (u32, u32), index: u32) -> CameraSample {
         let sampler = Sampler::new(self.settings.seed, x, y, index);
+        let (eye, direction) = self.line_of_sight((x, y), &sampler);
+        CameraSample {
+            sampler,
+            direction: direction.as_vec3(),
+            ray: self.camera.ray_from(eye, direction),
+            hit: None,
+        }
+    }
+
+    /// Where a sample of a pixel looks from, and along which unit vector, in prepared units.
+    pub(super) fn line_of_sight(&self, (x, y): (u32, u32), sampler: &Sampler) -> (DVec3, DVec3) {
         let offset = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
             filter::offset(
                 self.settings.filter,
@@ -268,19 +303,15 @@ impl PreparedScene {
         } else {
             Vec2::ZERO
         };
-        let (eye, direction) = self.camera.through_lens(x, y, on_lens);
-        CameraSample {
-            sampler,
-            direction: direction.as_vec3(),
-            ray: self.camera.ray_from(eye, direction),
-            hit: None,
-        }
+        self.camera.through_lens(x, y, on_lens)
     }
 
     /// What `sample` brings: linear radiance, or a false colour.
-    pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut RayCounts) -> Gathered {
+    pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut impl RayLog) -> Gathered {
         let &CameraSample { sampler, hit, .. } = sample;
-        rays.camera += 1;
+        #[cfg(test)]
+        assert!(self.faulty != Some(sampler), "as the test wants");
+        rays.note(RayPurpose::Camera, || sample.noted());
         let Some(camera_ray) = sample.ray else {
             return Gathered::seen(match self.settings.mode {
                 Mode::Direct | Mode::Path => self.background.radiance(sample.direction),

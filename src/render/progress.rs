@@ -1,7 +1,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::{ErrorEstimate, Interval};
 use crate::control::Progress;
@@ -19,7 +19,7 @@ pub struct RenderProgress {
 }
 
 /// The error at a moment of a render.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorPoint {
     /// Wall time since the start; that of a [`super::Watch`] does not count.
     pub seconds: f64,
@@ -35,7 +35,7 @@ pub struct ErrorPoint {
 }
 
 impl RenderProgress {
-    /// Rays traced so far.
+    /// Rays traced so far; those before the checkpoint that a render goes on from do not count.
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.rays.load(Ordering::Relaxed)

@@ -5,22 +5,27 @@
 //! pixels until each has its double. What is decided, is decided at the end of a round, from the film alone, so that the
 //! picture does not depend on threads; only a stop by time depends on the clock.
 
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
+use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
 use super::error::{Allotment, ErrorEstimator, Forecast, Outlook};
+use super::fault::{RenderFault, SampleNote, caught};
 use super::film::{Film, block_after};
 use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 use super::run::{Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
-use super::tile_samples::{SampleCounts, TileBlock, Work, coarse_tile, sample_tile};
+use super::tile_samples::{SampleCounts, Stops, TileBlock, coarse_tile, sample_tile};
 use super::tiles::{Region, TilePixels};
+use crate::control::CancelToken;
 use crate::scene::RenderSettings;
 
 /// Side of a tile in pixels: small enough to balance two threads to the end, large enough that handing one out costs nothing.
-const TILE_SIDE: u32 = 32;
+pub const TILE_SIDE: u32 = 32;
 
 /// Most samples of a pixel that are summed before they meet the film. Passes grow to this size, so that a whole picture is soon
 /// there. Their sizes are part of the picture's definition: they fix the order of additions.
@@ -49,23 +54,16 @@ pub struct Renderer<'a> {
     tiles: Vec<Region>,
     layers: &'a [Layer],
     shared: Mutex<Shared>,
-    /// `None` where the error is not asked for.
-    estimator: Option<ErrorEstimator>,
-    /// Where samples belong; `None` where all pixels get the same number, and before there is an estimate.
-    allotment: Option<Allotment>,
+    course: Course,
     pool: rayon::ThreadPool,
     threads: usize,
     clock: Clock,
-    passes: u32,
-    /// Samples when the error was noted last.
-    noted_samples: f64,
-}
-
-/// What the threads of a render add to.
-struct Shared {
-    film: Film,
-    counts: SampleCounts,
-    first_tile_seconds: Option<f64>,
+    /// When a checkpoint was kept last, or the render began.
+    last_kept: Mutex<Instant>,
+    /// The first sample at which the program failed.
+    fault: Mutex<Option<RenderFault>>,
+    /// Ends the work of the other threads then.
+    halt: CancelToken,
 }
 
 /// What follows on samples of all pixels.
@@ -74,11 +72,19 @@ enum Next {
     ChoosePixels,
 }
 
+/// What ends a render in the middle of a pass.
+enum Cut {
+    Cancelled,
+    Interrupted,
+    Failed(RenderFault),
+}
+
 impl Shared {
     /// Takes in a tile.
-    fn add(&mut self, tile: Region, block: &TileBlock, clock: &Clock) {
+    fn add(&mut self, number: usize, tile: Region, block: &TileBlock, clock: &Clock) {
         self.film.add(tile, &block.sums);
         self.counts.add(&block.counts);
+        self.has_pass[number] = true;
         self.first_tile_seconds
             .get_or_insert_with(|| clock.seconds());
     }
@@ -94,50 +100,108 @@ impl<'a> Renderer<'a> {
         watch: Watch<'a>,
     ) -> Self {
         let settings = scene.settings();
-        let clock = Clock::start();
         let pixels = region.pixel_count();
-        progress
-            .samples
-            .set_total(pixels as u64 * u64::from(settings.samples_per_pixel));
+        let has_error = settings.measures_error();
+        let nothing = Checkpoint {
+            shared: Shared {
+                film: Film::new(region, run.layers_of(scene), has_error),
+                counts: SampleCounts::default(),
+                first_tile_seconds: None,
+                has_pass: vec![false; region.tiles(TILE_SIDE).len()],
+            },
+            course: Course {
+                estimator: has_error.then(|| ErrorEstimator::new(pixels)),
+                ..Course::default()
+            },
+            seconds: 0.0,
+            cpu_seconds: 0.0,
+            errors: Vec::new(),
+            expected_samples: pixels as u64 * u64::from(settings.samples_per_pixel),
+        };
+        Self::resume(scene, nothing, run, progress, watch)
+    }
+
+    /// As far as `checkpoint` is, which [fits](Checkpoint::fits).
+    pub fn resume(
+        scene: &'a PreparedScene,
+        checkpoint: Checkpoint,
+        run: &'a RunConfig,
+        progress: &'a RenderProgress,
+        watch: Watch<'a>,
+    ) -> Self {
+        let Checkpoint {
+            shared,
+            course,
+            seconds,
+            cpu_seconds,
+            errors,
+            expected_samples,
+        } = checkpoint;
+        let clock = Clock::start_at(seconds, cpu_seconds);
+        progress.samples.set_total(expected_samples);
+        progress.samples.advance(shared.film.total_samples());
+        for point in errors {
+            progress.note(point);
+        }
         let threads = run.thread_count();
-        let layers = if run.layers { scene.layers() } else { &[] };
         Self {
             scene,
-            settings,
+            settings: scene.settings(),
             run,
             progress,
             watch,
-            tiles: region.tiles(TILE_SIDE),
-            layers,
-            shared: Mutex::new(Shared {
-                film: Film::new(region, layers, settings.measures_error()),
-                counts: SampleCounts::default(),
-                first_tile_seconds: None,
-            }),
-            estimator: settings
-                .measures_error()
-                .then(|| ErrorEstimator::new(pixels)),
-            allotment: None,
+            tiles: shared.film.region().tiles(TILE_SIDE),
+            layers: run.layers_of(scene),
+            shared: Mutex::new(shared),
+            course,
             pool: rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .expect("threads can be started"),
             threads,
             clock,
-            passes: 0,
-            noted_samples: 0.0,
+            last_kept: Mutex::new(Instant::now()),
+            fault: Mutex::new(None),
+            halt: CancelToken::new(),
         }
     }
 
     /// Takes all samples; `None` when cancelled.
+    ///
+    /// # Panics
+    /// With a [`RenderFault`], where the program fails at a sample.
     pub fn render(&mut self) -> Option<Ending> {
+        match self.take_samples() {
+            Ok(ending) => Some(ending),
+            Err(Cut::Cancelled) => None,
+            Err(Cut::Interrupted) => {
+                self.keep_last_checkpoint();
+                Some(Ending::Interrupted)
+            }
+            Err(Cut::Failed(fault)) => {
+                self.keep_last_checkpoint();
+                resume_unwind(Box::new(fault))
+            }
+        }
+    }
+
+    /// Has what the tiles that are done hold kept, whenever the last checkpoint was.
+    fn keep_last_checkpoint(&self) {
+        if let Some(keeper) = self.watch.checkpoints {
+            (keeper.keep)(self.checkpoint());
+        }
+    }
+
+    fn take_samples(&mut self) -> Result<Ending, Cut> {
         if self.run.coarse_first {
             self.deliver_coarse_picture()?;
         }
-        match self.render_evenly()? {
-            Next::End(ending) => Some(ending),
-            Next::ChoosePixels => self.render_where_it_helps(),
+        if !self.course.chooses_pixels()
+            && let Next::End(ending) = self.render_evenly()?
+        {
+            return Ok(ending);
         }
+        self.render_where_it_helps()
     }
 
     /// The picture and what it took.
@@ -147,7 +211,9 @@ impl<'a> Renderer<'a> {
             film,
             counts,
             first_tile_seconds,
+            ..
         } = self.shared.into_inner().expect("no thread panicked");
+        let estimator = self.course.estimator.as_ref();
         let stats = RenderStats {
             render_seconds: seconds,
             cpu_seconds,
@@ -156,16 +222,16 @@ impl<'a> Renderer<'a> {
             rays: counts.rays,
             samples_per_pixel: film.mean_samples(),
             sample_range: film.sample_range(),
-            passes: self.passes,
+            passes: self.course.passes,
             ending,
-            error: self.estimator.as_ref().and_then(ErrorEstimator::estimate),
+            error: estimator.and_then(ErrorEstimator::estimate),
             non_finite_samples: counts.non_finite,
             negative_samples: counts.negative,
             depth_limited_samples: counts.depth_limited,
             clamped: counts.clamped(),
         };
-        let estimator = self.estimator.as_ref().filter(|_| self.run.layers);
-        let errors = estimator.map(|estimator| (Layer::Error, estimator.image(&film)));
+        let with_layers = estimator.filter(|_| self.run.layers);
+        let errors = with_layers.map(|estimator| (Layer::Error, estimator.image(&film)));
         let (image, mut layers) = film.into_images();
         layers.extend(errors);
         RenderOutcome {
@@ -180,45 +246,48 @@ impl<'a> Renderer<'a> {
     fn is_adaptive(&self) -> bool {
         let stop = &self.settings.stop;
         self.settings.adaptive
-            && self.estimator.is_some()
+            && self.course.estimator.is_some()
             && (stop.noise.is_some() || stop.seconds.is_some())
     }
 
     /// Gives all pixels the same number of samples: all they may get, unless the time is up or the noise low enough before, or
-    /// from some number on the error decides who gets more. `None` when cancelled.
-    fn render_evenly(&mut self) -> Option<Next> {
+    /// from some number on the error decides who gets more.
+    fn render_evenly(&mut self) -> Result<Next, Cut> {
         let most = self.settings.samples_per_pixel;
-        let mut samples = 0;
-        let mut seconds_per_sample = 0.0;
-        while samples < most {
+        while self.course.even_samples < most {
+            let samples = self.course.even_samples;
             let block = block_after(samples)
                 .min(MOST_SAMPLES_PER_PASS)
                 .min(most - samples);
-            // The last pass takes what the clock leaves. A render of as many samples would end with the same pass.
-            let taken = match samples {
-                0 => block,
-                _ => whole_below(self.time_left() / seconds_per_sample).min(block),
-            };
-            if taken == 0 {
-                return Some(Next::End(Ending::Time));
+            if self.course.pass.is_none() {
+                // The last pass takes what the clock leaves. A render of as many samples would end with the same pass.
+                let taken = match samples {
+                    0 => block,
+                    _ => whole_below(self.time_left() / self.course.seconds_per_sample).min(block),
+                };
+                if taken == 0 {
+                    return Ok(Next::End(Ending::Time));
+                }
+                self.begin_pass(Pass {
+                    selected: None,
+                    begins_round: true,
+                    longest: taken,
+                    started: self.clock.seconds(),
+                });
             }
-            let started = self.clock.seconds();
-            self.pass(&Work {
-                selected: None,
-                begins_round: true,
+            let Pass {
                 longest: taken,
-                most,
-            })?;
-            if self.run.interrupt.is_cancelled() {
-                return Some(Next::End(Ending::Interrupted));
-            }
-            seconds_per_sample = (self.clock.seconds() - started) / f64::from(taken);
-            samples += taken;
+                started,
+                ..
+            } = self.finish_pass()?;
+            let samples = samples + taken;
+            self.course.even_samples = samples;
+            self.course.seconds_per_sample = (self.clock.seconds() - started) / f64::from(taken);
 
             let is_round = samples.is_power_of_two();
             if is_round {
                 self.update_estimate(None);
-            } else if let Some(estimator) = &mut self.estimator {
+            } else if let Some(estimator) = &mut self.course.estimator {
                 estimator.advance(samples);
             }
             self.tell(is_round);
@@ -226,62 +295,76 @@ impl<'a> Renderer<'a> {
                 self.show_round();
             }
             if samples >= LEAST_SAMPLES && self.is_quiet() {
-                return Some(Next::End(Ending::Noise));
+                return Ok(Next::End(Ending::Noise));
             }
             if taken < block {
-                return Some(Next::End(Ending::Time));
+                return Ok(Next::End(Ending::Time));
             }
             if self.has_all_passes() {
-                return Some(Next::End(Ending::Samples));
+                return Ok(Next::End(Ending::Samples));
             }
             if is_round && samples >= LEAST_SAMPLES && self.is_adaptive() {
-                return Some(Next::ChoosePixels);
+                return Ok(Next::ChoosePixels);
             }
         }
-        Some(Next::End(Ending::Samples))
+        Ok(Next::End(Ending::Samples))
     }
 
-    /// Doubles the samples of those pixels where it helps most, again and again; `None` when cancelled.
-    fn render_where_it_helps(&mut self) -> Option<Ending> {
-        let most = self.settings.samples_per_pixel;
+    /// Doubles the samples of those pixels where it helps most, again and again.
+    fn render_where_it_helps(&mut self) -> Result<Ending, Cut> {
         loop {
-            let Some(selected) = self.select() else {
-                return Some(Ending::Samples);
-            };
-            let mut work = Work {
-                selected: Some(&selected),
-                begins_round: true,
-                longest: MOST_SAMPLES_PER_ROUND_PASS,
-                most,
-            };
-            while work.has_pixels(&self.lock().film) {
-                self.pass(&work)?;
-                if self.run.interrupt.is_cancelled() {
-                    return Some(Ending::Interrupted);
-                }
-                work.begins_round = false;
-                if self.time_left() <= 0.0 || self.has_all_passes() {
-                    break;
-                }
+            if self.course.pass.is_none() {
+                let Some(selected) = self.select() else {
+                    return Ok(Ending::Samples);
+                };
+                self.begin_pass(Pass {
+                    selected: Some(selected),
+                    begins_round: true,
+                    longest: MOST_SAMPLES_PER_ROUND_PASS,
+                    started: self.clock.seconds(),
+                });
             }
-            self.update_estimate(Some(&selected));
+            let last = self.finish_round()?;
+            self.update_estimate(last.selected.as_deref());
             self.tell(true);
             self.show_round();
             if self.is_quiet() {
-                return Some(Ending::Noise);
+                return Ok(Ending::Noise);
             }
             if self.time_left() <= 0.0 {
-                return Some(Ending::Time);
+                return Ok(Ending::Time);
             }
             if self.has_all_passes() {
-                return Some(Ending::Samples);
+                return Ok(Ending::Samples);
             }
+        }
+    }
+
+    /// Goes on with passes until the pixels selected have doubled their samples, or it is time to end. Returns the last pass.
+    fn finish_round(&mut self) -> Result<Pass, Cut> {
+        loop {
+            let next = Pass {
+                begins_round: false,
+                ..self.finish_pass()?
+            };
+            let work = next.work(self.settings.samples_per_pixel);
+            if self.time_left() <= 0.0
+                || self.has_all_passes()
+                || !work.has_pixels(&self.lock().film)
+            {
+                return Ok(next);
+            }
+            self.begin_pass(next);
         }
     }
 
     /// The pixels that get samples next; `None` when none can get more.
     fn select(&self) -> Option<Vec<bool>> {
-        let (allotment, estimator) = self.allotment.as_ref().zip(self.estimator.as_ref())?;
+        let (allotment, estimator) = self
+            .course
+            .allotment
+            .as_ref()
+            .zip(self.course.estimator.as_ref())?;
         let most = self.settings.samples_per_pixel;
         let film = &self.lock().film;
         let forecast = match (self.settings.stop.noise, estimator.estimate()) {
@@ -296,7 +379,8 @@ impl<'a> Renderer<'a> {
 
     /// Whether the noise is as low as asked for.
     fn is_quiet(&self) -> bool {
-        let estimate = self.estimator.as_ref().and_then(ErrorEstimator::estimate);
+        let estimator = self.course.estimator.as_ref();
+        let estimate = estimator.and_then(ErrorEstimator::estimate);
         let target = self.settings.stop.noise;
         target
             .zip(estimate)
@@ -305,7 +389,7 @@ impl<'a> Renderer<'a> {
 
     fn has_all_passes(&self) -> bool {
         let passes = self.settings.stop.passes;
-        passes.is_some_and(|passes| self.passes >= passes)
+        passes.is_some_and(|passes| self.course.passes >= passes)
     }
 
     /// Seconds until the render is to stop.
@@ -318,25 +402,58 @@ impl<'a> Renderer<'a> {
         self.shared.lock().expect("no thread panicked")
     }
 
-    /// Does `work` for every tile once, or for fewer tiles when interrupted; `None` when cancelled.
-    fn for_each_tile(&self, work: &(dyn Fn(Region) -> Option<()> + Sync)) -> Option<()> {
+    /// Does `work` for every tile and its number once, or for fewer tiles when it is cut.
+    fn for_each_tile(
+        &self,
+        work: &(dyn Fn(usize, Region) -> Option<()> + Sync),
+    ) -> Result<(), Cut> {
         let next_tile = AtomicUsize::new(0);
         self.pool.broadcast(|_| {
-            while let Some(&tile) = self.tiles.get(next_tile.fetch_add(1, Ordering::Relaxed)) {
-                if self.run.interrupt.is_cancelled() || work(tile).is_none() {
+            loop {
+                let number = next_tile.fetch_add(1, Ordering::Relaxed);
+                let Some(&tile) = self.tiles.get(number) else {
+                    return;
+                };
+                let is_cut = self.run.interrupt.is_cancelled() || self.halt.is_cancelled();
+                if is_cut || work(number, tile).is_none() {
                     return;
                 }
             }
         });
-        (!self.run.cancel.is_cancelled()).then_some(())
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(fault) = &*fault {
+            return Err(Cut::Failed(fault.clone()));
+        }
+        if self.run.cancel.is_cancelled() {
+            return Err(Cut::Cancelled);
+        }
+        if self.run.interrupt.is_cancelled() {
+            return Err(Cut::Interrupted);
+        }
+        Ok(())
     }
 
-    fn deliver_coarse_picture(&self) -> Option<()> {
-        let Some(on_tile) = self.watch.on_tile else {
-            return Some(());
+    /// Has samples taken as `take` does, which says at which it is; `None` when they are stopped, or the program fails at one.
+    fn sample<T>(&self, take: impl FnOnce(Stops<'_>, &SampleNote) -> Option<T>) -> Option<T> {
+        let note = SampleNote::default();
+        let stops = Stops {
+            cancel: &self.run.cancel,
+            halt: &self.halt,
         };
-        self.for_each_tile(&|tile| {
-            let rgb = coarse_tile(self.scene, tile, &self.run.cancel)?;
+        caught(&note, || take(stops, &note)).unwrap_or_else(|found| {
+            let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+            fault.get_or_insert(found);
+            self.halt.cancel();
+            None
+        })
+    }
+
+    fn deliver_coarse_picture(&self) -> Result<(), Cut> {
+        let Some(on_tile) = self.watch.on_tile else {
+            return Ok(());
+        };
+        self.for_each_tile(&|_, tile| {
+            let rgb = self.sample(|stops, note| coarse_tile(self.scene, tile, stops, note))?;
             on_tile(&TilePixels {
                 region: tile,
                 rgb: &rgb,
@@ -346,47 +463,83 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    /// Takes one block of samples of every pixel that `work` names; `None` when cancelled.
-    fn pass(&mut self, work: &Work<'_>) -> Option<()> {
+    /// From now on `pass` is going on, and no tile has it.
+    fn begin_pass(&mut self, pass: Pass) {
+        let shared = self.shared.get_mut().expect("no thread panicked");
+        shared.has_pass.fill(false);
+        self.course.pass = Some(pass);
+    }
+
+    /// Takes the samples of the pass that is going on, of all tiles that do not have them. Returns the pass, which is over then; when
+    /// it is cut, it is still going on.
+    fn finish_pass(&mut self) -> Result<Pass, Cut> {
         let this = &*self;
-        this.for_each_tile(&|tile| {
-            let samples = work.of_tile(&this.lock().film, tile);
-            if samples.iter().all(|pixel| pixel.count == 0) {
+        let pass = this.course.pass.as_ref().expect("one is going on");
+        let work = pass.work(this.settings.samples_per_pixel);
+        this.for_each_tile(&|number, tile| {
+            let shared = this.lock();
+            let samples = work.of_tile(&shared.film, tile);
+            if shared.has_pass[number] || samples.iter().all(|pixel| pixel.count == 0) {
                 return Some(());
             }
-            let block = sample_tile(
-                this.scene,
-                tile,
-                &samples,
-                this.layers,
-                &this.run.cancel,
-                this.progress,
-            )?;
+            drop(shared);
+            let (scene, layers, progress) = (this.scene, this.layers, this.progress);
+            let block = this.sample(|stops, note| {
+                sample_tile(scene, tile, &samples, layers, stops, progress, note)
+            })?;
             let mut shared = this.lock();
-            shared.add(tile, &block, &this.clock);
-            if let Some(on_tile) = this.watch.on_tile {
-                let means = shared.film.means(tile);
-                drop(shared);
+            shared.add(number, tile, &block, &this.clock);
+            let means = this.watch.on_tile.map(|_| shared.film.means(tile));
+            drop(shared);
+            if let Some((on_tile, means)) = this.watch.on_tile.zip(means) {
                 on_tile(&TilePixels {
                     region: tile,
                     rgb: &means[0],
                     layers: &means[1..],
                 });
             }
+            this.keep_checkpoint_if_due();
             Some(())
         })?;
-        self.passes += 1;
-        Some(())
+        self.course.passes += 1;
+        Ok(self.course.pass.take().expect("one is going on"))
+    }
+
+    /// Has a checkpoint kept where the last one is old enough. The thread that calls first is busy with it; the others go on with
+    /// their tiles, and wait no longer than it takes to copy the film.
+    fn keep_checkpoint_if_due(&self) {
+        let Some(keeper) = self.watch.checkpoints else {
+            return;
+        };
+        if let Ok(mut last_kept) = self.last_kept.try_lock()
+            && last_kept.elapsed() >= keeper.every
+        {
+            (keeper.keep)(self.checkpoint());
+            *last_kept = Instant::now();
+        }
+    }
+
+    /// The render as it is now.
+    fn checkpoint(&self) -> Checkpoint {
+        let shared = self.lock().clone();
+        Checkpoint {
+            shared,
+            course: self.course.clone(),
+            seconds: self.clock.seconds(),
+            cpu_seconds: self.clock.cpu_seconds(),
+            errors: self.progress.errors_from(0),
+            expected_samples: self.progress.samples.total(),
+        }
     }
 
     /// Estimates the error anew, after the pixels, those `selected` or all, have doubled their samples.
     fn update_estimate(&mut self, selected: Option<&[bool]>) {
         let is_adaptive = self.is_adaptive();
-        let Some(estimator) = &mut self.estimator else {
+        let Some(estimator) = &mut self.course.estimator else {
             return;
         };
         let film = &self.shared.get_mut().expect("no thread panicked").film;
-        self.allotment = self.pool.install(|| {
+        self.course.allotment = self.pool.install(|| {
             estimator.update(film, selected);
             (is_adaptive && film.mean_samples() * 2.0 >= f64::from(LEAST_SAMPLES))
                 .then(|| Allotment::new(film, estimator))
@@ -405,12 +558,12 @@ impl<'a> Renderer<'a> {
         if let Some(limit) = self.settings.stop.seconds {
             total = total.min((samples * limit / seconds).max(samples));
         }
-        if let Some(estimator) = &self.estimator
+        if let Some(estimator) = &self.course.estimator
             && let Some(error) = estimator.estimate()
         {
             let outlook = Outlook {
                 estimator,
-                allotment: self.allotment.as_ref(),
+                allotment: self.course.allotment.as_ref(),
                 samples,
                 seconds,
             };
@@ -421,7 +574,7 @@ impl<'a> Renderer<'a> {
             } else if self.is_quiet() {
                 total = samples.max(pixels * f64::from(LEAST_SAMPLES.min(most)));
             }
-            if is_round || samples >= self.noted_samples * NOTE_GROWTH {
+            if is_round || samples >= self.course.noted_samples * NOTE_GROWTH {
                 self.progress.note(ErrorPoint {
                     seconds,
                     cpu_seconds: self.clock.cpu_seconds(),
@@ -429,7 +582,7 @@ impl<'a> Renderer<'a> {
                     time_to: NOISE_TARGETS.map(|noise| outlook.time_to(noise)),
                     time_to_stop: to_stop.map(|samples| outlook.seconds_for(samples)),
                 });
-                self.noted_samples = samples;
+                self.course.noted_samples = samples;
             }
         }
         self.progress.samples.set_remaining(whole(total - samples));
@@ -439,16 +592,16 @@ impl<'a> Renderer<'a> {
         let Some(on_round) = self.watch.on_round else {
             return;
         };
-        let estimator = self.estimator.as_ref();
+        let estimator = self.course.estimator.as_ref();
         let (seconds, cpu_seconds) = (self.clock.seconds(), self.clock.cpu_seconds());
-        let shared = self.shared.get_mut().expect("no thread panicked");
+        let film = &self.shared.get_mut().expect("no thread panicked").film;
         self.clock.pause(|| {
             on_round(&Round {
                 seconds,
                 cpu_seconds,
-                samples_per_pixel: shared.film.mean_samples(),
+                samples_per_pixel: film.mean_samples(),
                 error: estimator.and_then(ErrorEstimator::estimate),
-                film: &shared.film,
+                film,
                 estimator,
             });
         });

@@ -1,6 +1,9 @@
-use serde::Serialize;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
 
 use super::Image;
+use super::checkpoint::Checkpoint;
 use super::error::{ErrorEstimate, ErrorEstimator};
 use super::film::Film;
 use super::layers::Layer;
@@ -34,10 +37,16 @@ impl RunConfig {
             threads => threads,
         }
     }
+
+    /// The layers that a render of `scene` keeps beside the picture, the error's aside.
+    #[must_use]
+    pub fn layers_of<'a>(&self, scene: &'a PreparedScene) -> &'a [Layer] {
+        if self.layers { scene.layers() } else { &[] }
+    }
 }
 
 /// Rays by purpose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayCounts {
     /// From the eye: one per sample, also where it misses the scene's box.
     pub camera: u64,
@@ -110,7 +119,7 @@ pub struct RenderStats {
     pub samples_per_pixel: f64,
     /// The fewest and the most samples of a pixel.
     pub sample_range: [u32; 2],
-    /// Passes over the picture. Where the error decides which pixels get samples, it is their number that reproduces a picture
+    /// Passes over the picture that are over. Where the error decides which pixels get samples, it is their number that reproduces a picture
     /// that the clock ended.
     pub passes: u32,
     /// Why it ended.
@@ -184,6 +193,16 @@ impl Round<'_> {
     }
 }
 
+/// Who keeps checkpoints of a render.
+#[derive(Clone, Copy)]
+pub struct CheckpointKeeper<'a> {
+    /// How long to wait from one to the next.
+    pub every: Duration,
+    /// Is given them: by the thread that finds one due after a tile, which takes no samples until it is kept, and at the end of a
+    /// render that is interrupted.
+    pub keep: &'a (dyn Fn(Checkpoint) + Sync),
+}
+
 /// Who watches a render.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
@@ -191,6 +210,8 @@ pub struct Watch<'a> {
     pub on_tile: Option<OnTile<'a>>,
     /// Is shown rounds. The render waits for it, with its clock stopped.
     pub on_round: Option<OnRound<'a>>,
+    /// Keeps checkpoints.
+    pub checkpoints: Option<CheckpointKeeper<'a>>,
 }
 
 /// Renders `region` of the picture, or all of it, and shows the tiles to `on_tile`, if anybody watches. `None` when cancelled.
@@ -198,7 +219,7 @@ pub struct Watch<'a> {
 /// The pixels of a region are those of the full picture, bit for bit, as long as every pixel gets the same number of samples.
 ///
 /// # Panics
-/// When the region does not lie in the picture.
+/// When the region does not lie in the picture, and with a [`RenderFault`](super::RenderFault) where the program fails at a sample.
 #[must_use]
 pub fn render(
     scene: &PreparedScene,
@@ -209,7 +230,7 @@ pub fn render(
 ) -> Option<RenderOutcome> {
     let watch = Watch {
         on_tile,
-        on_round: None,
+        ..Watch::default()
     };
     render_watched(scene, region, run, progress, watch)
 }
@@ -217,7 +238,7 @@ pub fn render(
 /// [`render`] for whoever wants to see more than tiles.
 ///
 /// # Panics
-/// When the region does not lie in the picture.
+/// When the region does not lie in the picture, and with a [`RenderFault`](super::RenderFault) where the program fails at a sample.
 #[must_use]
 pub fn render_watched(
     scene: &PreparedScene,
@@ -233,6 +254,29 @@ pub fn render_watched(
         "{region:?} lies outside the picture"
     );
     let mut renderer = Renderer::new(scene, region, run, progress, watch);
+    let ending = renderer.render()?;
+    Some(renderer.outcome(ending))
+}
+
+/// [`render_watched`] that goes on from `checkpoint`. The picture, its error and all counts are those of a render that was never
+/// interrupted; its time is that of both. Tiles are shown when they get more samples.
+///
+/// # Panics
+/// When the checkpoint does not [fit](Checkpoint::fits) the scene and the layers to keep, and with a
+/// [`RenderFault`](super::RenderFault) where the program fails at a sample.
+#[must_use]
+pub fn resume(
+    scene: &PreparedScene,
+    checkpoint: Checkpoint,
+    run: &RunConfig,
+    progress: &RenderProgress,
+    watch: Watch<'_>,
+) -> Option<RenderOutcome> {
+    assert!(
+        checkpoint.fits(scene, checkpoint.region(), run.layers_of(scene)),
+        "the checkpoint is one of another render"
+    );
+    let mut renderer = Renderer::resume(scene, checkpoint, run, progress, watch);
     let ending = renderer.render()?;
     Some(renderer.outcome(ending))
 }

@@ -74,7 +74,7 @@ impl Dimension {
 /// Each decision takes the first two Sobol dimensions with its own shuffle and scrambles, which keeps every pair well spread
 /// and different pairs independent. Source: Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020, with the hash
 /// constants of Vegdahl, Building a Better LK Hash, 2021.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
     /// Of the seed and the pixel.
     key: u64,

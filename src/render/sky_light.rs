@@ -4,7 +4,7 @@ use super::background::ImageBackground;
 use super::direct::Occlusion;
 use super::mis::power_heuristic;
 use super::prepare::PreparedScene;
-use super::run::RayCounts;
+use super::ray_log::{NotedRay, RayLog, RayPurpose};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use crate::math::{Vec3, warp};
@@ -20,7 +20,7 @@ pub fn mean_over_hemisphere(
     image: &ImageBackground,
     point: &SurfacePoint,
     (sampler, bounce): (Sampler, u32),
-    rays: &mut RayCounts,
+    rays: &mut impl RayLog,
 ) -> Occlusion {
     let occlusion = scene.settings().ambient_occlusion;
     let by_cosine = occlusion.samples / 2;
@@ -30,9 +30,12 @@ pub fn mean_over_hemisphere(
         if !occlusion.enabled {
             return true;
         }
-        rays.ambient_occlusion += 1;
         let ray = point.ray_above(wi * scene.occlusion_radius());
-        !scene.occluded(&ray, 1.0, None)
+        let is_occluded = scene.occluded(&ray, 1.0, None);
+        let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
+        let noted = || NotedRay::passing(ray, 1.0, passed);
+        rays.note(RayPurpose::AmbientOcclusion, noted);
+        !is_occluded
     };
     let cosine_pdf = |wi: Vec3| warp::cosine_hemisphere_pdf(Vec3::Z * point.shading_normal.dot(wi));
 

@@ -1,5 +1,8 @@
 //! Sampling one tile.
 
+use serde::{Deserialize, Serialize};
+
+use super::fault::SampleNote;
 use super::film::{Film, TileSums, block_after};
 use super::layers::{Gathered, Layer};
 use super::prepare::PreparedScene;
@@ -72,7 +75,7 @@ impl Work<'_> {
 }
 
 /// What is counted about samples.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct SampleCounts {
     pub rays: RayCounts,
     pub non_finite: u64,
@@ -116,9 +119,7 @@ impl SampleCounts {
     fn clamp(&mut self, sample: &mut Gathered, most: f32) {
         let before = f64::from(luminance(sample.radiance));
         self.luminance += before;
-        let brightest = sample.radiance.max_element();
-        if brightest > most {
-            sample.scale(most / brightest);
+        if sample.limit(most) {
             self.clamped += 1;
             self.removed += before - f64::from(luminance(sample.radiance));
         }
@@ -131,14 +132,30 @@ pub struct TileBlock {
     pub counts: SampleCounts,
 }
 
-/// Takes the samples of every pixel of `tile`; `None` when cancelled.
+/// What ends the sampling of a tile in the middle.
+#[derive(Clone, Copy, Debug)]
+pub struct Stops<'a> {
+    /// Whoever asked for the render.
+    pub cancel: &'a CancelToken,
+    /// Another thread that cannot go on.
+    pub halt: &'a CancelToken,
+}
+
+impl Stops<'_> {
+    fn is_asked(self) -> bool {
+        self.cancel.is_cancelled() || self.halt.is_cancelled()
+    }
+}
+
+/// Takes the samples of every pixel of `tile`, and writes in `note` at which it is; `None` when stopped.
 pub fn sample_tile(
     scene: &PreparedScene,
     tile: Region,
     samples: &[PixelSamples],
     layers: &[Layer],
-    cancel: &CancelToken,
+    stops: Stops<'_>,
     progress: &RenderProgress,
+    note: &SampleNote,
 ) -> Option<TileBlock> {
     let mut sums = TileSums::new(layers, tile.pixel_count());
     let mut counts = SampleCounts::default();
@@ -176,11 +193,13 @@ pub fn sample_tile(
             left_count = kept;
             let pixels = &pixels[..count];
             for index in together.first..together.first + together.count {
+                note.set((pixels[0], index));
                 let begun = scene.camera_samples(pixels, index);
                 for (&(x, y), begun) in pixels.iter().zip(begun.iter().flatten()) {
-                    if cancel.is_cancelled() {
+                    if stops.is_asked() {
                         return None;
                     }
+                    note.set(((x, y), index));
                     let before = counts.rays.total();
                     let mut sample = scene.gathered(begun, &mut counts.rays);
                     let rays = counts.rays.total() - before;
@@ -204,17 +223,18 @@ fn few(rays: u64) -> u32 {
     u32::try_from(rays).unwrap_or(u32::MAX)
 }
 
-/// A picture of `tile` from the first sample of the middle pixel of each block; `None` when cancelled.
+/// A picture of `tile` from the first sample of the middle pixel of each block, at which `note` says it is; `None` when stopped.
 pub fn coarse_tile(
     scene: &PreparedScene,
     tile: Region,
-    cancel: &CancelToken,
+    stops: Stops<'_>,
+    note: &SampleNote,
 ) -> Option<Vec<[f32; 3]>> {
     let width = tile.width as usize;
     let mut rgb = vec![[0.0; 3]; tile.pixel_count()];
     for top in (0..tile.height).step_by(COARSE_BLOCK as usize) {
         for left in (0..tile.width).step_by(COARSE_BLOCK as usize) {
-            if cancel.is_cancelled() {
+            if stops.is_asked() {
                 return None;
             }
             let (right, bottom) = (
@@ -225,6 +245,7 @@ pub fn coarse_tile(
                 tile.x + u32::midpoint(left, right - 1),
                 tile.y + u32::midpoint(top, bottom - 1),
             );
+            note.set(((x, y), 0));
             let [begun, ..] = scene.camera_samples(&[(x, y)], 0);
             let begun = begun.expect("there is one pixel");
             let sample = scene.gathered(&begun, &mut RayCounts::default());

@@ -1,7 +1,9 @@
+use serde::{Deserialize, Serialize};
+
 use super::Image;
 
 /// A rectangle of pixels of the full picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Region {
     /// Leftmost column.
     pub x: u32,

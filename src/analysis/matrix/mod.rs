@@ -19,6 +19,8 @@ mod stage;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
+use crate::render::panic_message;
+
 /// One way in which a renderer may fail, and how it shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
@@ -89,7 +91,7 @@ impl Case {
         let outcome = catch_unwind(AssertUnwindSafe(|| (self.measure)(effort)));
         let (measured, panic) = match outcome {
             Ok(measured) => (measured, None),
-            Err(payload) => (f64::NAN, Some(words_of(payload.as_ref()))),
+            Err(payload) => (f64::NAN, Some(panic_message(payload.as_ref()))),
         };
         Finding {
             measured,
@@ -127,13 +129,6 @@ impl Effort {
             Self::Long => long,
         }
     }
-}
-
-/// What a panic said.
-fn words_of(payload: &(dyn std::any::Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| payload.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "a panic without words".to_owned())
 }
 
 #[cfg(test)]

@@ -131,6 +131,7 @@ impl ReportPlan {
             has_error: true,
             // The reference, and what is measured against it.
             copies: 2,
+            has_checkpoint: false,
         }
     }
 

@@ -108,8 +108,8 @@ impl Trial {
             known.push(measurement);
         };
         let watch = Watch {
-            on_tile: None,
             on_round: Some(&on_round),
+            ..Watch::default()
         };
         let outcome = render_watched(&prepared, None, run, progress, watch);
         Ok(outcome.map(|outcome| Self {

@@ -10,6 +10,7 @@
 //! leave the picture too dark.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::{Decay, ErrorEstimator};
 use crate::render::film::Film;
@@ -24,7 +25,7 @@ const BITS_WITHIN_CELL: u32 = 31 - CELL_BITS;
 const LEAST_SHARE: f64 = 1.0 / 32.0;
 
 /// The need for samples over a film.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Allotment {
     decay: Decay,
     /// Per pixel: its variance, over that of the decay curve, for the price of a sample.
@@ -33,7 +34,7 @@ pub struct Allotment {
 }
 
 /// Pixels with the same number of samples, each of which is worth about the same.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Cell {
     samples: u32,
     place: usize,
@@ -41,7 +42,7 @@ struct Cell {
 }
 
 /// Sums over pixels.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct PixelSums {
     /// Of their variances, each over that of the decay curve.
     noise: f64,
@@ -130,6 +131,11 @@ impl Allotment {
             cells: cells.collect(),
             worth: judged.iter().map(|pixel| pixel.worth()).collect(),
         }
+    }
+
+    /// Whether it is one over a film of `pixels` pixels: what one read from a file may not be.
+    pub fn is_like(&self, pixels: usize) -> bool {
+        self.worth.len() == pixels && self.cells.iter().all(|cell| cell.place < CELLS)
     }
 
     /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where no pixel gets more than

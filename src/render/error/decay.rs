@@ -18,6 +18,8 @@
 
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
 use crate::scene::RenderSettings;
 
 /// Highest level: twice the most samples a pixel can get.
@@ -152,7 +154,7 @@ fn place(level: u32, at: u32) -> usize {
 }
 
 /// The fall of variance, up to a factor: what matters is the variance at one number of samples over that at another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Decay {
     /// The variance of the mean of 2ᵏ samples over that at the level where the decay was asked.
     at_powers: [f64; LEVELS],

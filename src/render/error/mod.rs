@@ -12,7 +12,7 @@ mod decay;
 mod outlook;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use allotment::{Allotment, Forecast};
 pub use decay::Decay;
@@ -32,7 +32,7 @@ const NORMAL_95: f64 = 1.96;
 const MOST_DEVIATIONS: f64 = 4.0;
 
 /// A value and the interval that holds the truth in 95 of 100 cases.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// The estimate.
     pub value: f64,
@@ -61,7 +61,7 @@ impl Interval {
 }
 
 /// How wrong a picture is, without a reference.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
     /// Mean over the pixels.
     pub samples_per_pixel: f64,
@@ -84,7 +84,7 @@ impl ErrorEstimate {
 }
 
 /// What is added up over pixels with the same number of samples, once for errors and once for relative errors.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Sums {
     /// Squared moves of the mean over all channels when samples went from a quarter to all.
     fall: f64,
@@ -103,7 +103,7 @@ impl Sums {
 }
 
 /// Pixels with the same number of samples.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Group {
     samples: u32,
     pixels: u64,
@@ -121,7 +121,7 @@ const ABSOLUTE: usize = 0;
 const RELATIVE: usize = 1;
 
 /// Estimates the error of a film, again and again while it fills.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ErrorEstimator {
     /// By level: sums of drops over all pixels that have reached it, and of those of both their halves, one level below.
     history: [Vec<[f64; 2]>; 2],
@@ -147,6 +147,13 @@ impl ErrorEstimator {
             falls: vec![0.0; pixels],
             percentile_999: 0.0,
         }
+    }
+
+    /// Whether it is one for a film of `pixels` pixels, none with more than `most` samples: what one read from a file may not be.
+    #[must_use]
+    pub fn is_like(&self, pixels: usize, most: u32) -> bool {
+        let is_known = |group: &Group| (1..=most).contains(&group.samples);
+        self.falls.len() == pixels && self.groups.iter().all(is_known)
     }
 
     /// Takes in `film`, whose pixels (those `selected`, or all) have just reached another power of two of samples, or the most

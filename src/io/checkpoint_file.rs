@@ -1,0 +1,263 @@
+//! Checkpoints of renders as files: a line that names the format, what the render is of, what it has reached, and the SHA-256 of
+//! all that, without which nothing is believed.
+
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::atomic::write_atomically;
+use super::render_description::difference;
+use super::whole_file::{open_file, read_bounded_file};
+use crate::control::{CancelToken, Progress};
+use crate::render::Checkpoint;
+
+/// What the first line of every version begins with.
+const NAME: &str = "RayMini checkpoint ";
+/// The version of what follows, and the end of the line.
+const VERSION: &str = "1";
+const DIGEST_BYTES: usize = 32;
+/// What is hashed and written at once.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// Why a checkpoint cannot be gone on from.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct CheckpointError {
+    /// The file.
+    pub path: PathBuf,
+    /// A plain sentence.
+    pub reason: String,
+}
+
+/// Writes `checkpoint` of a render of that [description](super::describe_render) to `path`. The file appears whole or not at all.
+///
+/// # Errors
+/// What the system says.
+pub fn save_checkpoint(path: &Path, description: &str, checkpoint: &Checkpoint) -> io::Result<()> {
+    write_atomically(path, |file| write(description, checkpoint, file))
+}
+
+/// Reads the checkpoint at `path`, of a render of that [description](super::describe_render). A file of more than `most_bytes` is
+/// not one.
+///
+/// # Errors
+/// When the file cannot be read, is damaged or something else, or is of another render: then with the first thing that differs.
+pub fn load_checkpoint(
+    path: &Path,
+    description: &str,
+    most_bytes: u64,
+) -> Result<Checkpoint, CheckpointError> {
+    read(path, description, most_bytes).map_err(|reason| CheckpointError {
+        path: path.to_owned(),
+        reason,
+    })
+}
+
+fn read(path: &Path, description: &str, most_bytes: u64) -> Result<Checkpoint, String> {
+    const EXPECTED: &str = "a checkpoint of this render";
+    // However large the file is, its first line tells whether it is one.
+    let mut start = Vec::new();
+    let first_line = (NAME.len() + VERSION.len() + 1) as u64;
+    let file = open_file(path, EXPECTED)?;
+    let read = file.take(first_line).read_to_end(&mut start);
+    read.map_err(|error| format!("the file cannot be read: {error}"))?;
+    check_first_line(&start)?;
+    let (never, progress) = (CancelToken::new(), Progress::new());
+    let bytes = read_bounded_file(path, EXPECTED, most_bytes, &never, &progress)?;
+    parse(&bytes.unwrap_or_default(), description)
+}
+
+/// The checkpoint in the bytes of a file, if it is one of a render of that description.
+fn parse(bytes: &[u8], description: &str) -> Result<Checkpoint, String> {
+    let rest = check_first_line(bytes)?;
+    let damaged = || "the checkpoint is damaged: what it holds is not what was written".to_owned();
+    let (body, digest) = rest
+        .len()
+        .checked_sub(DIGEST_BYTES)
+        .map(|end| rest.split_at(end))
+        .ok_or_else(damaged)?;
+    let hashed = &bytes[..bytes.len() - DIGEST_BYTES];
+    if Sha256::digest(hashed).as_slice() != digest {
+        return Err(damaged());
+    }
+    let (saved, body) = postcard::take_from_bytes::<&str>(body).map_err(|_| damaged())?;
+    if let Some(difference) = difference(saved, description) {
+        return Err(format!(
+            "it is a checkpoint of another render: {difference}"
+        ));
+    }
+    match postcard::take_from_bytes(body) {
+        Ok((checkpoint, [])) => Ok(checkpoint),
+        _ => Err(damaged()),
+    }
+}
+
+/// What follows the line that every file begins with.
+fn check_first_line(bytes: &[u8]) -> Result<&[u8], String> {
+    let Some(rest) = bytes.strip_prefix(NAME.as_bytes()) else {
+        return Err("this is not a checkpoint of a render".to_owned());
+    };
+    let version = format!("{VERSION}\n");
+    rest.strip_prefix(version.as_bytes()).ok_or_else(|| {
+        format!("it is a checkpoint of another version of RayMini; this one reads format {VERSION}")
+    })
+}
+
+fn write(description: &str, checkpoint: &Checkpoint, file: &mut dyn Write) -> io::Result<()> {
+    let mut hashed = Hashed {
+        file,
+        digest: Sha256::new(),
+        failure: None,
+    };
+    let mut buffer = BufWriter::with_capacity(BUFFER_BYTES, &mut hashed);
+    writeln!(buffer, "{NAME}{VERSION}")?;
+    let encoded = postcard::to_io(&(description, checkpoint), &mut buffer).map(drop);
+    let flushed = buffer.flush();
+    // Else what could not be written would be tried again.
+    drop(buffer.into_parts());
+    if let Some(failure) = hashed.failure {
+        return Err(failure);
+    }
+    encoded.map_err(io::Error::other)?;
+    flushed?;
+    let Hashed { file, digest, .. } = hashed;
+    file.write_all(digest.finalize().as_slice())
+}
+
+/// Hashes what it passes on. It keeps the reason of a failure, which serialising does not hand on.
+struct Hashed<'a> {
+    file: &'a mut dyn Write,
+    digest: Sha256,
+    failure: Option<io::Error>,
+}
+
+impl Write for Hashed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Err(failure) = self.file.write_all(bytes) {
+            let kind = failure.kind();
+            self.failure = Some(failure);
+            return Err(kind.into());
+        }
+        self.digest.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+    use crate::geometry::shapes::{self, Random};
+    use crate::render::{
+        CheckpointKeeper, PreparedScene, Region, RenderProgress, RunConfig, Watch, render_watched,
+    };
+    use crate::scene::{Object, RenderSettings, Scene};
+
+    const DESCRIPTION: &str = "region = 0,0,3,2\n";
+
+    fn prepared() -> PreparedScene {
+        let mut scene = Scene::default();
+        let ball = shapes::icosphere(0);
+        scene.meshes.insert("ball".into(), Arc::new(ball));
+        scene.objects.push(Object {
+            mesh: "ball".into(),
+            ..Object::default()
+        });
+        scene.render = RenderSettings {
+            width: 3,
+            height: 2,
+            ..RenderSettings::default()
+        };
+        scene.render.stop.noise = Some(1e-3);
+        let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+        prepared.expect("can be rendered").expect("nobody cancels")
+    }
+
+    /// The last checkpoint of a render of `scene`, as a file.
+    fn file(scene: &PreparedScene) -> Vec<u8> {
+        let bytes = Mutex::new(Vec::new());
+        let keep = |checkpoint: Checkpoint| {
+            let mut bytes = bytes.lock().expect("one thread");
+            bytes.clear();
+            write(DESCRIPTION, &checkpoint, &mut *bytes).expect("memory takes all");
+        };
+        let watch = Watch {
+            checkpoints: Some(CheckpointKeeper {
+                every: std::time::Duration::ZERO,
+                keep: &keep,
+            }),
+            ..Watch::default()
+        };
+        let (run, progress) = (RunConfig::default(), RenderProgress::default());
+        render_watched(scene, None, &run, &progress, watch).expect("nobody cancels");
+        bytes.into_inner().expect("one thread")
+    }
+
+    /// Puts the right digest at the end of `bytes`.
+    fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
+        let digest = Sha256::digest(&bytes);
+        bytes.extend_from_slice(digest.as_slice());
+        bytes
+    }
+
+    #[test]
+    fn what_is_read_is_what_was_written() {
+        let file = file(&prepared());
+        let checkpoint = parse(&file, DESCRIPTION).expect("is right");
+        let mut again = Vec::new();
+        write(DESCRIPTION, &checkpoint, &mut again).expect("memory takes all");
+        assert!(again == file);
+        assert_eq!(checkpoint.region(), Region::full(3, 2));
+        assert_eq!(checkpoint.samples_per_pixel(), 16.0);
+    }
+
+    /// Even with the right digest nothing panics, and no length is believed.
+    #[test]
+    fn nonsense_with_the_right_digest_is_refused() {
+        let scene = prepared();
+        let file = file(&scene);
+        let body = &file[..file.len() - DIGEST_BYTES];
+        for end in 0..body.len() {
+            assert!(parse(&signed(body[..end].to_vec()), DESCRIPTION).is_err());
+        }
+        let head = NAME.len() + VERSION.len() + 2 + DESCRIPTION.len();
+        let mut random = Random::new(3);
+        for place in 0..body.len() {
+            let mut changed = body.to_vec();
+            changed[place] ^= 1 << (random.bits() % 8);
+            // Other numbers may be fine.
+            if let Ok(other) = parse(&signed(changed), DESCRIPTION) {
+                assert!(place >= head);
+                let _ = other.fits(&scene, Region::full(3, 2), &[]);
+            }
+            let mut endless = body[..place.max(head)].to_vec();
+            endless.extend([0xff; 9]);
+            endless.push(1);
+            // The last number of all may be any.
+            drop(parse(&signed(endless), DESCRIPTION));
+        }
+    }
+
+    #[test]
+    fn a_failure_keeps_its_reason() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::Error::new(io::ErrorKind::StorageFull, "no room"))
+            }
+
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let checkpoint = parse(&file(&prepared()), DESCRIPTION).expect("is right");
+        let error = write(DESCRIPTION, &checkpoint, &mut Full).expect_err("is full");
+        assert_eq!(error.to_string(), "no room");
+    }
+}

@@ -1,0 +1,132 @@
+//! What a render has reached, as plain data: enough to go on from there, in another process too, and end with the same bits.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::{Allotment, ErrorEstimator};
+use super::film::Film;
+use super::layers::Layer;
+use super::prepare::PreparedScene;
+use super::progress::ErrorPoint;
+use super::renderer::TILE_SIDE;
+use super::tile_samples::{SampleCounts, Work};
+use super::tiles::Region;
+
+/// A moment of a render, from which [`resume`](super::resume) goes on as if nothing had happened.
+///
+/// It may lie in the middle of a pass, where some tiles have its samples and others not.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Checkpoint {
+    pub(super) shared: Shared,
+    pub(super) course: Course,
+    /// Wall time so far, and that of all processors.
+    pub(super) seconds: f64,
+    pub(super) cpu_seconds: f64,
+    /// How the error fell.
+    pub(super) errors: Vec<ErrorPoint>,
+    /// Camera samples of the whole render, as far as was known.
+    pub(super) expected_samples: u64,
+}
+
+/// What the threads of a render add to.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Shared {
+    pub film: Film,
+    pub counts: SampleCounts,
+    pub first_tile_seconds: Option<f64>,
+    /// Which tiles have the samples of the pass that is going on.
+    pub has_pass: Vec<bool>,
+}
+
+/// Where a render stands, and what it has learnt: all that changes between passes only.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Course {
+    /// `None` where the error is not asked for.
+    pub estimator: Option<ErrorEstimator>,
+    /// Where samples belong; `None` where all pixels get the same number, and before there is an estimate.
+    pub allotment: Option<Allotment>,
+    /// Those that are over.
+    pub passes: u32,
+    /// The one that is going on.
+    pub pass: Option<Pass>,
+    /// Samples that every pixel has from passes over all of them.
+    pub even_samples: u32,
+    /// What one more of them took in the last such pass.
+    pub seconds_per_sample: f64,
+    /// Samples when the error was noted last.
+    pub noted_samples: f64,
+}
+
+/// A pass over the tiles.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Pass {
+    /// Whether each pixel takes part; all do, where there is no choice.
+    pub selected: Option<Vec<bool>>,
+    /// Whether pixels are to leave a power of two.
+    pub begins_round: bool,
+    /// The most samples of one pixel in this pass.
+    pub longest: u32,
+    /// When it began, in seconds of wall time.
+    pub started: f64,
+}
+
+impl Pass {
+    /// What it does to a tile, where no pixel may get more than `most` samples in all.
+    pub fn work(&self, most: u32) -> Work<'_> {
+        Work {
+            selected: self.selected.as_deref(),
+            begins_round: self.begins_round,
+            longest: self.longest,
+            most,
+        }
+    }
+}
+
+impl Course {
+    /// Whether the error decides by now which pixels get samples.
+    pub fn chooses_pixels(&self) -> bool {
+        let pass = self.pass.as_ref();
+        pass.is_some_and(|pass| pass.selected.is_some())
+    }
+}
+
+impl Checkpoint {
+    /// The part of the picture it is of.
+    #[must_use]
+    pub fn region(&self) -> Region {
+        self.shared.film.region()
+    }
+
+    /// Wall time of the render so far.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Mean samples of a pixel.
+    #[must_use]
+    pub fn samples_per_pixel(&self) -> f64 {
+        self.shared.film.mean_samples()
+    }
+
+    /// Whether a render of `region` of `scene` that keeps `layers` can go on from it: whether all its parts have the right size.
+    /// One that was kept by such a render always can.
+    #[must_use]
+    pub fn fits(&self, scene: &PreparedScene, region: Region, layers: &[Layer]) -> bool {
+        let settings = scene.settings();
+        let (pixels, most) = (region.pixel_count(), settings.samples_per_pixel);
+        let Self { shared, course, .. } = self;
+        let has_error = settings.measures_error();
+        let selects_pixels = |pass: &Pass| {
+            pass.selected
+                .iter()
+                .all(|selected| selected.len() == pixels)
+        };
+        shared.film.is_like(region, layers, has_error, most)
+            && shared.has_pass.len() == region.tiles(TILE_SIDE).len()
+            && course.even_samples <= most
+            && course.estimator.is_some() == has_error
+            && course.estimator.iter().all(|e| e.is_like(pixels, most))
+            && course.allotment.iter().all(|a| a.is_like(pixels))
+            && course.pass.iter().all(selects_pixels)
+    }
+}

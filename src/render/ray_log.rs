@@ -1,0 +1,151 @@
+//! Who is told of every ray of a sample as it is traced: whoever counts rays, or whoever keeps them.
+
+use super::run::RayCounts;
+use crate::accel::Hit;
+use crate::math::{Ray, Vec3};
+
+/// What a ray is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayPurpose {
+    /// From the eye.
+    Camera,
+    /// To a light.
+    Shadow,
+    /// Into the hemisphere over a point.
+    AmbientOcclusion,
+    /// From a mirror or glass, or along a path.
+    Bounce,
+}
+
+impl RayPurpose {
+    /// Every one, as a path comes to them.
+    pub const ALL: [Self; 4] = [
+        Self::Camera,
+        Self::Shadow,
+        Self::AmbientOcclusion,
+        Self::Bounce,
+    ];
+
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Camera => "camera",
+            Self::Shadow => "shadow",
+            Self::AmbientOcclusion => "ambient occlusion",
+            Self::Bounce => "bounce",
+        }
+    }
+}
+
+/// A ray in the prepared scene, and what became of it.
+#[derive(Clone, Copy, Debug)]
+pub struct NotedRay {
+    pub ray: Ray,
+    /// How far from the eye it starts; 0 for all but camera rays.
+    pub start: f64,
+    /// The parameter up to which it was looked along.
+    pub reach: f32,
+    pub end: NotedEnd,
+}
+
+/// What became of a ray.
+#[derive(Clone, Copy, Debug)]
+pub enum NotedEnd {
+    /// Its nearest hit was asked for, lights aside.
+    Nearest(Option<Hit>),
+    /// It passes by all there is to meet.
+    PassesBy,
+    /// It was asked whether anything is in the way: the share of light that comes through.
+    Passed(Vec3),
+}
+
+impl NotedRay {
+    /// One whose nearest hit was asked for.
+    pub fn nearest(ray: Ray, hit: Option<Hit>) -> Self {
+        Self {
+            ray,
+            start: 0.0,
+            reach: f32::INFINITY,
+            end: NotedEnd::Nearest(hit),
+        }
+    }
+
+    /// One from the eye along that unit vector that passes by all there is to meet. Where it starts nobody asks.
+    pub fn passing_by(direction: Vec3) -> Self {
+        Self {
+            end: NotedEnd::PassesBy,
+            ..Self::nearest(Ray::new(Vec3::ZERO, direction), None)
+        }
+    }
+
+    /// One that lets this share of light pass up to its parameter `reach`.
+    pub fn passing(ray: Ray, reach: f32, share: Vec3) -> Self {
+        Self {
+            ray,
+            start: 0.0,
+            reach,
+            end: NotedEnd::Passed(share),
+        }
+    }
+
+    /// One of a fan, `number`, along which something is in the way where the bit is set.
+    pub fn of_fan(ray: Ray, number: usize, occluded: u64) -> Self {
+        let is_free = occluded >> number & 1 == 0;
+        Self::passing(ray, 1.0, Vec3::splat(f32::from(u8::from(is_free))))
+    }
+}
+
+/// Takes note of rays. What they were is asked for only by whoever keeps it, so that counting costs no more than that.
+pub trait RayLog {
+    /// A ray is traced.
+    fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay);
+
+    /// As many rays are traced together.
+    fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay);
+}
+
+impl RayCounts {
+    #[inline]
+    fn of(&mut self, purpose: RayPurpose) -> &mut u64 {
+        match purpose {
+            RayPurpose::Camera => &mut self.camera,
+            RayPurpose::Shadow => &mut self.shadow,
+            RayPurpose::AmbientOcclusion => &mut self.ambient_occlusion,
+            RayPurpose::Bounce => &mut self.bounce,
+        }
+    }
+}
+
+impl RayLog for RayCounts {
+    #[inline]
+    fn note(&mut self, purpose: RayPurpose, _: impl FnOnce() -> NotedRay) {
+        *self.of(purpose) += 1;
+    }
+
+    #[inline]
+    fn note_all(&mut self, purpose: RayPurpose, count: usize, _: impl Fn(usize) -> NotedRay) {
+        *self.of(purpose) += count as u64;
+    }
+}
+
+/// All rays, in the order in which they were traced.
+#[derive(Clone, Debug, Default)]
+pub struct RayRecord(Vec<(RayPurpose, NotedRay)>);
+
+impl RayRecord {
+    pub fn rays(&self) -> &[(RayPurpose, NotedRay)] {
+        &self.0
+    }
+}
+
+impl RayLog for RayRecord {
+    fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay) {
+        self.0.push((purpose, ray()));
+    }
+
+    fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay) {
+        self.0
+            .extend((0..count).map(|number| (purpose, ray(number))));
+    }
+}
