@@ -300,12 +300,38 @@ fn load_parts(
         let Some(loaded) = loaded else {
             return Ok(None);
         };
+        warnings.extend(outside_warning(&mesh, folder));
         warnings.extend(mesh_warnings(&mesh, &loaded));
         scene.meshes.insert(mesh, Arc::new(loaded.mesh));
     }
     let whole = load_background(&mut scene, folder, warnings, cancel, progress)
         .map_err(|error| file.error_at("background.image", error.to_string()))?;
+    if let (true, Background::Image { image, .. }) = (whole, &scene.background) {
+        warnings.extend(outside_warning(image, folder));
+    }
     Ok(whole.then_some(scene))
+}
+
+/// What is said when a scene file in `folder` has a mesh or image read from outside of the folder that holds `folder`. Scenes
+/// and meshes in folders side by side are how people keep them; what lies further away the author of the file need not know.
+/// Links are followed: the path may look harmless.
+fn outside_warning(path: &str, folder: &Path) -> Option<String> {
+    if path.starts_with(builtin::PREFIX) {
+        return None;
+    }
+    let is_here = folder.as_os_str().is_empty();
+    let folder = std::fs::canonicalize(if is_here { Path::new(".") } else { folder }).ok()?;
+    // Everything lies in the root.
+    let is_folder = |folder: &&Path| folder.parent().is_some();
+    let around = folder.parent().filter(is_folder).unwrap_or(&folder);
+    let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    let outside = !real.starts_with(around);
+    outside.then(|| {
+        format!(
+            "{path}: the scene file reads this from outside of {}",
+            around.display()
+        )
+    })
 }
 
 /// Loads the image of the background, if that is one and not loaded yet, relative to `folder`; false when cancelled.
@@ -560,6 +586,86 @@ mod tests {
         let error = set(&mut loaded, "background.image=/nowhere/a.exr".into());
         let error = error.expect_err("is not there").to_string();
         assert_eq!(error, "/nowhere/a.exr: there is no such file");
+    }
+
+    /// A scene may name what lies beside it or beside its folder; reading anything else is said, links or not.
+    #[test]
+    fn what_a_scene_reads_from_far_away_is_said() {
+        let root = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| root.path().join(name);
+        for folder in ["project/scenes/parts", "project/assets", "private"] {
+            std::fs::create_dir_all(path(folder)).expect("is made");
+        }
+        let triangle = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+        for mesh in [
+            "project/scenes/parts/a.off",
+            "project/assets/a.off",
+            "private/a.off",
+        ] {
+            std::fs::write(path(mesh), triangle).expect("is written");
+        }
+        let warnings = |mesh: &str| {
+            let text = format!("[[objects]]\nmesh = {mesh:?}\n");
+            std::fs::write(path("project/scenes/a.toml"), text).expect("is written");
+            load(&path("project/scenes/a.toml"))
+                .expect("is right")
+                .warnings
+        };
+        let absolute = path("project/assets/a.off");
+        for near in [
+            "parts/a.off",
+            "../assets/a.off",
+            "builtin:ground",
+            &absolute.to_string_lossy(),
+        ] {
+            assert_eq!(warnings(near), Vec::<String>::new(), "{near}");
+        }
+        let far = path("private/a.off");
+        let far = far.to_string_lossy();
+        let around = std::fs::canonicalize(path("project")).expect("exists");
+        let expected = |read: &str| {
+            let around = around.display();
+            vec![format!(
+                "{read}: the scene file reads this from outside of {around}"
+            )]
+        };
+        for mesh in ["../../private/a.off", &far] {
+            assert_eq!(warnings(mesh), expected(&far), "{mesh}");
+        }
+        #[cfg(unix)]
+        {
+            let link = path("project/scenes/link.off");
+            std::os::unix::fs::symlink(path("private/a.off"), &link).expect("is made");
+            assert_eq!(warnings("link.off"), expected(&link.to_string_lossy()));
+        }
+
+        // An image likewise.
+        let image = crate::render::Image {
+            width: 2,
+            height: 1,
+            pixels: vec![[1.0; 3]; 2],
+        };
+        let sky = path("private/sky.exr");
+        let scene = Scene::default();
+        crate::io::write_image(&image, &[], &scene.display, &scene.output, &sky)
+            .expect("is written");
+        let text = "[background]\nimage = \"../../private/sky.exr\"\n";
+        std::fs::write(path("project/scenes/b.toml"), text).expect("is written");
+        let loaded = load(&path("project/scenes/b.toml")).expect("is right");
+        assert_eq!(loaded.warnings, expected(&sky.to_string_lossy()));
+    }
+
+    #[test]
+    fn the_scenes_of_this_repository_load_without_a_warning() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let paths = entries.map(|entry| entry.expect("an entry").path());
+        let scenes: Vec<PathBuf> = paths.filter(|path| is_scene_file(path)).collect();
+        assert!(scenes.len() > 10);
+        for path in scenes {
+            let loaded = load(&path).expect("is right");
+            assert_eq!(loaded.warnings, Vec::<String>::new(), "{}", path.display());
+        }
     }
 
     #[test]

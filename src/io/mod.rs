@@ -14,6 +14,7 @@ mod radiance_file;
 mod ray_file;
 mod render_description;
 pub mod scene_file;
+mod shorten;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};
@@ -27,8 +28,10 @@ pub use load::{
     override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
-pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, read_image};
-pub use radiance_file::{RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile};
+pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};
+pub use radiance_file::{
+    RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, parse_radiance,
+};
 pub use ray_file::{RayFileError, load_rays, save_rays};
 pub use render_description::{describe_render, difference};
 pub use whole_file::open_file;

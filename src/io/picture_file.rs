@@ -6,7 +6,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use super::radiance_file::{RawImage, black, read_values, refuse_size};
+use super::radiance_file::{RawImage, no_memory, read_values, refuse_size, too_short};
 use super::whole_file::read_file;
 use crate::control::{CancelToken, Progress};
 use crate::math::color::linear_from_srgb;
@@ -54,6 +54,17 @@ fn read(path: &Path) -> Result<PictureFile, String> {
     parse(&bytes.expect("nobody cancels"))
 }
 
+/// The picture in `bytes`, which are those of a whole file; `name` stands for the path in messages.
+///
+/// # Errors
+/// Those of [`read_image`] that are about the content.
+pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError> {
+    parse(bytes).map_err(|reason| PictureError {
+        name: name.to_owned(),
+        reason,
+    })
+}
+
 /// The picture in `bytes`, which are those of a whole file.
 fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
     let (format, raw) = if bytes.starts_with(b"\x89PNG") {
@@ -86,74 +97,136 @@ fn read_png(bytes: &[u8]) -> Result<RawImage, String> {
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(in_words)?;
     let info = reader.info();
-    let (width, height) = refuse_size(info.width.into(), info.height.into())?;
+    let length = bytes.len() as u64;
+    let (width, height) = refuse_size(info.width.into(), info.height.into(), length)?;
     let stored = info.raw_row_length() as u64 * u64::from(height);
-    if stored > MOST_DEFLATED * bytes.len() as u64 {
-        return Err(format!(
-            "the file ends early: {} bytes cannot hold {width}×{height} pixels",
-            bytes.len()
-        ));
+    if stored > MOST_DEFLATED * length {
+        return Err(too_short(length, width, height));
     }
-    let mut warnings = color_warnings(info);
-    let length = reader
-        .output_buffer_size()
-        .ok_or_else(|| format!("there is no memory for an image of {width}×{height}"))?;
-    let mut pixels = black(width, height)?;
-    let mut encoded = vec![0; length];
-    let frame = reader.next_frame(&mut encoded).map_err(in_words)?;
-    // To the end, so that a file cut off there is noticed.
-    reader.finish().map_err(in_words)?;
-    if (frame.width, frame.height) != (width, height) {
+    let is_whole = |frame: &png::FrameControl| (frame.width, frame.height) == (width, height);
+    if !info.frame_control.as_ref().is_none_or(is_whole) {
         return Err("the first frame of its animation is not the whole picture".to_owned());
     }
-
-    let alpha_is_opaque = if frame.bit_depth == png::BitDepth::Sixteen {
-        let values = encoded.as_chunks().0.iter();
-        let values = values.map(|&pair| usize::from(u16::from_be_bytes(pair)));
-        fill(&mut pixels, frame.color_type, usize::from(u16::MAX), values)
+    let mut warnings = color_warnings(info);
+    let is_interlaced = info.interlaced;
+    let (color, depth) = reader.output_color_type();
+    let mut pixels = Pixels::new(width, height, color, depth);
+    if is_interlaced {
+        let length = reader
+            .output_buffer_size()
+            .ok_or_else(|| no_memory(width, height))?;
+        let mut encoded = Vec::new();
+        encoded
+            .try_reserve_exact(length)
+            .map_err(|_| no_memory(width, height))?;
+        encoded.resize(length, 0);
+        reader.next_frame(&mut encoded).map_err(in_words)?;
+        pixels.push(&encoded)?;
     } else {
-        let values = encoded.iter().map(|&value| usize::from(value));
-        fill(&mut pixels, frame.color_type, usize::from(u8::MAX), values)
-    };
-    if !alpha_is_opaque {
+        while let Some(row) = reader.next_row().map_err(in_words)? {
+            pixels.push(row.data())?;
+        }
+    }
+    // To the end, so that a file cut off there is noticed.
+    reader.finish().map_err(in_words)?;
+
+    if !pixels.is_opaque {
         warnings.push("some pixels are not opaque; their colours are taken as written".to_owned());
     }
     Ok(RawImage {
         width,
         height,
-        pixels,
+        pixels: pixels.decoded,
         warnings,
     })
 }
 
-/// Decodes `values` of `0..=most`, as many per pixel as `color` has channels. Returns whether alpha, where there is one, is
-/// opaque throughout.
-fn fill(
-    pixels: &mut [[f32; 3]],
+/// Pixels of a PNG as they are decoded. Room is made for those that are there, not for those that a header claims.
+struct Pixels {
+    width: u32,
+    height: u32,
     color: png::ColorType,
-    most: usize,
-    mut values: impl Iterator<Item = usize>,
-) -> bool {
-    let linear: Vec<f32> = (0..=most)
-        .map(|value| linear_from_srgb(value as f32 / most as f32))
-        .collect();
-    let colors = match color {
-        png::ColorType::Grayscale | png::ColorType::GrayscaleAlpha => 1,
-        png::ColorType::Rgb | png::ColorType::Rgba | png::ColorType::Indexed => 3,
-    };
-    let has_alpha = color.samples() > colors;
-    let mut is_opaque = true;
-    for pixel in pixels {
-        let mut next = || values.next().expect("the decoder gives every pixel");
-        *pixel = match colors {
-            1 => [linear[next()]; 3],
-            _ => [linear[next()], linear[next()], linear[next()]],
-        };
-        if has_alpha {
-            is_opaque &= next() == most;
+    depth: png::BitDepth,
+    /// Linear value of each code.
+    linear: Vec<f32>,
+    decoded: Vec<[f32; 3]>,
+    /// Whether alpha, where there is one, is opaque throughout.
+    is_opaque: bool,
+}
+
+impl Pixels {
+    /// None yet of an image of this size; `depth` is that of a sample, 8 or 16 bits.
+    fn new(width: u32, height: u32, color: png::ColorType, depth: png::BitDepth) -> Self {
+        let most = most_code(depth);
+        let linear = |code| linear_from_srgb(code as f32 / most as f32);
+        Self {
+            width,
+            height,
+            color,
+            depth,
+            linear: (0..=most).map(linear).collect(),
+            decoded: Vec::new(),
+            is_opaque: true,
         }
     }
-    is_opaque
+
+    /// Decodes whole rows.
+    fn push(&mut self, encoded: &[u8]) -> Result<(), String> {
+        /// What is there vouches for as much again, so many times over.
+        const GROWTH: usize = 8;
+        let samples = self.color.samples();
+        let bytes = usize::from(most_code(self.depth) > usize::from(u8::MAX)) + 1;
+        let (have, more) = (self.decoded.len(), encoded.len() / (samples * bytes));
+        if self.decoded.capacity() - have < more {
+            let all = self.width as usize * self.height as usize;
+            let room = (GROWTH * have).min(all).max(have + more);
+            self.decoded
+                .try_reserve_exact(room - have)
+                .map_err(|_| no_memory(self.width, self.height))?;
+        }
+        if bytes == 2 {
+            let codes = encoded.as_chunks().0.iter();
+            self.decode(
+                codes.map(|&pair| usize::from(u16::from_be_bytes(pair))),
+                more,
+            );
+        } else {
+            self.decode(encoded.iter().map(|&code| usize::from(code)), more);
+        }
+        Ok(())
+    }
+
+    /// Decodes `count` pixels from as many codes as they have channels.
+    fn decode(&mut self, mut codes: impl Iterator<Item = usize>, count: usize) {
+        let colors = match self.color {
+            png::ColorType::Grayscale | png::ColorType::GrayscaleAlpha => 1,
+            png::ColorType::Rgb | png::ColorType::Rgba | png::ColorType::Indexed => 3,
+        };
+        let has_alpha = self.color.samples() > colors;
+        let most = self.linear.len() - 1;
+        for _ in 0..count {
+            let mut next = || codes.next().expect("whole pixels");
+            self.decoded.push(match colors {
+                1 => [self.linear[next()]; 3],
+                _ => [
+                    self.linear[next()],
+                    self.linear[next()],
+                    self.linear[next()],
+                ],
+            });
+            if has_alpha {
+                self.is_opaque &= next() == most;
+            }
+        }
+    }
+}
+
+/// The largest code of a sample.
+fn most_code(depth: png::BitDepth) -> usize {
+    usize::from(match depth {
+        png::BitDepth::Sixteen => u16::MAX,
+        _ => u16::from(u8::MAX),
+    })
 }
 
 /// What is said where a PNG may mean other colours than sRGB.

@@ -3,19 +3,22 @@
 //! The colours are the channels R, G and B, or Y. Programs that put a name before every channel (`ViewLayer.Combined.R`) are
 //! understood where no channel has a plain name.
 
+use std::collections::BTreeSet;
 use std::io::Cursor;
 
 use exr::block::reader::{ChunksReader, SequentialBlockDecompressor};
 use exr::block::{self, UncompressedBlock, lines::LineRef};
+use exr::compression::Compression;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
-use super::{RawImage, Reading, black, refuse_size};
+use super::{RawImage, Reading, black, refuse_size, too_short};
 use crate::control::{CancelToken, Progress};
+use crate::io::shorten::shortened;
 
-/// Most bytes of one compressed block: more than the largest image needs, less than a forged header may ask for.
+/// Most bytes of one block of pixels: more than the largest image needs, less than a forged header may ask for.
 const MOST_BLOCK_BYTES: u64 = 1 << 30;
 
 /// Reads `bytes`; `progress` advances by as many, block by block. Alpha and other channels are not looked at.
@@ -33,7 +36,7 @@ pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<
     } = find_color(headers).ok_or_else(|| no_color(headers))?;
     let channels = headers[layer].channels.clone();
     let size = headers[layer].layer_size;
-    let (width, height) = refuse_size(size.x() as u64, size.y() as u64)?;
+    let (width, height) = refuse_size(size.x() as u64, size.y() as u64, bytes.len() as u64)?;
     let mut pixels = black(width, height)?;
 
     let chunks = reader
@@ -93,7 +96,7 @@ fn find_color(headers: &[Header]) -> Option<Color> {
         });
     }
     let named: Vec<(usize, String)> = flat()
-        .flat_map(|(layer, header)| prefixes(header).map(move |prefix| (layer, prefix)))
+        .flat_map(|(layer, header)| prefixes(header).into_iter().map(move |p| (layer, p)))
         .collect();
     let (layer, prefix) = named
         .iter()
@@ -107,8 +110,8 @@ fn find_color(headers: &[Header]) -> Option<Color> {
         [] => Vec::new(),
         _ => vec![format!(
             "the file holds several pictures; {} is read, not {}",
-            prefix.trim_end_matches('.'),
-            others.join(", ")
+            shortened(prefix.trim_end_matches('.')),
+            listed(&others)
         )],
     };
     Some(Color {
@@ -138,15 +141,20 @@ fn roles(header: &Header, prefix: &str) -> Option<Roles> {
 }
 
 /// What stands before `R`, the dot included, where `G` and `B` are there with the same name.
-fn prefixes(header: &Header) -> impl Iterator<Item = String> {
-    header.channels.list.iter().filter_map(|channel| {
-        let name = channel.name.to_string();
+fn prefixes(header: &Header) -> Vec<String> {
+    let names = || header.channels.list.iter().map(|c| c.name.to_string());
+    let known: BTreeSet<String> = names().collect();
+    let has = |prefix: &str, colors: [char; 2]| {
+        let mut names = colors.iter().map(|color| format!("{prefix}{color}"));
+        names.any(|name| known.contains(&name))
+    };
+    let prefix = |name: String| {
         let prefix = name
             .strip_suffix(['R', 'r'])
             .filter(|prefix| prefix.ends_with('.'))?;
-        let found = roles(header, prefix)?;
-        missing(&found).is_empty().then(|| prefix.to_owned())
-    })
+        (has(prefix, ['G', 'g']) && has(prefix, ['B', 'b'])).then(|| prefix.to_owned())
+    };
+    names().filter_map(prefix).collect()
 }
 
 /// Whether programs call their main picture so, as far as is known.
@@ -171,16 +179,25 @@ fn no_color(headers: &[Header]) -> String {
         .flat_map(|header| &header.channels.list)
         .map(|channel| channel.name.to_string())
         .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
     format!(
         "the file has the channels {}; expected R, G and B, or Y, of a flat layer",
-        names.join(", ")
+        listed(&names)
     )
+}
+
+/// The first of these names for a message; a file may have thousands.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    let shown = names.iter().take(MOST).map(|name| shortened(name));
+    let dots = (names.len() > MOST).then(|| "…".into());
+    shown.chain(dots).collect::<Vec<_>>().join(", ")
 }
 
 /// Refuses sizes and counts that a file of `length` bytes cannot mean, before anything is allocated by them.
 fn check_claims(header: &Header, length: u64) -> Result<(), String> {
     let size = header.layer_size;
-    refuse_size(size.x() as u64, size.y() as u64)?;
+    let (width, height) = refuse_size(size.x() as u64, size.y() as u64, length)?;
     // Every block has a place in a table of 8 bytes each.
     if header.chunk_count as u64 > length / 8 {
         return Err(format!(
@@ -188,20 +205,49 @@ fn check_claims(header: &Header, length: u64) -> Result<(), String> {
             header.chunk_count
         ));
     }
+    let most_bytes = most_expanded(header.compression).saturating_mul(length);
+    let bytes_of = |pixels: Option<u64>| {
+        pixels.and_then(|pixels| pixels.checked_mul(header.channels.bytes_per_pixel as u64))
+    };
+    let all_bytes = bytes_of(Some(u64::from(width) * u64::from(height)));
+    if !header.deep && all_bytes.is_none_or(|bytes| bytes > most_bytes) {
+        return Err(too_short(length, width, height));
+    }
     let block_pixels = match header.blocks {
         BlockDescription::Tiles(tiles) => {
-            (tiles.tile_size.x() as u64).checked_mul(tiles.tile_size.y() as u64)
+            // Blocks are cut off where the image ends.
+            let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
+            x.min(width.into()).checked_mul(y.min(height.into()))
         }
         BlockDescription::ScanLines => {
-            Some(header.compression.scan_lines_per_block() as u64 * size.x() as u64)
+            let lines = header.compression.scan_lines_per_block() as u64;
+            Some(lines.min(height.into()) * u64::from(width))
         }
     };
-    let block_bytes =
-        block_pixels.and_then(|p| p.checked_mul(header.channels.bytes_per_pixel as u64));
-    if block_bytes.is_none_or(|bytes| bytes > MOST_BLOCK_BYTES) {
+    if bytes_of(block_pixels).is_none_or(|bytes| bytes > MOST_BLOCK_BYTES) {
         return Err("its blocks of pixels are larger than any image needs".to_owned());
     }
     Ok(())
+}
+
+/// Most bytes of pixels that one byte of the file can stand for, rounded up.
+fn most_expanded(compression: Compression) -> u64 {
+    /// zlib's technical details.
+    const DEFLATE: u64 = 1032;
+    match compression {
+        Compression::Uncompressed => 1,
+        // A run of 128 in two bytes.
+        Compression::RLE => 64,
+        Compression::ZIP1 | Compression::ZIP16 => DEFLATE,
+        // 255 values of two bytes in nine bits.
+        Compression::PIZ => 454,
+        // Three bytes stand for four.
+        Compression::PXR24 => DEFLATE * 4 / 3,
+        // Sixteen values of two bytes in three.
+        Compression::B44 | Compression::B44A => 11,
+        // Runs of 128 deflated; the other parts of a block stand for less.
+        _ => DEFLATE * 64,
+    }
 }
 
 /// Puts the colours of one block into the image.

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder};
 
-use super::{RawImage, Reading, refuse_size};
+use super::{MOST_PIXELS_PER_BYTE, RawImage, Reading, refuse_size, too_short};
 use crate::control::{CancelToken, Progress};
 
 /// Bytes that a row takes at least, by the older of the two run-length codings.
@@ -18,12 +18,11 @@ pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<
     // Not strict about the first line: "#?RGBE" is common too.
     let decoder = HdrDecoder::new_nonstrict(source).map_err(in_words)?;
     let (width, height) = decoder.dimensions();
-    let (width, height) = refuse_size(width.into(), height.into())?;
-    if u64::from(height) * LEAST_ROW_BYTES > bytes.len() as u64 {
-        return Err(format!(
-            "the file ends early: {} bytes cannot hold {width}×{height} pixels",
-            bytes.len()
-        ));
+    let length = bytes.len() as u64;
+    let (width, height) = refuse_size(width.into(), height.into(), length)?;
+    let pixels = u64::from(width) * u64::from(height);
+    if u64::from(height) * LEAST_ROW_BYTES > length || pixels > MOST_PIXELS_PER_BYTE * length {
+        return Err(too_short(length, width, height));
     }
     let metadata = decoder.metadata();
     let decoded = DynamicImage::from_decoder(decoder);

@@ -6,6 +6,7 @@
 mod exr;
 mod hdr;
 
+use std::fmt::Display;
 use std::path::Path;
 
 use super::whole_file::read_file;
@@ -72,18 +73,32 @@ pub fn load_radiance(
     let name = path.display().to_string();
     let expected = "an image file";
     let read = read_file(path, expected, cancel, progress).and_then(|bytes| match bytes {
-        Some(bytes) => parse_radiance(&bytes, cancel, progress),
+        Some(bytes) => parse(&bytes, cancel, progress),
         None => Ok(None),
     });
     read.map_err(|reason| RadianceError { name, reason })
 }
 
-/// The image in `bytes`, which are those of a whole file.
-fn parse_radiance(
+/// The image in `bytes`, which are those of a whole file; `name` stands for the path in messages.
+///
+/// `progress` advances by the bytes understood; setting its total is the caller's. Returns `None` when cancelled.
+///
+/// # Errors
+/// When the bytes are of a format without reader, malformed, or hold a size that cannot be held.
+pub fn parse_radiance(
+    name: &str,
     bytes: &[u8],
     cancel: &CancelToken,
     progress: &Progress,
-) -> Reading<RadianceFile> {
+) -> Result<Option<RadianceFile>, RadianceError> {
+    parse(bytes, cancel, progress).map_err(|reason| RadianceError {
+        name: name.to_owned(),
+        reason,
+    })
+}
+
+/// The image in `bytes`, which are those of a whole file.
+fn parse(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RadianceFile> {
     let values = read_values(bytes, RADIANCE_FORMATS, cancel, progress)?;
     let Some((format, raw)) = values else {
         return Ok(None);
@@ -157,14 +172,23 @@ fn recognise(bytes: &[u8], expected: &str) -> Result<Format, String> {
     Err(format!("this is {what}; expected {expected}"))
 }
 
-/// An error about a size that no image has or that cannot be held.
-pub fn refuse_size(width: u64, height: u64) -> Result<(u32, u32), String> {
+/// Pixels that any file may hold, as many as two pictures of 4K have.
+const FREE_PIXELS: u64 = 1 << 24;
+
+/// Beyond [`FREE_PIXELS`], most pixels per byte of the file. No picture of RGB in deflate reaches it, whatever it shows.
+pub const MOST_PIXELS_PER_BYTE: u64 = 512;
+
+/// An error about a size that no image has, that cannot be held, or that a file of `length` bytes can hardly mean.
+pub fn refuse_size(width: u64, height: u64, length: u64) -> Result<(u32, u32), String> {
     if !RadianceMap::can_hold(width, height) {
         return Err(format!(
             "the image is said to be {width}×{height}; expected sides of 1 to {} and at most {} pixels",
             RadianceMap::MAX_SIDE,
             RadianceMap::MAX_PIXELS
         ));
+    }
+    if width * height > FREE_PIXELS.max(MOST_PIXELS_PER_BYTE * length) {
+        return Err(too_short(length, width, height));
     }
     let side = |side| u32::try_from(side).expect("the limit is far below");
     Ok((side(width), side(height)))
@@ -176,9 +200,19 @@ pub fn black(width: u32, height: u32) -> Result<Vec<[f32; 3]>, String> {
     let mut pixels = Vec::new();
     pixels
         .try_reserve_exact(count)
-        .map_err(|_| format!("there is no memory for an image of {width}×{height}"))?;
+        .map_err(|_| no_memory(width, height))?;
     pixels.resize(count, [0.0; 3]);
     Ok(pixels)
+}
+
+/// What is said of a file whose `length` bytes cannot mean an image of this size.
+pub fn too_short(length: u64, width: impl Display, height: impl Display) -> String {
+    format!("the file is too short: {length} bytes hardly hold {width}×{height} pixels")
+}
+
+/// What is said where there is no room for an image of this size.
+pub fn no_memory(width: u32, height: u32) -> String {
+    format!("there is no memory for an image of {width}×{height}")
 }
 
 #[cfg(test)]

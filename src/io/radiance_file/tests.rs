@@ -23,7 +23,7 @@ fn expected() -> Vec<[f32; 3]> {
 }
 
 fn parse(bytes: &[u8]) -> Result<RadianceFile, String> {
-    let parsed = parse_radiance(bytes, &CancelToken::new(), &Progress::new());
+    let parsed = super::parse(bytes, &CancelToken::new(), &Progress::new());
     parsed.map(|file| file.expect("nobody cancels"))
 }
 
@@ -284,7 +284,8 @@ fn forged_sizes_are_refused_before_they_are_believed() {
             "-Y 4294967295 +X 4294967295",
             "not a whole Radiance HDR file",
         ),
-        ("-Y 2000 +X 60000", "the file ends early"),
+        ("-Y 2000 +X 60000", "the file is too short"),
+        ("-Y 1 +X 60000", "the file is too short"),
         ("+Y 4 +X 4", "not a whole Radiance HDR file"),
         ("-Y -4 +X 4", "not a whole Radiance HDR file"),
     ] {

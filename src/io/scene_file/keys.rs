@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::SceneFileError;
-use super::tree::{Node, Value};
+use super::tree::{Entry, Node, Value};
+use crate::io::shorten::shortened;
 use crate::math::DVec3;
 use crate::scene::Choice;
 
@@ -379,6 +380,9 @@ impl<'a> Keys<'a> {
                     return;
                 };
                 for entry in entries {
+                    if !problems.is_empty() {
+                        return;
+                    }
                     let mut item = T::default();
                     let path = format!("{path}.{}", entry.key);
                     read_table(&entry.node, path, name, problems, |keys| {
@@ -430,6 +434,9 @@ impl<'a> Keys<'a> {
                     return;
                 };
                 for (index, node) in items.iter().enumerate() {
+                    if !problems.is_empty() {
+                        return;
+                    }
                     let mut item = T::default();
                     read_table(node, format!("{path}.{index}"), name, problems, |keys| {
                         fields(keys, &mut item);
@@ -498,7 +505,7 @@ impl<'a> Keys<'a> {
         }
     }
 
-    /// Reports the keys of the table that nobody asked for.
+    /// Reports the first key of the table that nobody asked for.
     pub fn finish(&mut self) {
         let Direction::Reading {
             table,
@@ -512,23 +519,15 @@ impl<'a> Keys<'a> {
         let Value::Table(entries) = &table.value else {
             return;
         };
-        for entry in entries
-            .iter()
-            .filter(|entry| !known.contains(&entry.key.as_str()))
-        {
+        let is_unknown = |entry: &&Entry| !known.contains(&entry.key.as_str());
+        if let Some(entry) = entries.iter().find(is_unknown) {
+            let key = shortened(&entry.key);
             let message = match nearest(&entry.key, known.iter().copied()) {
                 Some(nearest) if is_near(&entry.key, nearest) => {
-                    format!(
-                        "unknown key `{}`; the nearest known one is `{nearest}`",
-                        entry.key
-                    )
+                    format!("unknown key `{key}`; the nearest known one is `{nearest}`")
                 }
-                Some(_) => format!(
-                    "unknown key `{}`; known here: {}",
-                    entry.key,
-                    known.join(", ")
-                ),
-                None => format!("unknown key `{}`; no key is known here", entry.key),
+                Some(_) => format!("unknown key `{key}`; known here: {}", known.join(", ")),
+                None => format!("unknown key `{key}`; no key is known here"),
             };
             problems.push(SceneFileError::at(name, entry.place, message));
         }
@@ -570,12 +569,19 @@ fn wrong_kind(name: &str, node: &Node, path: &str, expected: &str) -> SceneFileE
 
 /// Whether one word may be a misspelling of the other: at most half of its letters differ.
 fn is_near(word: &str, other: &str) -> bool {
-    2 * strsim::damerau_levenshtein(word, other) <= word.chars().count().max(2)
+    2 * edits(word, other) <= word.chars().count().max(2)
 }
 
 /// The candidate that takes the fewest edits to reach.
 pub fn nearest<'n>(word: &str, candidates: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    candidates.min_by_key(|candidate| strsim::damerau_levenshtein(word, candidate))
+    candidates.min_by_key(|candidate| edits(word, candidate))
+}
+
+/// Edits from one word to the other, as far as people make words: time and memory are the product of the lengths.
+fn edits(word: &str, other: &str) -> usize {
+    const LONGEST: usize = 32;
+    let beginning = |text: &str| text.chars().take(LONGEST).collect::<String>();
+    strsim::damerau_levenshtein(&beginning(word), &beginning(other))
 }
 
 fn number_of(node: &Node) -> Option<f64> {
@@ -614,12 +620,19 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-/// A key as TOML writes it: bare where it can be.
+/// A key as TOML writes it: bare where it can be, else in quotes on one line, which a text with line breaks is not.
 fn key_text(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !key.is_empty() && key.chars().all(bare) {
-        key.to_owned()
-    } else {
-        quoted(key)
+        return key.to_owned();
     }
+    let mut text = "\"".to_owned();
+    for c in key.chars() {
+        let _ = match c {
+            '"' | '\\' => write!(text, "\\{c}"),
+            c if c.is_control() => write!(text, "\\u{:04x}", u32::from(c)),
+            c => write!(text, "{c}"),
+        };
+    }
+    text + "\""
 }

@@ -7,6 +7,7 @@ mod tree;
 
 use std::fmt;
 
+use super::shorten::shortened;
 use crate::scene::Scene;
 use keys::{Keys, nearest};
 use tree::{Node, Place};
@@ -164,10 +165,11 @@ fn check_materials(tree: &Node, name: &str, scene: &Scene) -> Result<(), SceneFi
         };
         if !scene.materials.contains_key(material) {
             let known = match nearest(material, scene.materials.keys().map(String::as_str)) {
-                Some(nearest) => format!("the nearest defined one is \"{nearest}\""),
+                Some(nearest) => format!("the nearest defined one is \"{}\"", shortened(nearest)),
                 None => "none is defined".to_owned(),
             };
             let place = tree.place_of(&format!("objects.{index}.material"));
+            let material = shortened(material);
             let message = format!("material \"{material}\" is not defined; {known}");
             return Err(SceneFileError::at(name, place, message));
         }

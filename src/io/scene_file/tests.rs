@@ -540,3 +540,73 @@ fn a_long_line_is_read_in_time_and_its_columns_are_right() {
     );
     assert!(started.elapsed().as_secs() < 20);
 }
+
+/// To compare two words takes the product of their lengths: a scene of some megabytes could ask for all memory there is.
+#[test]
+fn words_of_any_length_are_compared_in_little_memory() {
+    let long = "k".repeat(1 << 20);
+    let materials = format!("[materials.clay]\n[materials.l{long}]\n");
+    let object = format!("[[objects]]\nmesh = \"a.off\"\nmaterial = \"{long}\"\n");
+    for (text, expected) in [
+        (format!("{long} = 1\n"), "test.toml:1:1: unknown key `kkkk"),
+        (format!("[render]\n{long} = 1\n"), "test.toml:2:1: "),
+        (
+            format!("{materials}{object}"),
+            "test.toml:5:12: material \"kkkk",
+        ),
+    ] {
+        let found = message(&text);
+        assert!(found.starts_with(expected), "{found}");
+        assert!(found.len() < 1000, "{} bytes", found.len());
+    }
+}
+
+/// Whatever a file holds, what is said about it fits on a screen.
+#[test]
+fn messages_show_the_beginning_of_what_is_long() {
+    let list = format!("[{}]", "1, ".repeat(5000));
+    let text = "é".repeat(5000);
+    for (value, shown) in [
+        (list.clone(), "[1, 1, 1, 1, 1, 1, 1, 1, …]"),
+        (format!("[{list}, 2]"), "[a list, 2]"),
+        (format!("\"{text}\""), &format!("\"{}…\"", "é".repeat(60))),
+    ] {
+        assert_eq!(
+            message(&format!("camera.eye = {value}")),
+            format!(
+                "test.toml:1:14: `camera.eye` is {shown}; expected [x, y, z], each a finite number"
+            )
+        );
+    }
+}
+
+/// Keys are not visited in their order in the text.
+#[test]
+fn columns_are_right_in_any_order() {
+    let keys: Vec<String> = (0..2000).rev().map(|i| format!("\"é{i}\"")).collect();
+    let pairs: Vec<String> = keys.iter().map(|key| format!("{key} = 7")).collect();
+    let text = format!("x = {{ {} }}\n", pairs.join(", "));
+    let tree = Node::parse(&text, "").expect("is TOML");
+    for key in &keys {
+        let before = text.split_once(&format!("{key} = ")).expect("is there").0;
+        let place = tree.place_of(&format!("x.{}", key.trim_matches('"')));
+        let expected = before.chars().count() + key.chars().count() + " = ".len() + 1;
+        assert_eq!((place.line, place.column), (1, expected), "{key}");
+    }
+}
+
+/// Written over several lines, as a text may be but a key may not, it made the file unreadable.
+#[test]
+fn a_material_of_any_name_is_written_so_that_it_can_be_read() {
+    let names = ["a\nb", "\r\n\t\u{0}\u{7f}\u{85}", "'\"\\", "", " ", "é.ü"];
+    let mut scene = Scene::default();
+    for name in names {
+        scene.materials.insert(name.into(), Material::mirror());
+    }
+    assert_eq!(parse(&write(&scene)).expect("can be read"), scene);
+    let changed = apply_overrides(&scene, &["render.width=7".to_owned()]).expect("is right");
+    assert_eq!(
+        (changed.render.width, changed.materials),
+        (7, scene.materials)
+    );
+}

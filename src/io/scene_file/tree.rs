@@ -1,11 +1,9 @@
 //! A parsed TOML document whose every key and value knows its line and column.
 
-use std::cell::Cell;
-use std::ops::Range;
-
 use toml::de::{DeTable, DeValue};
 
 use super::SceneFileError;
+use crate::io::shorten::shortened;
 
 /// Where something stands in a text, both from 1; columns count characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,6 +29,9 @@ pub enum Value {
     Number(f64),
     Flag(bool),
 }
+
+/// Most items of a list that a message shows.
+const MOST_SHOWN: usize = 8;
 
 /// A key with its value.
 #[derive(Clone, Debug)]
@@ -64,10 +65,17 @@ impl Node {
         match &self.value {
             Value::Table(_) => "a table".to_owned(),
             Value::Array(items) => {
-                let items: Vec<_> = items.iter().map(Self::describe).collect();
-                format!("[{}]", items.join(", "))
+                let describe = |item: &Self| match item.value {
+                    Value::Array(_) => "a list".to_owned(),
+                    _ => item.describe(),
+                };
+                let mut shown: Vec<_> = items.iter().take(MOST_SHOWN).map(describe).collect();
+                if shown.len() < items.len() {
+                    shown.push("…".to_owned());
+                }
+                format!("[{}]", shown.join(", "))
             }
-            Value::Text(text) => format!("{text:?}"),
+            Value::Text(text) => format!("{:?}", shortened(text)),
             Value::Integer(number) => number.to_string(),
             Value::Number(number) => number.to_string(),
             Value::Flag(flag) => flag.to_string(),
@@ -246,40 +254,54 @@ fn node(value: &DeValue<'_>, place: Place, lines: &Lines<'_>) -> Result<Node, Pr
     Ok(Node { place, value })
 }
 
-/// Turns byte offsets into places.
+/// Turns byte offsets into places. A line may hold everything: to count from its start each time would take the square of its
+/// length.
 struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
-    /// What was asked for last, and its offset. Values are asked for about in the order of the text, and a line may hold all of
-    /// them: to count from its start each time would take the square of its length.
-    last: Cell<(usize, Place)>,
+    /// Characters before every [`STRIDE`]th byte.
+    characters: Vec<usize>,
 }
+
+/// Bytes that are counted for one place at most.
+const STRIDE: usize = 128;
 
 impl<'a> Lines<'a> {
     fn of(text: &'a str) -> Self {
         let after_newlines = text.match_indices('\n').map(|(at, _)| at + 1);
+        let mut before = 0;
+        let pieces = text.as_bytes().chunks(STRIDE).map(|piece| {
+            let here = before;
+            before += characters_in(piece);
+            here
+        });
+        let mut characters: Vec<usize> = pieces.collect();
+        characters.push(before);
         Self {
             text,
             starts: std::iter::once(0).chain(after_newlines).collect(),
-            last: Cell::new((0, Place { line: 1, column: 1 })),
+            characters,
         }
     }
 
     fn place(&self, offset: usize) -> Place {
         let line = self.starts.partition_point(|&start| start <= offset).max(1);
-        let (known, place) = match self.last.get() {
-            last if last.1.line == line => last,
-            _ => (self.starts[line - 1], Place { line, column: 1 }),
-        };
-        let characters =
-            |range: Range<usize>| self.text.get(range).unwrap_or_default().chars().count();
-        let column = if known <= offset {
-            place.column + characters(known..offset)
-        } else {
-            place.column - characters(offset..known)
-        };
-        let place = Place { line, column };
-        self.last.set((offset, place));
-        place
+        let start = self.starts[line - 1];
+        Place {
+            line,
+            column: 1 + self.characters_before(offset) - self.characters_before(start),
+        }
     }
+
+    fn characters_before(&self, offset: usize) -> usize {
+        let offset = offset.min(self.text.len());
+        let piece = offset / STRIDE;
+        self.characters[piece] + characters_in(&self.text.as_bytes()[piece * STRIDE..offset])
+    }
+}
+
+/// Characters of UTF-8 that begin in these bytes.
+fn characters_in(bytes: &[u8]) -> usize {
+    let begins = |&&byte: &&u8| byte & 0b1100_0000 != 0b1000_0000;
+    bytes.iter().filter(begins).count()
 }

@@ -1,0 +1,52 @@
+use raymini::control::{CancelToken, Progress};
+use raymini::geometry::face_normal;
+use raymini::io::MeshFile;
+use raymini::io::off::{OffError, has_keyword, parse, write};
+
+use super::{assert_memory, assert_message, measured};
+
+/// Bytes of memory per byte of text: a corner of a polygon stands in two bytes, and cutting the polygon takes 130.
+const MEMORY: usize = 96;
+
+/// Reads `bytes` as OFF. The mesh keeps its invariant, has no more than the text, and is the same when written and read again.
+pub fn check(bytes: &[u8]) {
+    let _ = has_keyword(bytes);
+    let progress = Progress::new();
+    let (read, peak) = measured(|| parse(bytes, &CancelToken::new(), &progress));
+    assert_memory(peak, MEMORY, bytes.len());
+    let file = match read {
+        Ok(file) => file.expect("nobody cancels"),
+        Err(error) => return assert_message(&error.to_string()),
+    };
+    assert_eq!(progress.done(), bytes.len() as u64);
+    let MeshFile {
+        mesh,
+        faces,
+        polygons,
+        dropped,
+        warnings,
+        ..
+    } = &file;
+    assert_eq!(mesh.validate(), Ok(()));
+    for index in 0..mesh.triangles.len() {
+        assert!(face_normal(mesh.corners(index)).is_some(), "{index}");
+    }
+    assert!(mesh.positions.len() + mesh.triangles.len() <= bytes.len());
+    assert!(polygons + dropped.too_few_corners <= *faces && dropped.total() <= *faces);
+    for warning in warnings {
+        assert_message(warning);
+    }
+
+    let again = read_again(&write(mesh)).unwrap_or_else(|error| panic!("what is written: {error}"));
+    assert_eq!(again.mesh, *mesh);
+    assert_eq!(again.dropped.total(), 0);
+
+    let cancelled = CancelToken::new();
+    cancelled.cancel();
+    assert_eq!(parse(bytes, &cancelled, &Progress::new()), Ok(None));
+}
+
+fn read_again(text: &str) -> Result<MeshFile, OffError> {
+    let read = parse(text.as_bytes(), &CancelToken::new(), &Progress::new());
+    read.map(|file| file.expect("nobody cancels"))
+}
