@@ -54,7 +54,7 @@ impl PictureMemory {
     pub fn beside(self, region: Region) -> Self {
         let copies = (region.pixel_count() as u64).div_ceil(self.pixels);
         Self {
-            copies: self.copies + usize::try_from(copies).expect("few"),
+            copies: self.copies + usize::try_from(copies).unwrap_or(usize::MAX),
             ..self
         }
     }

@@ -68,7 +68,7 @@ fn stack(faces: u32) -> Scene {
     let face = |number: u32| {
         let height = f64::from(number) * 1e-2;
         let mut face = rectangle(DVec3::Z * height, DVec3::X * 9.0, DVec3::Y * 9.0);
-        if number % 2 == 0 {
+        if number.is_multiple_of(2) {
             // The undersides of the plates face down.
             face.triangles
                 .iter_mut()

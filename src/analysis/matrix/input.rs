@@ -145,8 +145,8 @@ fn damaged_meshes(effort: Effort) -> f64 {
                 2 => drop(bytes.drain(place..(place + 9).min(bytes.len() - 1).max(place))),
                 3 => bytes.splice(place..place, *b" 1e999 -7 ").for_each(drop),
                 _ => {
-                    bytes[place] =
-                        b"0123456789.-e \n"[usize::from(random.bits().to_le_bytes()[0] % 15)]
+                    let [letter, ..] = random.bits().to_le_bytes();
+                    bytes[place] = b"0123456789.-e \n"[usize::from(letter % 15)];
                 }
             }
         }

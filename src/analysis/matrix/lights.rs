@@ -279,7 +279,7 @@ fn under_lights(count: u32) -> Scene {
         .map(|number| {
             let place = random.in_cube() * DVec3::new(3.0, 3.0, 0.7) + DVec3::Z * 1.5;
             let strength = (0.2 + random.unit()) * share;
-            if number % 2 == 0 {
+            if number.is_multiple_of(2) {
                 return point(place, 8.0 * strength);
             }
             let mut light = lamp(place, 0.1);

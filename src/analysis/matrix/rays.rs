@@ -11,7 +11,7 @@ use crate::accel::{Accelerator, BruteForce, BuildQuality, Hit, KdParameters, KdT
 use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{Triangle, TriangleMesh};
-use crate::math::{Bounds, DVec3, Ray, Vec3, power_of_two};
+use crate::math::{Bounds, DVec3, Ray, Vec3};
 use crate::render::SurfacePoint;
 use crate::scene::Mode;
 
@@ -190,7 +190,7 @@ impl<'a> Surroundings<'a> {
                 let mut origin = Vec3::new(of_corner().x, of_corner().y, of_corner().z);
                 let direction = lattice_direction(below(random, 64));
                 if below(random, 2) == 0 {
-                    origin -= direction * (self.size * 4.0) as f32;
+                    origin -= (direction.as_dvec3() * (self.size * 4.0)).as_vec3();
                 }
                 Ray::new(origin, direction)
             }
@@ -258,7 +258,7 @@ impl RoughBody {
         let origin = (self.middle + random.in_cube() * 0.1 * self.size).as_vec3();
         let corners = self.triangles[below(random, self.triangles.len())].corners;
         let [a, b, _] = corners.map(Vec3::as_dvec3);
-        let share = if random.bits() % 2 == 0 {
+        let share = if random.bits().is_multiple_of(2) {
             0.0
         } else {
             random.unit()
@@ -464,8 +464,8 @@ fn along_the_axes(effort: Effort) -> f64 {
                 if direction == Vec3::ZERO {
                     return false;
                 }
-                if random.bits() % 2 == 0 {
-                    origin -= direction * (around.size * 4.0) as f32;
+                if random.bits().is_multiple_of(2) {
+                    origin -= (direction.as_dvec3() * (around.size * 4.0)).as_vec3();
                 }
                 let ray = Ray::new(origin, direction);
                 let expected = bits(all.intersect(&ray, f32::INFINITY));
@@ -488,7 +488,7 @@ fn scaled_directions(effort: Effort) -> f64 {
             let ray = around.ray(random);
             let base = trees[0].intersect(&ray, f32::INFINITY);
             [-40, 40].into_iter().any(|exponent| {
-                let factor = power_of_two(exponent) as f32;
+                let factor = 2_f32.powi(exponent);
                 let scaled = Ray::new(ray.origin, ray.direction * factor);
                 let back = |hit: Hit| Hit {
                     t: hit.t * factor,

@@ -132,7 +132,7 @@ mod tests {
             let rounded: Vec<Triangle> = exact
                 .iter()
                 .map(|corners| Triangle {
-                    corners: corners.map(|corner| corner.as_vec3()),
+                    corners: corners.map(DVec3::as_vec3),
                 })
                 .collect();
             let found = TrueNormals::of_copies(&rounded, rounded.len(), |index| exact[index]);
