@@ -9,7 +9,7 @@ use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
-use super::ray_log::{NotedRay, RayLog, RayPurpose};
+use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
 use super::specular::{Specular, transmittance};
@@ -30,7 +30,7 @@ pub fn gather(
     CameraRay { mut ray, mut start }: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
-    rays: &mut impl RayLog,
+    rays: &mut RayTally,
 ) -> Gathered {
     let mut gathered = Gathered::nothing();
     let mut beginning = Beginning::Eye;
@@ -112,7 +112,7 @@ pub fn ambient_occlusion(
     scene: &PreparedScene,
     point: &SurfacePoint,
     turns: &Turns,
-    rays: &mut impl RayLog,
+    rays: &mut RayTally,
     radiance: impl Fn(Vec3) -> Vec3,
 ) -> Occlusion {
     let samples = scene.settings().ambient_occlusion.samples;
@@ -194,7 +194,7 @@ impl ShadowRays {
 }
 
 /// A surface point to be shaded.
-struct Shading<'a, L> {
+struct Shading<'a> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
@@ -205,10 +205,10 @@ struct Shading<'a, L> {
     bounce: u32,
     /// Takes note of shadow and occlusion.
     gathered: &'a mut Gathered,
-    rays: &'a mut L,
+    rays: &'a mut RayTally,
 }
 
-impl<L: RayLog> Shading<'_, L> {
+impl Shading<'_> {
     /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
     fn ambient(&mut self) -> Vec3 {
         let background = self.scene.background();
@@ -511,7 +511,7 @@ struct LightNumbers {
 }
 
 impl LightNumbers {
-    fn new(shading: &Shading<'_, impl RayLog>, item: u32, count: u32) -> Self {
+    fn new(shading: &Shading<'_>, item: u32, count: u32) -> Self {
         Self {
             points: shading.turns(Decision::Light, item, count),
             directions: shading.turns(Decision::NearLight, item, count),

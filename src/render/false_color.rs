@@ -3,7 +3,7 @@
 use super::camera::CameraRay;
 use super::direct::ambient_occlusion;
 use super::prepare::{CameraSample, PreparedScene};
-use super::ray_log::RayLog;
+use super::ray_tally::RayTally;
 use super::sampler::{Decision, Dimension};
 use crate::math::Vec3;
 
@@ -24,7 +24,7 @@ pub fn color(
     which: FalseColor,
     camera_ray: &CameraRay,
     &CameraSample { sampler, hit, .. }: &CameraSample,
-    rays: &mut impl RayLog,
+    rays: &mut RayTally,
 ) -> Vec3 {
     let Some(hit) = hit else {
         return Vec3::ZERO;

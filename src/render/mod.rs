@@ -34,7 +34,7 @@ mod phong;
 mod prepare;
 mod progress;
 mod radiance_image;
-mod ray_log;
+mod ray_tally;
 mod renderer;
 mod run;
 mod sampler;
@@ -60,7 +60,7 @@ pub use layers::Layer;
 pub use memory::{PictureMemory, ShortOfMemory};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
-pub use ray_log::RayPurpose;
+pub use ray_tally::RayPurpose;
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
     Round, RunConfig, Watch, render, render_watched, resume,

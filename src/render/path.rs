@@ -12,7 +12,7 @@ use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::prepare::{PreparedScene, Seen};
-use super::ray_log::{NotedRay, RayLog, RayPurpose};
+use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use crate::accel::Hit;
@@ -33,7 +33,7 @@ pub fn gather(
     CameraRay { mut ray, mut start }: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
-    rays: &mut impl RayLog,
+    rays: &mut RayTally,
 ) -> Gathered {
     let settings = scene.settings();
     let mut gathered = Gathered::nothing();
@@ -178,7 +178,7 @@ struct Lit {
 
 impl Aiming<'_> {
     /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
-    fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut impl RayLog) -> Option<Lit> {
+    fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut RayTally) -> Option<Lit> {
         let Self {
             scene,
             phong,

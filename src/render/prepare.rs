@@ -13,7 +13,7 @@ use super::layers::{Gathered, Layer};
 use super::light::PreparedLight;
 use super::material::PreparedMaterial;
 use super::path;
-use super::ray_log::{NotedRay, RayLog, RayPurpose};
+use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::Specular;
 use super::surface::SurfacePoint;
@@ -285,6 +285,7 @@ impl PreparedScene {
     }
 
     /// Where a sample of a pixel looks from, and along which unit vector, in prepared units.
+    #[inline]
     pub(super) fn line_of_sight(&self, (x, y): (u32, u32), sampler: &Sampler) -> (DVec3, DVec3) {
         let offset = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
             filter::offset(
@@ -307,7 +308,7 @@ impl PreparedScene {
     }
 
     /// What `sample` brings: linear radiance, or a false colour.
-    pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut impl RayLog) -> Gathered {
+    pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut RayTally) -> Gathered {
         let &CameraSample { sampler, hit, .. } = sample;
         #[cfg(test)]
         assert!(self.faulty != Some(sampler), "as the test wants");

@@ -4,7 +4,7 @@ use super::background::ImageBackground;
 use super::direct::Occlusion;
 use super::mis::power_heuristic;
 use super::prepare::PreparedScene;
-use super::ray_log::{NotedRay, RayLog, RayPurpose};
+use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use crate::math::{Vec3, warp};
@@ -20,7 +20,7 @@ pub fn mean_over_hemisphere(
     image: &ImageBackground,
     point: &SurfacePoint,
     (sampler, bounce): (Sampler, u32),
-    rays: &mut impl RayLog,
+    rays: &mut RayTally,
 ) -> Occlusion {
     let occlusion = scene.settings().ambient_occlusion;
     let by_cosine = occlusion.samples / 2;

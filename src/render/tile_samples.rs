@@ -7,6 +7,7 @@ use super::film::{Film, TileSums, block_after};
 use super::layers::{Gathered, Layer};
 use super::prepare::PreparedScene;
 use super::progress::RenderProgress;
+use super::ray_tally::RayTally;
 use super::run::{Clamped, RayCounts};
 use super::tiles::Region;
 use crate::accel::Packet;
@@ -159,9 +160,10 @@ pub fn sample_tile(
 ) -> Option<TileBlock> {
     let mut sums = TileSums::new(layers, tile.pixel_count());
     let mut counts = SampleCounts::default();
+    let mut rays = RayTally::default();
     let place = |x: u32, y: u32| ((y - tile.y) * tile.width + x - tile.x) as usize;
     for block in tile.cut(PACKET_SIDE) {
-        let traced_before = counts.rays.total();
+        let traced_before = rays.counts.total();
         let mut taken = 0;
         // Rays are traced together where pixels are at the same sample; all are, unless the error chooses pixels.
         let mut left = [(0, 0); Packet::MOST_RAYS];
@@ -200,21 +202,22 @@ pub fn sample_tile(
                         return None;
                     }
                     note.set(((x, y), index));
-                    let before = counts.rays.total();
-                    let mut sample = scene.gathered(begun, &mut counts.rays);
-                    let rays = counts.rays.total() - before;
+                    let before = rays.counts.total();
+                    let mut sample = scene.gathered(begun, &mut rays);
+                    let traced = rays.counts.total() - before;
                     counts.count_failures(&sample);
                     if let Some(most) = scene.clamp() {
                         counts.clamp(&mut sample, most);
                     }
-                    sums.add(place(x, y), layers, &sample, few(rays));
+                    sums.add(place(x, y), layers, &sample, few(traced));
                 }
             }
             taken += count as u64 * u64::from(together.count);
         }
         progress.samples.advance(taken);
-        progress.count_rays(counts.rays.total() - traced_before);
+        progress.count_rays(rays.counts.total() - traced_before);
     }
+    counts.rays = rays.counts;
     Some(TileBlock { sums, counts })
 }
 
@@ -248,7 +251,7 @@ pub fn coarse_tile(
             note.set(((x, y), 0));
             let [begun, ..] = scene.camera_samples(&[(x, y)], 0);
             let begun = begun.expect("there is one pixel");
-            let sample = scene.gathered(&begun, &mut RayCounts::default());
+            let sample = scene.gathered(&begun, &mut RayTally::default());
             for row in top..bottom {
                 let start = row as usize * width;
                 rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());

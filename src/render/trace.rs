@@ -1,7 +1,7 @@
 //! What one camera sample did, ray by ray: for whoever wants to know why a pixel looks as it does.
 
 use super::prepare::{PreparedScene, Seen};
-use super::ray_log::{NotedEnd, NotedRay, RayPurpose, RayRecord};
+use super::ray_tally::{NotedEnd, NotedRay, RayPurpose, RayTally};
 use super::surface::SurfacePoint;
 use crate::math::{DVec3, Vec3};
 use crate::scene::Mode;
@@ -127,13 +127,13 @@ pub fn trace_sample(
     }
     let [begun, ..] = scene.camera_samples(&[(x, y)], sample);
     let begun = begun.expect("there is one pixel");
-    let mut record = RayRecord::default();
-    let mut gathered = scene.gathered(&begun, &mut record);
+    let mut tally = RayTally::keeping();
+    let mut gathered = scene.gathered(&begun, &mut tally);
     if let Some(most) = scene.clamp() {
         gathered.limit(most);
     }
     let traced = |(purpose, ray): &(RayPurpose, NotedRay)| traced(scene, *purpose, ray);
-    let mut rays: Vec<TracedRay> = record.rays().iter().map(traced).collect();
+    let mut rays: Vec<TracedRay> = tally.into_kept().iter().map(traced).collect();
     // With all its digits, and from where the ray starts that is traced from near the scene on.
     let (eye, direction) = scene.line_of_sight((x, y), &begun.sampler);
     rays[0].origin = scene.geometry().frame().world_from_prepared(eye);

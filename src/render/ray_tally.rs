@@ -1,4 +1,4 @@
-//! Who is told of every ray of a sample as it is traced: whoever counts rays, or whoever keeps them.
+//! What is told of every ray of a sample as it is traced: counted always, kept where somebody wants to look at it.
 
 use super::run::RayCounts;
 use crate::accel::Hit;
@@ -96,13 +96,45 @@ impl NotedRay {
     }
 }
 
-/// Takes note of rays. What they were is asked for only by whoever keeps it, so that counting costs no more than that.
-pub trait RayLog {
-    /// A ray is traced.
-    fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay);
+/// Counts rays as they are traced; keeps them as well where somebody wants to look at them.
+#[derive(Clone, Debug, Default)]
+pub struct RayTally {
+    pub counts: RayCounts,
+    /// In the order in which they were traced.
+    kept: Option<Vec<(RayPurpose, NotedRay)>>,
+}
+
+impl RayTally {
+    /// One that keeps all rays.
+    pub fn keeping() -> Self {
+        Self {
+            kept: Some(Vec::new()),
+            ..Self::default()
+        }
+    }
+
+    /// What it has kept.
+    pub fn into_kept(self) -> Vec<(RayPurpose, NotedRay)> {
+        self.kept.unwrap_or_default()
+    }
+
+    /// A ray is traced. What it was is asked for only where rays are kept, so that counting costs next to no more than that.
+    #[inline]
+    pub fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay) {
+        *self.counts.of(purpose) += 1;
+        if let Some(kept) = &mut self.kept {
+            kept.push((purpose, ray()));
+        }
+    }
 
     /// As many rays are traced together.
-    fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay);
+    #[inline]
+    pub fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay) {
+        *self.counts.of(purpose) += count as u64;
+        if let Some(kept) = &mut self.kept {
+            kept.extend((0..count).map(|number| (purpose, ray(number))));
+        }
+    }
 }
 
 impl RayCounts {
@@ -114,38 +146,5 @@ impl RayCounts {
             RayPurpose::AmbientOcclusion => &mut self.ambient_occlusion,
             RayPurpose::Bounce => &mut self.bounce,
         }
-    }
-}
-
-impl RayLog for RayCounts {
-    #[inline]
-    fn note(&mut self, purpose: RayPurpose, _: impl FnOnce() -> NotedRay) {
-        *self.of(purpose) += 1;
-    }
-
-    #[inline]
-    fn note_all(&mut self, purpose: RayPurpose, count: usize, _: impl Fn(usize) -> NotedRay) {
-        *self.of(purpose) += count as u64;
-    }
-}
-
-/// All rays, in the order in which they were traced.
-#[derive(Clone, Debug, Default)]
-pub struct RayRecord(Vec<(RayPurpose, NotedRay)>);
-
-impl RayRecord {
-    pub fn rays(&self) -> &[(RayPurpose, NotedRay)] {
-        &self.0
-    }
-}
-
-impl RayLog for RayRecord {
-    fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay) {
-        self.0.push((purpose, ray()));
-    }
-
-    fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay) {
-        self.0
-            .extend((0..count).map(|number| (purpose, ray(number))));
     }
 }
