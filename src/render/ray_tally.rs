@@ -123,7 +123,7 @@ impl RayTally {
     pub fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay) {
         *self.counts.of(purpose) += 1;
         if let Some(kept) = &mut self.kept {
-            kept.push((purpose, ray()));
+            keep(kept, purpose, ray);
         }
     }
 
@@ -132,9 +132,22 @@ impl RayTally {
     pub fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay) {
         *self.counts.of(purpose) += count as u64;
         if let Some(kept) = &mut self.kept {
-            kept.extend((0..count).map(|number| (purpose, ray(number))));
+            for number in 0..count {
+                keep(kept, purpose, || ray(number));
+            }
         }
     }
+}
+
+/// Out of line: where rays are only counted, nothing of this may be in the way.
+#[cold]
+#[inline(never)]
+fn keep(
+    kept: &mut Vec<(RayPurpose, NotedRay)>,
+    purpose: RayPurpose,
+    ray: impl FnOnce() -> NotedRay,
+) {
+    kept.push((purpose, ray()));
 }
 
 impl RayCounts {
