@@ -53,7 +53,7 @@ pub enum Event {
         result: Result<RadianceFile, String>,
     },
     /// The scene is ready to render and to preview, or why it cannot be rendered.
-    Prepared(Result<Prepared, String>),
+    Prepared(Result<Box<Prepared>, String>),
     /// A tile of the running render.
     Tile(EncodedTile),
     /// The running render is done.
@@ -168,7 +168,7 @@ pub fn prepare(
             },
             None => new_geometry(scene, prepared, gpu),
         };
-        Prepared { sky, ..prepared }
+        Box::new(Prepared { sky, ..prepared })
     })));
 }
 
