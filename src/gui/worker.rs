@@ -36,7 +36,7 @@ pub enum Event {
         /// The files it came from.
         paths: Vec<PathBuf>,
         /// The scene, or why there is none.
-        result: Result<LoadedScene, String>,
+        result: Result<Box<LoadedScene>, String>,
     },
     /// A mesh to add to the scene.
     MeshLoaded {
@@ -125,6 +125,7 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     let Some(result) = unless_cancelled(loaded) else {
         return;
     };
+    let result = result.map(Box::new);
     job.send(Event::SceneLoaded { paths, result });
 }
 

@@ -250,10 +250,12 @@ impl App {
 
     fn take_event(&mut self, ctx: &egui::Context, event: Event) {
         match event {
-            Event::SceneLoaded { paths, result } => self.scene_loaded(&paths, result),
+            Event::SceneLoaded { paths, result } => {
+                self.scene_loaded(&paths, result.map(|loaded| *loaded));
+            }
             Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
             Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
-            Event::Prepared(result) => self.prepared(result),
+            Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
             Event::Tile(tile) => {
                 if let Some(picture) = &mut self.picture {
                     picture.show_tile(ctx, tile);

@@ -62,14 +62,14 @@ impl App {
         }
     }
 
-    pub(super) fn prepared(&mut self, result: Result<Box<Prepared>, String>) {
+    pub(super) fn prepared(&mut self, result: Result<Prepared, String>) {
         match result {
             Ok(prepared) => {
                 self.problem = None;
                 let bounds = world_bounds(prepared.scene.geometry());
                 let scene = self.preparing.clone().unwrap_or_default();
                 self.prepared = Some(PreparedState {
-                    prepared: *prepared,
+                    prepared,
                     scene,
                     bounds,
                 });
