@@ -41,9 +41,12 @@ pub fn check(bytes: &[u8]) {
     assert_eq!(again.mesh, *mesh);
     assert_eq!(again.dropped.total(), 0);
 
-    let cancelled = CancelToken::new();
-    cancelled.cancel();
-    assert_eq!(parse(bytes, &cancelled, &Progress::new()), Ok(None));
+    // Of a file without vertices and faces there is nothing to cancel.
+    if !mesh.positions.is_empty() {
+        let cancelled = CancelToken::new();
+        cancelled.cancel();
+        assert_eq!(parse(bytes, &cancelled, &Progress::new()), Ok(None));
+    }
 }
 
 fn read_again(text: &str) -> Result<MeshFile, OffError> {
