@@ -5,7 +5,7 @@ use raymini::io::off::{OffError, has_keyword, parse, write};
 
 use super::{assert_memory, assert_message, measured};
 
-/// Bytes of memory per byte of text: a corner of a polygon stands in two bytes, and cutting the polygon takes 130.
+/// Bytes of memory per byte of text: a corner of a polygon stands in two bytes, and cutting the polygon takes 110.
 const MEMORY: usize = 96;
 
 /// Reads `bytes` as OFF. The mesh keeps its invariant, has no more than the text, and is the same when written and read again.
