@@ -188,7 +188,7 @@ fn check_light(index: usize, light: &Light) -> Result<(), SceneError> {
             require(
                 facing.normal(*center).is_some(),
                 &key(name),
-                value,
+                &shown_vector(value),
                 expected,
             )
         }

@@ -5,7 +5,7 @@ use raymini::io::off::{OffError, has_keyword, parse, write};
 
 use super::{assert_memory, assert_message, measured};
 
-/// Bytes of memory per byte of text: a corner of a polygon stands in two bytes, and cutting the polygon takes 130.
+/// Bytes of memory per byte of text: a corner of a polygon stands in two bytes, and cutting the polygon takes 110.
 const MEMORY: usize = 96;
 
 /// Reads `bytes` as OFF. The mesh keeps its invariant, has no more than the text, and is the same when written and read again.
@@ -41,9 +41,12 @@ pub fn check(bytes: &[u8]) {
     assert_eq!(again.mesh, *mesh);
     assert_eq!(again.dropped.total(), 0);
 
-    let cancelled = CancelToken::new();
-    cancelled.cancel();
-    assert_eq!(parse(bytes, &cancelled, &Progress::new()), Ok(None));
+    // Of a file without vertices and faces there is nothing to cancel.
+    if !mesh.positions.is_empty() {
+        let cancelled = CancelToken::new();
+        cancelled.cancel();
+        assert_eq!(parse(bytes, &cancelled, &Progress::new()), Ok(None));
+    }
 }
 
 fn read_again(text: &str) -> Result<MeshFile, OffError> {

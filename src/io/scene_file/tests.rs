@@ -566,9 +566,14 @@ fn words_of_any_length_are_compared_in_little_memory() {
 fn messages_show_the_beginning_of_what_is_long() {
     let list = format!("[{}]", "1, ".repeat(5000));
     let text = "é".repeat(5000);
+    let huge = format!("[1e308, {}0.5]", "-1e308, ".repeat(20));
     for (value, shown) in [
         (list.clone(), "[1, 1, 1, 1, 1, 1, 1, 1, …]"),
         (format!("[{list}, 2]"), "[a list, 2]"),
+        (
+            huge,
+            "[1e308, -1e308, -1e308, -1e308, -1e308, -1e308, -1e308, -1e308, …]",
+        ),
         (format!("\"{text}\""), &format!("\"{}…\"", "é".repeat(60))),
     ] {
         assert_eq!(

@@ -77,7 +77,8 @@ impl Node {
             }
             Value::Text(text) => format!("{:?}", shortened(text)),
             Value::Integer(number) => number.to_string(),
-            Value::Number(number) => number.to_string(),
+            // The largest have hundreds of digits.
+            Value::Number(number) => format!("{number:?}"),
             Value::Flag(flag) => flag.to_string(),
         }
     }
@@ -236,12 +237,15 @@ fn node(value: &DeValue<'_>, place: Place, lines: &Lines<'_>) -> Result<Node, Pr
         DeValue::Boolean(flag) => Value::Flag(*flag),
         DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix())
             .map(Value::Integer)
-            .map_err(|_| (place, format!("{number} does not fit a 64-bit integer")))?,
-        DeValue::Float(number) => number
-            .as_str()
-            .parse()
-            .map(Value::Number)
-            .map_err(|_| (place, format!("{number} is not a number")))?,
+            .map_err(|_| {
+                let number = number.to_string();
+                let shown = shortened(&number);
+                (place, format!("{shown} does not fit a 64-bit integer"))
+            })?,
+        DeValue::Float(number) => number.as_str().parse().map(Value::Number).map_err(|_| {
+            let shown = shortened(number.as_str());
+            (place, format!("{shown} is not a number"))
+        })?,
         DeValue::Array(items) => {
             let item_node = |item: &toml::Spanned<DeValue<'_>>| {
                 node(item.get_ref(), lines.place(item.span().start), lines)
