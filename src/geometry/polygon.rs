@@ -8,6 +8,7 @@
 mod blockers;
 mod ears;
 mod orientation;
+mod spokes;
 
 use super::normals::scale_to_one;
 use crate::math::{DVec2, DVec3};

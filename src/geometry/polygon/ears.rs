@@ -69,7 +69,7 @@ struct Clipper<'a> {
     next: Vec<u32>,
     /// How often the neighbours of a corner, or whether it is there at all, have changed.
     changes: Vec<u32>,
-    blockers: Blockers<'a>,
+    blockers: Blockers,
     unseen: VecDeque<Candidate>,
     blocked: VecDeque<Candidate>,
     flat: VecDeque<Candidate>,
@@ -83,14 +83,19 @@ struct Clipper<'a> {
 impl<'a> Clipper<'a> {
     fn new(points: &'a [DVec2]) -> Self {
         let count = u32::try_from(points.len()).expect("corners have u32 numbers");
-        let turns_left = corners_of(points).map(|[a, b, c]| orientation(a, b, c) > 0.0);
-        let blockers = (0..count).zip(turns_left).filter(|(_, left)| !left);
+        let turns_left: Vec<bool> = corners_of(points)
+            .map(|[a, b, c]| orientation(a, b, c) > 0.0)
+            .collect();
+        let mut blockers = Blockers::new(points, |corner| !turns_left[corner as usize]);
+        for (corner, [before, _, after]) in (0..).zip(corners_of(points)) {
+            blockers.connect(corner, [before, after]);
+        }
         Self {
             points,
             previous: (0..count).map(|i| (i + count - 1) % count).collect(),
             next: (0..count).map(|i| (i + 1) % count).collect(),
             changes: vec![0; points.len()],
-            blockers: Blockers::new(points, blockers.map(|(corner, _)| corner).collect()),
+            blockers,
             unseen: (0..count)
                 .map(|corner| Candidate { corner, changes: 0 })
                 .collect(),
@@ -158,14 +163,7 @@ impl<'a> Clipper<'a> {
                 Kind::Flat
             };
         }
-        // Another corner at the tip is in the way if one of its edges leads between those of the tip.
-        let leads_in =
-            |other: DVec2| orientation(a, b, other) > 0.0 && orientation(b, c, other) > 0.0;
-        let reaches_in = |other: u32| {
-            let [before, _, after] = self.triangle_points(other);
-            leads_in(before) || leads_in(after)
-        };
-        if self.blockers.any_in(triangle, reaches_in) {
+        if self.blockers.any_in(triangle) {
             Kind::Blocked
         } else {
             Kind::Ear
@@ -201,6 +199,10 @@ impl<'a> Clipper<'a> {
     fn clip(&mut self, tip: u32) {
         let [before, _, after] = self.triangle(tip);
         self.triangles.push([before, tip, after]);
+        for corner in [before, tip, after] {
+            let [a, _, c] = self.triangle_points(corner);
+            self.blockers.disconnect(corner, [a, c]);
+        }
         self.next[before as usize] = after;
         self.previous[after as usize] = before;
         self.changes[tip as usize] += 1;
@@ -209,6 +211,8 @@ impl<'a> Clipper<'a> {
             let [a, b, c] = self.triangle_points(corner);
             if orientation(a, b, c) > 0.0 {
                 self.blockers.remove(corner);
+            } else {
+                self.blockers.connect(corner, [a, c]);
             }
             self.changes[corner as usize] += 1;
             let changes = self.changes[corner as usize];

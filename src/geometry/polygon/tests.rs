@@ -1,6 +1,5 @@
 use super::*;
 use std::f64::consts::TAU;
-use std::time::Instant;
 
 /// `SplitMix64`, as numbers in `0..1`.
 struct Random(u64);
@@ -381,29 +380,83 @@ fn any_points_at_all_give_n_minus_2_triangles() {
     }
 }
 
+/// A star of triangles around one point, which every third corner shares, counter-clockwise over `angle` from +X.
+fn fan(triangles: u32, angle: f64) -> Vec<DVec2> {
+    let at = |angle: f64| DVec2::new(libm::cos(angle), libm::sin(angle));
+    let step = angle / f64::from(triangles);
+    (0..triangles)
+        .flat_map(|i| {
+            let start = step * f64::from(i);
+            [DVec2::ZERO, at(start), at(start + 0.9 * step)]
+        })
+        .collect()
+}
+
+/// Half a fan, and the other half with its triangles in clockwise order: at the point they share, as many corners turn left
+/// as right, and no edge of one half leads into a corner of the other.
+fn twisted_fan(triangles: u32) -> Vec<DVec2> {
+    let mut corners = fan(triangles / 2, 0.5 * TAU);
+    let turned = fan(triangles / 2, 0.5 * TAU);
+    for triangle in turned.chunks(3).rev() {
+        corners.extend(triangle.iter().map(|&corner| -corner));
+    }
+    corners
+}
+
+#[test]
+fn many_corners_on_few_points_are_covered() {
+    for triangles in [2, 3, 10, 31] {
+        assert_covered(
+            &fan(triangles, TAU)
+                .iter()
+                .map(|p| p.extend(0.0))
+                .collect::<Vec<_>>(),
+        );
+    }
+}
+
+/// Counts what time goes into: visits of nodes, at worst about √n for each of at most 3 n questions.
 #[test]
 fn a_hundred_thousand_corners_take_no_time_to_speak_of() {
     let n = 100_000;
     let mut random = Random(5);
+    let mut anywhere = |side: f64| -> Vec<DVec2> {
+        let mut coordinate = || {
+            let unit = random.unit();
+            if side > 0.0 {
+                (unit * side).floor()
+            } else {
+                unit
+            }
+        };
+        (0..n)
+            .map(|_| DVec2::new(coordinate(), coordinate()))
+            .collect()
+    };
+    let (noise, lattice, coarse_lattice) = (anywhere(0.0), anywhere(100.0), anywhere(3.0));
     let cases = [
         ("circle", circle(n, |_| 1.0)),
         ("ragged circle", circle(n, |_| 0.5 + random.unit())),
         ("spiral", spiral(n / 2, 100.0)),
         ("comb", comb(n / 2, 0.0)),
         ("slanted comb", comb(n / 2, 0.7)),
-        (
-            "noise",
-            (0..n)
-                .map(|_| DVec2::new(random.unit(), random.unit()))
-                .collect(),
-        ),
+        ("noise", noise),
+        ("a hundred lines of a hundred points", lattice),
+        ("nine points", coarse_lattice),
+        ("one point", vec![DVec2::ONE; n as usize]),
+        ("fan", fan(n / 3, TAU)),
+        ("twisted fan", twisted_fan(n / 3)),
     ];
     for (name, points) in cases {
         let corners: Vec<DVec3> = points.iter().map(|p| p.extend(0.0)).collect();
-        let start = Instant::now();
+        blockers::VISITS.set(0);
         let cut = triangulate(&corners);
-        let seconds = start.elapsed().as_secs_f64();
+        let visits = blockers::VISITS.get();
         assert_eq!(cut.triangles.len(), corners.len() - 2);
-        assert!(seconds < 20.0, "{name}: {seconds} s");
+        let questions = 3.0 * points.len() as f64;
+        assert!(
+            (visits as f64) < 2.0 * questions * (points.len() as f64).sqrt(),
+            "{name}: {visits} visits"
+        );
     }
 }
