@@ -197,6 +197,52 @@ fn pipes_and_devices_are_refused_as_any_kind_of_input() {
     }
 }
 
+/// The mesh is written over, cut off and removed while its picture is made, which takes a second or more.
+#[test]
+fn a_mesh_that_changes_while_it_is_rendered_stays_as_it_was() {
+    let folder = folder();
+    let mesh = folder.path().join("m.off");
+    std::fs::write(&mesh, "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").expect("is written");
+    let arguments = |name: &str| {
+        format!(
+            "render m.off -o {name}.png --stats {name}.json --spp 64 --size 320x240 --threads 1 \
+             --checkpoint {name} --checkpoint-every 0.1"
+        )
+    };
+    let start = |name: &str| {
+        let mut command = raymini(
+            folder.path(),
+            &arguments(name).split(' ').collect::<Vec<_>>(),
+        );
+        command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starts")
+    };
+    let finish = |child: Child| {
+        let (code, said) = complaint(&child.wait_with_output().expect("can be read"));
+        assert_eq!(code, Some(0), "{said}");
+    };
+    finish(start("before"));
+    let mut changed = start("changed");
+    // A checkpoint is there: the mesh has been read.
+    let has_ended = |child: &mut Child| child.try_wait().expect("can be asked").is_some();
+    while !folder.path().join("changed").exists() && !has_ended(&mut changed) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    std::fs::write(&mesh, "OFF 3").expect("is written");
+    std::fs::remove_file(&mesh).expect("is removed");
+    finish(changed);
+    let facts = ["before", "changed"].map(|name| {
+        let stats = std::fs::read(folder.path().join(format!("{name}.json"))).expect("is written");
+        let stats: Value = serde_json::from_slice(&stats).expect("is JSON");
+        stats["image_hash"].clone()
+    });
+    assert!(facts[0].is_string());
+    assert_eq!(facts[0], facts[1]);
+}
+
 #[test]
 fn a_scene_file_beyond_the_bound_is_refused() {
     let folder = folder();
@@ -301,17 +347,35 @@ mod signals {
         assert_eq!(old, b"old");
     }
 
+    /// The tiles that are begun are done before the program ends, so there is something as soon as a tile has begun.
     #[test]
-    fn before_every_pixel_has_a_sample_no_picture_is_written() {
+    fn what_there_is_before_every_pixel_has_a_sample_goes_to_a_name_of_its_own() {
         let folder = folder();
+        std::fs::write(folder.path().join("a.exr"), "old").expect("is written");
         let slow = "--set render.mode=ao --set render.ambient_occlusion.samples=65536";
-        let child = start(folder.path(), &format!("{ENDLESS} {slow}"));
-        wait();
-        send("TERM", &child);
-        let (code, said) = complaint(&child.wait_with_output().expect("ends"));
-        assert_eq!(code, Some(143), "{said}");
-        assert!(said.contains("no picture is written"), "{said}");
-        assert_eq!(names(folder.path()), ["scene.toml"]);
+        let said = [1.0, 2.0].map(|seconds| {
+            let child = start(folder.path(), &format!("{ENDLESS} {slow}"));
+            std::thread::sleep(Duration::from_secs_f64(seconds));
+            send("TERM", &child);
+            let (code, said) = complaint(&child.wait_with_output().expect("ends"));
+            assert_eq!(code, Some(143), "{said}");
+            said
+        });
+        let is_kept = |said: &String| said.contains("a.unfinished.exr has what there is");
+        let has_nothing = |said: &String| said.contains("no picture is written");
+        assert!(said.iter().any(is_kept), "{said:?}");
+        assert!(
+            said.iter().all(|said| is_kept(said) || has_nothing(said)),
+            "{said:?}"
+        );
+        assert_eq!(
+            names(folder.path()),
+            ["a.exr", "a.unfinished.exr", "scene.toml"]
+        );
+        let old = std::fs::read(folder.path().join("a.exr")).expect("is there");
+        assert_eq!(old, b"old");
+        let info = raymini(folder.path(), &["info", "a.unfinished.exr"]).output();
+        assert!(info.expect("starts").status.success());
     }
 
     /// Two signals in the middle of a write: the temporary file goes with the program.

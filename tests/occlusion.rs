@@ -31,6 +31,19 @@ fn occlusion_at_wall(d: f64, h: f64, radius: f64) -> f64 {
     value(&scene)
 }
 
+/// The share of the solid angle that an endless wall of height `h` at distance `d` leaves free: no cosine weighs it.
+///
+/// At an azimuth of φ from the wall, it hides what is lower than tan⁻¹(h cos φ / d), whose sine is its share.
+fn free_share_uniformly(d: f64, h: f64) -> f64 {
+    let steps = 10_000;
+    let hidden = |step: i32| {
+        let azimuth = (f64::from(step) + 0.5) / f64::from(steps) * std::f64::consts::FRAC_PI_2;
+        let tangent = h * azimuth.cos() / d;
+        tangent / (1.0 + tangent * tangent).sqrt()
+    };
+    1.0 - (0..steps).map(hidden).sum::<f64>() / f64::from(steps) / 2.0
+}
+
 /// Cosine-weighted closed forms of walls.
 #[test]
 fn ambient_occlusion_matches_its_closed_forms() {
@@ -52,6 +65,8 @@ fn ambient_occlusion_matches_its_closed_forms() {
             &format!("wall at {c} of the radius"),
         );
     }
+    // Directions that are uniform, not as the cosine, would see far more of the wall than the bar allows.
+    assert!((free_share_uniformly(1.0, 1.0) - wall(1.0, 1.0)).abs() > 10.0 * 2e-3);
     // Further than the radius: exactly free.
     assert_eq!(
         occlusion_at_wall(1.5, 1.0, 1.0).to_bits(),

@@ -348,8 +348,11 @@ fn render_scene(
     };
     let outcome = outcome.ok_or_else(|| anyhow!("rendering was cancelled"))?;
     let is_interrupted = outcome.stats.ending == Ending::Interrupted;
-    // Black where nothing is known would be taken for the scene's own black.
     if outcome.stats.sample_range[0] == 0 {
+        if kept.is_none() && outcome.stats.sample_range[1] > 0 {
+            write_unfinished(&outcome, scene, output)?;
+            return Ok(exit_code(signals));
+        }
         let code = interrupted_early(signals);
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
         return Ok(code);
@@ -381,6 +384,19 @@ fn render_scene(
 fn interrupted_early(signals: &Signals) -> ExitCode {
     eprintln!("interrupted before every pixel had a sample: no picture is written");
     exit_code(signals)
+}
+
+/// Writes a picture that has pixels without a sample to a name of its own: black where nothing is known would be taken for the
+/// scene's own black, and must not replace a picture that is whole.
+fn write_unfinished(outcome: &RenderOutcome, scene: &Scene, output: &Path) -> Result<()> {
+    let format = output.extension().unwrap_or_default().to_string_lossy();
+    let name = output.with_extension(format!("unfinished.{format}"));
+    let (place, failure) = write_picture(outcome, scene, &name)?;
+    eprintln!(
+        "interrupted before every pixel had a sample: {} has what there is, and is black elsewhere",
+        place.display()
+    );
+    failure.map_or(Ok(()), Err)
 }
 
 /// That of the signal, if one came, however far the work was.

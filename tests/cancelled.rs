@@ -1,0 +1,82 @@
+//! A thousand renders that are started and cancelled in a row leave no thread and no byte behind.
+//!
+//! This file is a program of its own, as it counts what the whole program holds.
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::{diffuse, looking_at_floor};
+use peak_alloc::PeakAlloc;
+use raymini::control::CancelToken;
+use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
+use raymini::scene::{Background, Mode, Rgb};
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// Threads of this program; `None` where the system does not tell.
+fn threads() -> Option<usize> {
+    Some(std::fs::read_dir("/proc/self/task").ok()?.count())
+}
+
+/// Starts a render that would take hours and cancels it when it has traced `rays` rays, or before it has begun.
+fn cancel_after(scene: &PreparedScene, rays: u64) {
+    let run = RunConfig {
+        threads: 2,
+        ..RunConfig::default()
+    };
+    let progress = RenderProgress::default();
+    let outcome = std::thread::scope(|scope| {
+        let worker = scope.spawn(|| render(scene, None, &run, &progress, None));
+        while progress.rays() < rays {
+            std::thread::yield_now();
+        }
+        run.cancel.cancel();
+        worker.join().expect("does not panic")
+    });
+    assert!(outcome.is_none());
+}
+
+/// Waits until `found` is at most `bound`: the threads of a render that has ended take a moment to go.
+fn falls_to(bound: usize, found: impl Fn() -> usize) -> Result<(), usize> {
+    let started = Instant::now();
+    while found() > bound {
+        if started.elapsed() > Duration::from_secs(60) {
+            return Err(found());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Ok(())
+}
+
+fn threads_fall_to(bound: Option<usize>) -> Result<(), usize> {
+    let Some(bound) = bound else { return Ok(()) };
+    falls_to(bound, || threads().expect("was told before"))
+}
+
+#[test]
+fn a_thousand_cancelled_renders_leave_nothing_behind() {
+    let mut scene = looking_at_floor(0.1, diffuse(0.5));
+    scene.background = Background::Constant {
+        radiance: Rgb::splat(1.0),
+    };
+    scene.render.mode = Mode::Path;
+    scene.render.width = 200;
+    scene.render.height = 150;
+    scene.render.samples_per_pixel = 1 << 20;
+    let scene = PreparedScene::prepare(&scene, None, &CancelToken::new());
+    let scene = scene.expect("can be rendered").expect("nobody cancels");
+    // What is made once stays.
+    let alone = threads();
+    for turn in 0..20 {
+        cancel_after(&scene, turn);
+    }
+    assert_eq!(threads_fall_to(alone), Ok(()));
+    let before = MEMORY.current_usage();
+    for turn in 0..1000 {
+        cancel_after(&scene, turn * turn % 5000);
+    }
+    assert_eq!(threads_fall_to(alone), Ok(()));
+    assert_eq!(falls_to(before, || MEMORY.current_usage()), Ok(()));
+}
