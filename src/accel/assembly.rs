@@ -411,7 +411,7 @@ impl Assembly {
 
     /// The triangle `id`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
         let index = self.part_of(id);
         let part = &self.parts[index];

@@ -86,7 +86,7 @@ impl Aimed {
     /// very many. `None` where there is nothing to aim at.
     ///
     /// What `u` has left after the choice finds the place to aim at, so that places are as well spread as `u` over all of them.
-    #[inline]
+    #[inline(always)]
     pub fn choose(
         scene: &PreparedScene,
         point: &SurfacePoint,
@@ -113,7 +113,7 @@ impl Aimed {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn at_emitter(
         scene: &PreparedScene,
         point: &SurfacePoint,

@@ -3,20 +3,23 @@
 
 use super::camera::CameraRay;
 use super::fresnel::fresnel;
-use super::layers::{Beginning, ByLobe, Gathered};
+use super::kernel::Kernel;
+use super::layers::{Beginning, ByLobe, Gathered, Parts};
 use super::light::{LightSample, PreparedDisk, PreparedLight};
 use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
 use super::phong::Phong;
+use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
-use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
 use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
+use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::accel::{Fan, Hit};
 use crate::math::{Ray, Vec2, Vec3, warp};
 use crate::scene::Shadows;
+use std::hint::black_box;
 
 /// The most lights that are summed. Of more, some are chosen: what a sample costs then does not depend on their number.
 pub const MOST_SUMMED: usize = 32;
@@ -25,14 +28,14 @@ pub const MOST_SUMMED: usize = 32;
 const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 
 /// The light that arrives against `ray`, a camera ray that makes that `hit`.
-pub fn gather(
+pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     CameraRay { mut ray, mut start }: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
-    rays: &mut RayTally,
-) -> Gathered {
-    let mut gathered = Gathered::nothing();
+    tally: &mut K::Tally,
+) -> Gathered<K::Parts> {
+    let mut gathered = Gathered::<K::Parts>::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     for bounce in 0.. {
@@ -59,18 +62,18 @@ pub fn gather(
         }
         match material {
             PreparedMaterial::Phong(phong) => {
-                let mut shading = Shading {
+                let mut shading = Shading::<K> {
                     scene,
                     phong,
                     point: &point,
                     mirror: point.mirror_direction(),
                     sampler,
                     bounce,
-                    gathered: &mut gathered,
-                    rays,
+                    parts: &mut gathered.parts,
+                    tally,
                 };
-                if !phong.is_black() {
-                    let ambient = phong.diffuse * shading.ambient();
+                if !phong.is_black() || scene.does(Feature::DarkRays) {
+                    let ambient = shading.reflected_background();
                     let lobes = shading.light_from_all();
                     gathered.add_ambient(beginning, throughput * ambient);
                     gathered.add_reflected(beginning, lobes * throughput);
@@ -78,7 +81,7 @@ pub fn gather(
                 break;
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || sampler.next_1d(Dimension::at(Decision::Boundary, bounce));
+                let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
                 beginning = beginning.then_specular(onward.layer);
@@ -86,9 +89,12 @@ pub fn gather(
             }
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         }
+        if throughput == Vec3::ZERO && !scene.does(Feature::DarkRays) {
+            break;
+        }
         start = 0.0;
         hit = scene.hit(&ray);
-        rays.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
+        tally.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
     gathered
 }
@@ -112,7 +118,7 @@ pub fn ambient_occlusion(
     scene: &PreparedScene,
     point: &SurfacePoint,
     turns: &Turns,
-    rays: &mut RayTally,
+    tally: &mut impl Tally,
     radiance: impl Fn(Vec3) -> Vec3,
 ) -> Occlusion {
     let samples = scene.settings().ambient_occlusion.samples;
@@ -127,8 +133,10 @@ pub fn ambient_occlusion(
             let local = warp::cosine_hemisphere(turns.next_2d(turn));
             *wi = around_normal.world_from_local(local);
         }
+        #[expect(clippy::cast_possible_truncation, reason = "a fan has few rays")]
+        tally.note_draws(Decision::AmbientOcclusion, unit.len() as u32);
         let occluded = scene.near_things(point, unit);
-        rays.note_all(RayPurpose::AmbientOcclusion, unit.len(), |number| {
+        tally.note_all(RayPurpose::AmbientOcclusion, unit.len(), |number| {
             let ray = point.ray_above(unit[number] * scene.occlusion_radius());
             NotedRay::of_fan(ray, number, occluded)
         });
@@ -194,7 +202,7 @@ impl ShadowRays {
 }
 
 /// A surface point to be shaded.
-struct Shading<'a> {
+struct Shading<'a, K: Kernel> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
@@ -204,38 +212,53 @@ struct Shading<'a> {
     /// Scattering events before this one.
     bounce: u32,
     /// Takes note of shadow and occlusion.
-    gathered: &'a mut Gathered,
-    rays: &'a mut RayTally,
+    parts: &'a mut K::Parts,
+    tally: &'a mut K::Tally,
 }
 
-impl Shading<'_> {
-    /// The mean of the background's radiance over the hemisphere, weighted by the cosine and by what is not occluded.
-    fn ambient(&mut self) -> Vec3 {
-        let background = self.scene.background();
-        let occlusion = self.scene.settings().ambient_occlusion;
-        if background.is_black() {
+impl<K: Kernel> Shading<'_, K> {
+    /// What is reflected of the background's light.
+    fn reflected_background(&mut self) -> Vec3 {
+        let (scene, diffuse) = (self.scene, self.phong.diffuse);
+        if scene.needs(Feature::Occlusion) {
+            // The layer of occlusion shows black surfaces as well.
+            if diffuse != Vec3::ZERO || K::Parts::ARE_KEPT {
+                let found = self.over_hemisphere();
+                self.parts.set_occlusion(found.free);
+                return diffuse * found.radiance;
+            }
+            if scene.does(Feature::DarkRays) {
+                black_box(self.over_hemisphere());
+            }
             return Vec3::ZERO;
         }
-        let found = if let Some(image) = background.image() {
+        if scene.does(Feature::Occlusion) {
+            black_box(self.over_hemisphere());
+        }
+        let mean = scene.background().mean_over_hemisphere(self.point.shading_normal);
+        mean.map_or(Vec3::ZERO, |mean| diffuse * mean)
+    }
+
+    /// Looks for what is near, and for the background where nothing is.
+    fn over_hemisphere(&mut self) -> Occlusion {
+        let (scene, background) = (self.scene, self.scene.background());
+        if let Some(image) = background.image() {
             let numbers = (self.sampler, self.bounce);
-            sky_light::mean_over_hemisphere(self.scene, image, self.point, numbers, self.rays)
-        } else {
-            let closed_form = background.mean_over_hemisphere(self.point.shading_normal);
-            if let (false, Some(mean)) = (occlusion.enabled, closed_form) {
-                return mean;
-            }
-            let turns = self.turns(Decision::AmbientOcclusion, 0, occlusion.samples);
-            let radiance = |wi| background.radiance(wi);
-            ambient_occlusion(self.scene, self.point, &turns, self.rays, radiance)
-        };
-        self.gathered.set_occlusion(found.free);
-        found.radiance
+            return sky_light::mean_over_hemisphere(scene, image, self.point, numbers, self.tally);
+        }
+        let samples = scene.settings().ambient_occlusion.samples;
+        let turns = self.turns(Decision::AmbientOcclusion, 0, samples);
+        let radiance = |wi| background.radiance(wi);
+        ambient_occlusion(scene, self.point, &turns, self.tally, radiance)
     }
 
     /// Reflected light of all lights and emitting objects.
     fn light_from_all(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
         let scene = self.scene;
+        if !scene.does(Feature::Aiming) {
+            return sum;
+        }
         if !scene.emitters().holds_lights() {
             for (index, light) in (0..).zip(scene.lights()) {
                 sum += self.light_from(index, light);
@@ -249,27 +272,32 @@ impl Shading<'_> {
     /// many to sum.
     fn chosen_light(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
-        let (emitters, lights) = (self.scene.emitters(), self.scene.lights());
+        let scene = self.scene;
+        let (emitters, lights) = (scene.emitters(), scene.lights());
         if emitters.is_empty() {
             return sum;
         }
-        let mut count = self.scene.settings().shadow_samples;
+        let mut count = scene.settings().shadow_samples;
         if emitters.holds_lights() {
             count *= CHOSEN_PER_SHADOW_SAMPLE;
         }
         let at = self.point.receiver();
         let choices = self.turns(Decision::LightChoice, 0, count);
         let emitter_points = self.turns(Decision::EmitterPoint, 0, count);
-        let numbers = LightNumbers::new(self, 0, count);
+        let numbers = scene
+            .does(Feature::LightPoints)
+            .then(|| LightNumbers::new(self, 0, count));
         let number = |turn| choices.next_2d(turn);
+        self.tally.note_draws(Decision::LightChoice, count);
         emitters.choose_each(&at, (0..count).map(number), |turn, chosen| {
             if let Some(index) = chosen.light() {
                 let light = &lights[index as usize];
-                for ray in self.aim(light, &numbers, turn).into_iter().flatten() {
+                for ray in self.aim(light, numbers.as_ref(), turn).into_iter().flatten() {
                     let brought = self.light_along(&ray, Some(index));
                     sum += brought * Vec3::splat(1.0 / chosen.probability);
                 }
             } else {
+                self.tally.note_draws(Decision::EmitterPoint, 1);
                 let aim = chosen.aim(lights, &at, emitter_points.next_2d(turn));
                 if let Some(ray) = self.aim_at_sample(&aim.sample, |_| 1.0) {
                     sum += self.light_along(&ray, None);
@@ -280,17 +308,23 @@ impl Shading<'_> {
     }
 
     fn light_from(&mut self, index: u32, light: &PreparedLight) -> ByLobe {
-        let count = if self.is_point(light) {
+        let scene = self.scene;
+        let mut sum = ByLobe::default();
+        if light.is_black() && !scene.does(Feature::DarkRays) {
+            return sum;
+        }
+        let is_point = self.is_point(light);
+        let count = if is_point {
             1
         } else {
-            self.scene.settings().shadow_samples
+            scene.settings().shadow_samples
         };
-        let numbers = LightNumbers::new(self, index, count);
+        let numbers = (!is_point || scene.forces(Feature::LightPoints))
+            .then(|| LightNumbers::new(self, index, count));
         let light_number = Some(index);
-        let mut sum = ByLobe::default();
         if count < FEWEST_TOGETHER {
             for turn in 0..count {
-                for ray in self.aim(light, &numbers, turn).into_iter().flatten() {
+                for ray in self.aim(light, numbers.as_ref(), turn).into_iter().flatten() {
                     sum += self.light_along(&ray, light_number);
                 }
             }
@@ -300,7 +334,7 @@ impl Shading<'_> {
                 if shadow_rays.is_full() {
                     sum += self.light_along_all(&mut shadow_rays, light_number);
                 }
-                shadow_rays.extend(self.aim(light, &numbers, turn));
+                shadow_rays.extend(self.aim(light, numbers.as_ref(), turn));
             }
             sum += self.light_along_all(&mut shadow_rays, light_number);
         }
@@ -314,16 +348,20 @@ impl Shading<'_> {
 
     /// Aims at one point of the light, and where it is near in one direction in which it is looked for.
     fn aim(
-        &self,
+        &mut self,
         light: &PreparedLight,
-        numbers: &LightNumbers,
+        numbers: Option<&LightNumbers>,
         turn: u32,
     ) -> [Option<ShadowRay>; 2] {
         let from = self.point.position;
-        if self.is_point(light) {
+        let point = numbers.map(|numbers| numbers.points.next_2d(turn));
+        self.tally
+            .note_draws(Decision::Light, u32::from(point.is_some()));
+        let (Some(numbers), Some(point), false) = (numbers, point, self.is_point(light)) else {
+            black_box(point);
             return [self.aim_at_sample(&light.center(from), |_| 1.0), None];
-        }
-        let sample = light.sample(from, numbers.points.next_2d(turn));
+        };
+        let sample = light.sample(from, point);
         if self.scene.settings().shadows == Shadows::Fraction {
             let ray = self.center_by_place(&light.center(from), sample.position);
             return [ray, None];
@@ -338,6 +376,7 @@ impl Shading<'_> {
                         warp::cosine_pdf_around(normal, wi),
                     )
                 };
+                self.tally.note_draws(Decision::NearLight, 1);
                 let looked_for = self.look_for_disk(disk, numbers.directions.next_2d(turn));
                 [self.aim_at_sample(&sample, weight), looked_for]
             }
@@ -347,11 +386,11 @@ impl Shading<'_> {
 
     /// The rule of 2011: what the light's `center` would give, where `place` on the light is seen. Its mean is the light of the
     /// centre times the share of the light that is seen.
-    fn center_by_place(&self, center: &LightSample, place: Vec3) -> Option<ShadowRay> {
+    fn center_by_place(&mut self, center: &LightSample, place: Vec3) -> Option<ShadowRay> {
         let wi = (center.position - self.point.position).try_normalize()?;
         let reflected = self.reflected_share(wi);
         if reflected.sum() == Vec3::ZERO || center.irradiance == Vec3::ZERO {
-            return None;
+            return self.nothing(place);
         }
         Some(ShadowRay {
             direction: self.point.ray_to(place).direction,
@@ -361,23 +400,35 @@ impl Shading<'_> {
 
     /// Reflected light of one point of a light, times what `weight` says of its direction.
     fn aim_at_sample(
-        &self,
+        &mut self,
         sample: &LightSample,
         weight: impl Fn(Vec3) -> f32,
     ) -> Option<ShadowRay> {
         // No ray where nothing would be reflected anyway.
         let wi = (sample.position - self.point.position).try_normalize()?;
         if sample.irradiance == Vec3::ZERO {
-            return None;
+            return self.nothing(sample.position);
         }
         let reflected = self.reflected_share(wi);
         if reflected.sum() == Vec3::ZERO {
-            return None;
+            return self.nothing(sample.position);
         }
         Some(ShadowRay {
             direction: self.point.ray_to(sample.position).direction,
             light: reflected * (sample.irradiance * weight(wi)),
         })
+    }
+
+    /// What aiming at a `place` is that can bring nothing: no ray is needed.
+    fn nothing(&mut self, place: Vec3) -> Option<ShadowRay> {
+        if self.scene.does(Feature::DarkRays) {
+            let ray = self.point.ray_to(place);
+            let is_occluded = black_box(self.scene.occluded(&ray, 1.0, None));
+            let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
+            self.tally
+                .note(RayPurpose::Shadow, || NotedRay::passing(ray, 1.0, passed));
+        }
+        None
     }
 
     /// Reflected light of a near disk, looked for in a direction of the hemisphere: the other half of
@@ -421,48 +472,56 @@ impl Shading<'_> {
         let mut sum = ByLobe::default();
         let (directions, lights) = shadow_rays.take();
         let fan = self.point.fan(directions);
-        if self.scene.settings().shadows == Shadows::Off || self.scene.has_glass() {
+        let scene = self.scene;
+        if !scene.does(Feature::ShadowRays) || scene.does(Feature::GlassShadows) {
             for (ray, &brought) in fan.rays().zip(lights) {
                 sum += brought * self.visible(&ray, light);
             }
             return sum;
         }
-        let occluded = self.scene.occluded_fan(&fan, light);
+        let occluded = scene.occluded_fan(&fan, light);
         let origin = self.point;
         let noted = |number| {
             let ray = origin.ray_above(directions[number]);
             NotedRay::of_fan(ray, number, occluded)
         };
-        self.rays
+        self.tally
             .note_all(RayPurpose::Shadow, directions.len(), noted);
         for (index, &brought) in lights.iter().enumerate() {
-            let passed = if occluded >> index & 1 == 0 {
-                Vec3::ONE
-            } else {
-                Vec3::ZERO
-            };
-            self.gathered.count_shadow_ray(passed);
-            sum += brought * passed;
+            let is_free = occluded >> index & 1 == 0;
+            let passed = if is_free { Vec3::ONE } else { Vec3::ZERO };
+            sum += brought * self.through(passed);
         }
         sum
     }
 
     /// Share of the light that comes through along `ray`, from here to the light where its parameter is 1.
     fn visible(&mut self, ray: &Ray, light: Option<u32>) -> Vec3 {
-        if self.scene.settings().shadows == Shadows::Off {
+        let scene = self.scene;
+        if !scene.does(Feature::ShadowRays) {
             return Vec3::ONE;
         }
-        let passed = if self.scene.has_glass() {
+        let passed = if scene.does(Feature::GlassShadows) {
             self.through_glass(*ray, light)
-        } else if self.scene.occluded(ray, 1.0, light) {
+        } else if scene.occluded(ray, 1.0, light) {
             Vec3::ZERO
         } else {
             Vec3::ONE
         };
         let noted = || NotedRay::passing(*ray, 1.0, passed);
-        self.rays.note(RayPurpose::Shadow, noted);
-        self.gathered.count_shadow_ray(passed);
-        passed
+        self.tally.note(RayPurpose::Shadow, noted);
+        self.through(passed)
+    }
+
+    /// What a shadow ray says that `passed` came through: all does where there are no shadows.
+    fn through(&mut self, passed: Vec3) -> Vec3 {
+        if self.scene.needs(Feature::ShadowRays) {
+            self.parts.count_shadow_ray(passed);
+            passed
+        } else {
+            black_box(passed);
+            Vec3::ONE
+        }
     }
 
     /// [`Self::visible`] where glass may stand in between: it is passed straight, losing what each face reflects and what
@@ -511,7 +570,7 @@ struct LightNumbers {
 }
 
 impl LightNumbers {
-    fn new(shading: &Shading<'_>, item: u32, count: u32) -> Self {
+    fn new<K: Kernel>(shading: &Shading<'_, K>, item: u32, count: u32) -> Self {
         Self {
             points: shading.turns(Decision::Light, item, count),
             directions: shading.turns(Decision::NearLight, item, count),

@@ -3,8 +3,8 @@
 use super::camera::CameraRay;
 use super::direct::ambient_occlusion;
 use super::prepare::{CameraSample, PreparedScene};
-use super::ray_tally::RayTally;
 use super::sampler::{Decision, Dimension};
+use super::tally::Tally;
 use crate::math::Vec3;
 
 /// Which property of the surface a pixel shows.
@@ -24,7 +24,7 @@ pub fn color(
     which: FalseColor,
     camera_ray: &CameraRay,
     &CameraSample { sampler, hit, .. }: &CameraSample,
-    rays: &mut RayTally,
+    tally: &mut impl Tally,
 ) -> Vec3 {
     let Some(hit) = hit else {
         return Vec3::ZERO;
@@ -34,7 +34,7 @@ pub fn color(
         FalseColor::AmbientOcclusion => {
             let samples = scene.settings().ambient_occlusion.samples;
             let turns = sampler.turns(Dimension::once(Decision::AmbientOcclusion), samples);
-            Vec3::splat(ambient_occlusion(scene, &point, &turns, rays, |_| Vec3::ZERO).free)
+            Vec3::splat(ambient_occlusion(scene, &point, &turns, tally, |_| Vec3::ZERO).free)
         }
         FalseColor::Normals => (point.shading_normal + 1.0) / 2.0,
         #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]

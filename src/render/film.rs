@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Image;
-use super::layers::{Gathered, Layer};
+use super::layers::{Gathered, Layer, Parts};
 use super::tiles::Region;
 
 /// Sums of samples per pixel, normalised only when read.
@@ -75,11 +75,17 @@ impl TileSums {
     }
 
     /// Adds a sample of the pixel number `index` that took `rays`.
-    pub fn add(&mut self, index: usize, layers: &[Layer], sample: &Gathered, rays: u32) {
+    pub fn add<P: Parts>(
+        &mut self,
+        index: usize,
+        layers: &[Layer],
+        sample: &Gathered<P>,
+        rays: u32,
+    ) {
         let (picture, rest) = self.planes.split_first_mut().expect("the picture is there");
         add_to(&mut picture[index], sample.radiance.as_dvec3().to_array());
         for (plane, &layer) in rest.iter_mut().zip(layers) {
-            add_to(&mut plane[index], sample.of(layer).as_dvec3().to_array());
+            add_to(&mut plane[index], sample.parts.of(layer).as_dvec3().to_array());
         }
         self.samples[index] += 1;
         self.rays[index] = self.rays[index].saturating_add(rays);
@@ -367,7 +373,7 @@ mod tests {
         let mut sums = TileSums::new(&[Layer::Ambient], pixels);
         for index in 0..pixels {
             for &sample in samples {
-                sums.add(index, &[Layer::Ambient], &Gathered::seen(sample.into()), 2);
+                sums.add(index, &[Layer::Ambient], &Gathered::<AllParts>::seen(sample.into()), 2);
             }
         }
         sums

@@ -186,26 +186,118 @@ impl Beginning {
     }
 }
 
+/// What is kept of a sample beside its radiance.
+pub trait Parts: Copy {
+    /// Whether anything is.
+    const ARE_KEPT: bool;
+
+    /// Those of a sample that has met nothing yet.
+    fn nothing() -> Self;
+
+    /// Adds to a layer that is part of the sum.
+    fn add(&mut self, layer: Layer, radiance: Vec3);
+
+    /// Takes note of what came through along a shadow ray from the first scattering surface.
+    fn count_shadow_ray(&mut self, passed: Vec3);
+
+    /// Takes note of the share of the hemisphere that is free.
+    fn set_occlusion(&mut self, free: f32);
+
+    /// What the sample adds to `layer`.
+    fn of(&self, layer: Layer) -> Vec3;
+
+    /// Scales the layers that are parts of the sum.
+    fn scale(&mut self, factor: f32);
+}
+
+/// Nothing is kept: for pictures without layers.
+#[derive(Clone, Copy, Debug)]
+pub struct NoParts;
+
+impl Parts for NoParts {
+    const ARE_KEPT: bool = false;
+
+    fn nothing() -> Self {
+        Self
+    }
+
+    fn add(&mut self, _: Layer, _: Vec3) {}
+
+    fn count_shadow_ray(&mut self, _: Vec3) {}
+
+    fn set_occlusion(&mut self, _: f32) {}
+
+    fn of(&self, layer: Layer) -> Vec3 {
+        unreachable!("{layer:?} is asked for and was not kept")
+    }
+
+    fn scale(&mut self, _: f32) {}
+}
+
+/// All layers are kept.
+#[derive(Clone, Copy, Debug)]
+pub struct AllParts {
+    layers: [Vec3; Layer::ALL.len()],
+    shadow_rays: u32,
+}
+
+impl Parts for AllParts {
+    const ARE_KEPT: bool = true;
+
+    fn nothing() -> Self {
+        let mut layers = [Vec3::ZERO; Layer::ALL.len()];
+        layers[Layer::Occlusion as usize] = Vec3::ONE;
+        Self {
+            layers,
+            shadow_rays: 0,
+        }
+    }
+
+    fn add(&mut self, layer: Layer, radiance: Vec3) {
+        self.layers[layer as usize] += radiance;
+    }
+
+    fn count_shadow_ray(&mut self, passed: Vec3) {
+        self.layers[Layer::Shadow as usize] += passed;
+        self.shadow_rays += 1;
+    }
+
+    fn set_occlusion(&mut self, free: f32) {
+        self.layers[Layer::Occlusion as usize] = Vec3::splat(free);
+    }
+
+    fn of(&self, layer: Layer) -> Vec3 {
+        let value = self.layers[layer as usize];
+        match layer {
+            Layer::Shadow if self.shadow_rays == 0 => Vec3::ONE,
+            Layer::Shadow => value / self.shadow_rays as f32,
+            _ => value,
+        }
+    }
+
+    fn scale(&mut self, factor: f32) {
+        for layer in Layer::ALL.into_iter().filter(|layer| layer.is_part()) {
+            self.layers[layer as usize] *= factor;
+        }
+    }
+}
+
 /// What one camera sample brings.
 #[derive(Clone, Copy, Debug)]
-pub struct Gathered {
+pub struct Gathered<P> {
     /// The sum of all parts.
     pub radiance: Vec3,
     /// Whether `max_bounces` ended the path where it might have brought more.
     pub is_depth_limited: bool,
-    parts: [Vec3; Layer::ALL.len()],
-    shadow_rays: u32,
+    pub parts: P,
 }
 
-impl Gathered {
+impl<P: Parts> Gathered<P> {
     pub fn nothing() -> Self {
-        let mut parts = [Vec3::ZERO; Layer::ALL.len()];
-        parts[Layer::Occlusion as usize] = Vec3::ONE;
         Self {
             radiance: Vec3::ZERO,
             is_depth_limited: false,
-            parts,
-            shadow_rays: 0,
+            parts: P::nothing(),
         }
     }
 
@@ -218,7 +310,7 @@ impl Gathered {
 
     fn add(&mut self, layer: Layer, radiance: Vec3) {
         self.radiance += radiance;
-        self.parts[layer as usize] += radiance;
+        self.parts.add(layer, radiance);
     }
 
     /// Adds light of a light or emitter that a path met.
@@ -229,8 +321,8 @@ impl Gathered {
             Beginning::Scattered { diffuse_share } => {
                 self.radiance += radiance;
                 let diffuse = radiance * diffuse_share;
-                self.parts[Layer::DirectDiffuse as usize] += diffuse;
-                self.parts[Layer::DirectSpecular as usize] += radiance - diffuse;
+                self.parts.add(Layer::DirectDiffuse, diffuse);
+                self.parts.add(Layer::DirectSpecular, radiance - diffuse);
             }
             Beginning::Indirect => self.add(Layer::Indirect, radiance),
         }
@@ -249,8 +341,8 @@ impl Gathered {
         match beginning {
             Beginning::Eye => {
                 self.radiance += lobes.sum();
-                self.parts[Layer::DirectDiffuse as usize] += lobes.diffuse;
-                self.parts[Layer::DirectSpecular as usize] += lobes.specular;
+                self.parts.add(Layer::DirectDiffuse, lobes.diffuse);
+                self.parts.add(Layer::DirectSpecular, lobes.specular);
             }
             Beginning::Specular(layer) => self.add(layer, lobes.sum()),
             _ => self.add(Layer::Indirect, lobes.sum()),
@@ -263,27 +355,6 @@ impl Gathered {
             Beginning::Eye => self.add(Layer::Ambient, radiance),
             Beginning::Specular(layer) => self.add(layer, radiance),
             _ => self.add(Layer::Indirect, radiance),
-        }
-    }
-
-    /// Takes note of what came through along a shadow ray from the first scattering surface.
-    pub fn count_shadow_ray(&mut self, passed: Vec3) {
-        self.parts[Layer::Shadow as usize] += passed;
-        self.shadow_rays += 1;
-    }
-
-    /// Takes note of the share of the hemisphere that is free.
-    pub fn set_occlusion(&mut self, free: f32) {
-        self.parts[Layer::Occlusion as usize] = Vec3::splat(free);
-    }
-
-    /// What the sample adds to `layer`.
-    pub fn of(&self, layer: Layer) -> Vec3 {
-        let value = self.parts[layer as usize];
-        match layer {
-            Layer::Shadow if self.shadow_rays == 0 => Vec3::ONE,
-            Layer::Shadow => value / self.shadow_rays as f32,
-            _ => value,
         }
     }
 
@@ -300,9 +371,7 @@ impl Gathered {
     /// Scales the parts and their sum.
     fn scale(&mut self, factor: f32) {
         self.radiance *= factor;
-        for layer in Layer::ALL.into_iter().filter(|layer| layer.is_part()) {
-            self.parts[layer as usize] *= factor;
-        }
+        self.parts.scale(factor);
     }
 }
 
@@ -328,15 +397,15 @@ mod tests {
                 .then_scattered(lobes),
         ];
         for beginning in beginnings {
-            let mut gathered = Gathered::nothing();
+            let mut gathered = Gathered::<AllParts>::nothing();
             gathered.add_light(beginning, Vec3::new(1.0, 2.0, 3.0));
             gathered.add_background(beginning, Vec3::new(0.5, 0.25, 0.125));
             gathered.add_reflected(beginning, lobes);
             gathered.add_ambient(beginning, Vec3::splat(0.7));
-            gathered.count_shadow_ray(Vec3::ZERO);
+            gathered.parts.count_shadow_ray(Vec3::ZERO);
             gathered.scale(0.5);
             let parts = Layer::ALL.into_iter().filter(|layer| layer.is_part());
-            let sum: Vec3 = parts.map(|layer| gathered.of(layer)).sum();
+            let sum: Vec3 = parts.map(|layer| gathered.parts.of(layer)).sum();
             assert!(
                 sum.abs_diff_eq(gathered.radiance, 1e-6),
                 "{beginning:?}: {sum} {}",
@@ -352,9 +421,9 @@ mod tests {
             specular: Vec3::splat(0.25),
         };
         let light = |beginning| {
-            let mut gathered = Gathered::nothing();
+            let mut gathered = Gathered::<AllParts>::nothing();
             gathered.add_light(beginning, Vec3::ONE);
-            gathered
+            gathered.parts
         };
         let scattered = Beginning::Eye.then_scattered(lobes);
         assert_eq!(light(Beginning::Eye).of(Layer::Emission), Vec3::ONE);

@@ -123,6 +123,14 @@ impl PreparedLight {
         matches!(self, Self::Disk(_))
     }
 
+    /// Whether it gives no light.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Point { intensity, .. } => *intensity == Vec3::ZERO,
+            Self::Disk(disk) => disk.radiance == Vec3::ZERO,
+        }
+    }
+
     /// Whether its numbers fit the precision of rendering.
     pub fn is_finite(&self) -> bool {
         match self {

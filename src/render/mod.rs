@@ -23,6 +23,7 @@ mod filter;
 mod fresnel;
 mod geometry;
 mod image;
+mod kernel;
 mod layers;
 mod light;
 mod light_tree;
@@ -31,10 +32,10 @@ mod memory;
 mod mis;
 mod path;
 mod phong;
+mod plan;
 mod prepare;
 mod progress;
 mod radiance_image;
-mod ray_tally;
 mod renderer;
 mod run;
 mod sampler;
@@ -42,6 +43,7 @@ mod shares;
 mod sky_light;
 mod specular;
 mod surface;
+mod tally;
 mod tile_samples;
 mod tiles;
 mod trace;
@@ -58,14 +60,15 @@ pub use geometry::{
 pub use image::Image;
 pub use layers::Layer;
 pub use memory::{PictureMemory, ShortOfMemory};
+pub use plan::{Feature, Plan};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
-pub use ray_tally::RayPurpose;
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
     Round, RunConfig, Watch, render, render_watched, resume,
 };
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;
+pub use tally::RayPurpose;
 pub use tiles::{Region, TilePixels};
 pub use trace::{Met, MetSurface, SampleTrace, TraceError, TracedRay, trace_sample};

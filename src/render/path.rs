@@ -6,21 +6,24 @@
 
 use super::aim::{self, Aimed};
 use super::camera::CameraRay;
-use super::layers::{Beginning, ByLobe, Gathered};
+use super::layers::{Beginning, ByLobe, Gathered, Parts};
 use super::light_tree::Receiver;
 use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
+use super::kernel::Kernel;
 use super::phong::Phong;
+use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
-use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
+use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::accel::Hit;
 use crate::math::Vec3;
 use crate::scene::{LightSampling, RenderSettings};
+use std::hint::black_box;
 
 /// Scattering events before roulette may end a path.
-const ROULETTE_FROM: u32 = 4;
+pub(super) const ROULETTE_FROM: u32 = 4;
 /// What a path must carry to be left alone; one that carries less goes on as often as its share of this, and then carries this. So
 /// rays are saved where they bring little, no path that brings much is lost early, and no path ever carries more than its surfaces
 /// reflect: ending some that carry much would make the rest of them carry more at every bounce, without bound where an albedo is
@@ -28,15 +31,15 @@ const ROULETTE_FROM: u32 = 4;
 const ENOUGH: f32 = 0.5;
 
 /// The light that arrives against `ray`, a camera ray that makes that `hit`.
-pub fn gather(
+pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     CameraRay { mut ray, mut start }: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
-    rays: &mut RayTally,
-) -> Gathered {
+    tally: &mut K::Tally,
+) -> Gathered<K::Parts> {
     let settings = scene.settings();
-    let mut gathered = Gathered::nothing();
+    let mut gathered = Gathered::<K::Parts>::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     // How much denser radiance is where the path is than at the eye.
@@ -86,7 +89,8 @@ pub fn gather(
                     point: &point,
                     mirror,
                 };
-                if let Some(lit) = aiming.reflected((sampler, bounce), rays) {
+                if scene.does(Feature::Aiming)
+                    && let Some(lit) = aiming.reflected((sampler, bounce), tally) {
                     let lobes = lit.lobes * throughput;
                     if lit.is_background {
                         gathered.add_ambient(beginning, lobes.sum());
@@ -94,10 +98,15 @@ pub fn gather(
                         gathered.add_reflected(beginning, lobes);
                     }
                     if beginning.has_not_scattered() {
-                        gathered.count_shadow_ray(lit.passed);
+                        gathered.parts.count_shadow_ray(lit.passed);
                     }
                 }
-                let direction = sampler.next_2d(Dimension::at(Decision::Direction, bounce));
+                // A ray that scatters no more is there for the light it meets alone.
+                if bounce + 1 == settings.max_bounces && !scene.does(Feature::LastRays) {
+                    gathered.is_depth_limited = true;
+                    break;
+                }
+                let direction = tally.draw_2d(&sampler, Dimension::at(Decision::Direction, bounce));
                 let Some(sample) = phong.sample(point.shading_normal, mirror, direction) else {
                     break;
                 };
@@ -107,7 +116,7 @@ pub fn gather(
                 ray = point.ray_above(sample.wi);
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || sampler.next_1d(Dimension::at(Decision::Boundary, bounce));
+                let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
                 throughput *= onward.throughput;
                 concentration *= onward.concentration;
@@ -119,26 +128,32 @@ pub fn gather(
         }
 
         // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
-        if settings.roulette && bounce + 1 >= ROULETTE_FROM {
+        if bounce + 1 >= ROULETTE_FROM && scene.does(Feature::Roulette) {
             let carried = throughput.max_element() * concentration;
             let survival = carried / ENOUGH;
             if survival < 1.0 {
-                if sampler.next_1d(Dimension::at(Decision::Roulette, bounce)) >= survival {
-                    break;
+                let u = tally.draw_1d(&sampler, Dimension::at(Decision::Roulette, bounce));
+                if scene.needs(Feature::Roulette) {
+                    if u >= survival {
+                        break;
+                    }
+                    throughput /= survival;
                 }
-                throughput /= survival;
             }
-        } else if throughput == Vec3::ZERO {
+        }
+        if throughput == Vec3::ZERO {
             break;
         }
-        // A ray that scatters no more is there for the light it meets alone.
-        if bounce + 1 == settings.max_bounces && !scene.may_meet_light(&ray) {
+        if bounce + 1 == settings.max_bounces
+            && !scene.may_meet_light(&ray)
+            && !scene.does(Feature::DarkRays)
+        {
             gathered.is_depth_limited = true;
             break;
         }
         start = 0.0;
         hit = scene.hit(&ray);
-        rays.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
+        tally.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
     gathered
 }
@@ -178,41 +193,58 @@ struct Lit {
 
 impl Aiming<'_> {
     /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
-    fn reflected(&self, (sampler, bounce): (Sampler, u32), rays: &mut RayTally) -> Option<Lit> {
+    #[inline(always)]
+    fn reflected(
+        &self,
+        (sampler, bounce): (Sampler, u32),
+        tally: &mut impl Tally,
+    ) -> Option<Lit> {
         let Self {
             scene,
             phong,
             point,
             mirror,
         } = *self;
-        let choice = || sampler.next_2d(Dimension::at(Decision::LightChoice, bounce));
-        let u = sampler.next_2d(Dimension::at(Decision::Light, bounce));
+        let u = tally.draw_2d(&sampler, Dimension::at(Decision::Light, bounce));
+        let choice = || tally.draw_2d(&sampler, Dimension::at(Decision::LightChoice, bounce));
         let aimed = Aimed::choose(scene, point, choice, u)?;
         if aimed.irradiance == Vec3::ZERO {
-            return None;
+            return self.nothing(&aimed, tally);
         }
         let cosine = point.cosine(aimed.wi);
         if cosine <= 0.0 {
-            return None;
+            return self.nothing(&aimed, tally);
         }
         let response = phong.response(mirror, aimed.wi, cosine);
         let weight = match (aimed.pdf_solid_angle, scene.settings().light_sampling) {
             (None, _) | (_, LightSampling::Nee) => 1.0,
-            (_, LightSampling::Bsdf) => return None,
+            (_, LightSampling::Bsdf) => return self.nothing(&aimed, tally),
             (Some(pdf), LightSampling::Mis) => power_heuristic(pdf, response.pdf_solid_angle),
         };
         let reflected = response.brdf * Vec3::splat(cosine);
         if reflected.sum() == Vec3::ZERO {
-            return None;
+            return self.nothing(&aimed, tally);
         }
         let is_occluded = scene.occluded(&aimed.ray, aimed.reach, aimed.light);
         let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
         let noted = || NotedRay::passing(aimed.ray, aimed.reach, passed);
-        rays.note(RayPurpose::Shadow, noted);
+        tally.note(RayPurpose::Shadow, noted);
         Some(Lit {
             lobes: reflected * (aimed.irradiance * weight * passed),
             passed,
             is_background: aimed.is_background,
         })
+    }
+
+    /// What came of aiming where nothing can: no ray is needed.
+    #[inline]
+    fn nothing(&self, aimed: &Aimed, tally: &mut impl Tally) -> Option<Lit> {
+        if self.scene.does(Feature::DarkRays) {
+            let (scene, ray, reach) = (self.scene, aimed.ray, aimed.reach);
+            let is_occluded = black_box(scene.occluded(&ray, reach, aimed.light));
+            let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
+            tally.note(RayPurpose::Shadow, || NotedRay::passing(ray, reach, passed));
+        }
+        None
     }
 }

@@ -1,3 +1,4 @@
+use std::hint::black_box;
 use std::sync::Arc;
 
 use super::aim::AimShares;
@@ -9,14 +10,15 @@ use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
 use super::filter;
 use super::geometry::PreparedGeometry;
+use super::kernel::Kernel;
 use super::layers::{Gathered, Layer};
 use super::light::PreparedLight;
 use super::material::PreparedMaterial;
 use super::path;
-use super::ray_tally::{NotedRay, RayPurpose, RayTally};
+use super::plan::{Feature, Plan};
 use super::sampler::{Decision, Dimension, Sampler};
-use super::specular::Specular;
 use super::surface::SurfacePoint;
+use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::accel::{Assembly, Fan, Hit, Packet};
 use crate::control::{CancelToken, Progress};
 use crate::math::{DVec3, Ray, Vec2, Vec3};
@@ -37,8 +39,7 @@ pub struct PreparedScene {
     emitters: Emitters,
     /// How often they are aimed at, and how often the background.
     aim_shares: AimShares,
-    /// Whether any object is of glass, so that shadow rays must ask what they meet.
-    has_glass: bool,
+    plan: Plan,
     /// Whether there is a background or an object that shines.
     has_shining_surroundings: bool,
     /// In prepared units.
@@ -187,9 +188,7 @@ impl PreparedScene {
                     .iter()
                     .any(|m| matches!(m, PreparedMaterial::Emitter { .. })),
             background,
-            has_glass: materials
-                .iter()
-                .any(|m| matches!(m, PreparedMaterial::Specular(Specular::Glass { .. }))),
+            plan: Plan::of(scene)?,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
@@ -250,12 +249,13 @@ impl PreparedScene {
         &self,
         pixels: &[(u32, u32)],
         index: u32,
+        tally: &mut impl Tally,
     ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
         let mut samples = [None; Packet::MOST_RAYS];
         let mut rays = [(Ray::new(Vec3::ZERO, Vec3::X), f32::INFINITY); Packet::MOST_RAYS];
         let mut count = 0;
         for (sample, &pixel) in samples.iter_mut().zip(pixels) {
-            let begun = self.begun(pixel, index);
+            let begun = self.begun(pixel, index, tally);
             if let Some(CameraRay { ray, .. }) = begun.ray {
                 rays[count].0 = ray;
                 count += 1;
@@ -273,9 +273,9 @@ impl PreparedScene {
     }
 
     /// Sample `index` of a pixel, before it is known what it hits.
-    fn begun(&self, (x, y): (u32, u32), index: u32) -> CameraSample {
+    fn begun(&self, (x, y): (u32, u32), index: u32, tally: &mut impl Tally) -> CameraSample {
         let sampler = Sampler::new(self.settings.seed, x, y, index);
-        let (eye, direction) = self.line_of_sight((x, y), &sampler);
+        let (eye, direction) = self.line_of_sight((x, y), &sampler, tally);
         CameraSample {
             sampler,
             direction: direction.as_vec3(),
@@ -286,12 +286,16 @@ impl PreparedScene {
 
     /// Where a sample of a pixel looks from, and along which unit vector, in prepared units.
     #[inline]
-    pub(super) fn line_of_sight(&self, (x, y): (u32, u32), sampler: &Sampler) -> (DVec3, DVec3) {
-        let offset = if self.settings.antialiasing && self.settings.samples_per_pixel > 1 {
-            filter::offset(
-                self.settings.filter,
-                sampler.next_2d(Dimension::once(Decision::Pixel)),
-            )
+    pub(super) fn line_of_sight(
+        &self,
+        (x, y): (u32, u32),
+        sampler: &Sampler,
+        tally: &mut impl Tally,
+    ) -> (DVec3, DVec3) {
+        let in_pixel = self.point_for(Feature::PixelPoints, Decision::Pixel, sampler, tally);
+        let on_lens = self.point_for(Feature::Lens, Decision::Lens, sampler, tally);
+        let offset = if self.needs(Feature::PixelPoints) {
+            filter::offset(self.settings.filter, in_pixel)
         } else {
             Vec2::ZERO
         };
@@ -299,20 +303,40 @@ impl PreparedScene {
             f64::from(x) + 0.5 + f64::from(offset.x),
             f64::from(y) + 0.5 + f64::from(offset.y),
         );
-        let on_lens = if self.camera.has_lens() {
-            sampler.next_2d(Dimension::once(Decision::Lens))
-        } else {
-            Vec2::ZERO
-        };
         self.camera.through_lens(x, y, on_lens)
     }
 
+    /// A point of the unit square for a feature of the camera; 0 where it is not needed.
+    #[inline(always)]
+    fn point_for(
+        &self,
+        feature: Feature,
+        decision: Decision,
+        sampler: &Sampler,
+        tally: &mut impl Tally,
+    ) -> Vec2 {
+        if !self.does(feature) {
+            return Vec2::ZERO;
+        }
+        let u = tally.draw_2d(sampler, Dimension::once(decision));
+        if self.needs(feature) {
+            u
+        } else {
+            black_box(u);
+            Vec2::ZERO
+        }
+    }
+
     /// What `sample` brings: linear radiance, or a false colour.
-    pub(super) fn gathered(&self, sample: &CameraSample, rays: &mut RayTally) -> Gathered {
+    pub(super) fn gathered<K: Kernel>(
+        &self,
+        sample: &CameraSample,
+        tally: &mut K::Tally,
+    ) -> Gathered<K::Parts> {
         let &CameraSample { sampler, hit, .. } = sample;
         #[cfg(test)]
         assert!(self.faulty != Some(sampler), "as the test wants");
-        rays.note(RayPurpose::Camera, || sample.noted());
+        tally.note(RayPurpose::Camera, || sample.noted());
         let Some(camera_ray) = sample.ray else {
             return Gathered::seen(match self.settings.mode {
                 Mode::Direct | Mode::Path => self.background.radiance(sample.direction),
@@ -320,7 +344,7 @@ impl PreparedScene {
             });
         };
         let mut false_color =
-            |which| Gathered::seen(false_color::color(self, which, &camera_ray, sample, rays));
+            |which| Gathered::seen(false_color::color(self, which, &camera_ray, sample, tally));
         match self.settings.mode {
             Mode::Ao => false_color(FalseColor::AmbientOcclusion),
             Mode::Normals => false_color(FalseColor::Normals),
@@ -328,8 +352,9 @@ impl PreparedScene {
             Mode::Albedo => false_color(FalseColor::Albedo),
             Mode::Facing => false_color(FalseColor::Facing),
             Mode::Object => false_color(FalseColor::Object),
-            Mode::Direct => direct::gather(self, camera_ray, hit, sampler, rays),
-            Mode::Path => path::gather(self, camera_ray, hit, sampler, rays),
+            Mode::Direct | Mode::Path if !self.does(Feature::Light) => Gathered::nothing(),
+            Mode::Direct => direct::gather::<K>(self, camera_ray, hit, sampler, tally),
+            Mode::Path => path::gather::<K>(self, camera_ray, hit, sampler, tally),
         }
     }
 
@@ -434,8 +459,34 @@ impl PreparedScene {
         self.aim_shares
     }
 
-    pub(super) fn has_glass(&self) -> bool {
-        self.has_glass
+    /// What a render of it does.
+    #[must_use]
+    pub fn plan(&self) -> Plan {
+        self.plan
+    }
+
+    /// The same scene, rendered by that plan.
+    #[must_use]
+    pub fn with_plan(self, plan: Plan) -> Self {
+        Self { plan, ..self }
+    }
+
+    /// Whether the picture needs it.
+    #[inline]
+    pub(super) fn needs(&self, feature: Feature) -> bool {
+        self.plan.needs(feature)
+    }
+
+    /// Whether it is done.
+    #[inline]
+    pub(super) fn does(&self, feature: Feature) -> bool {
+        self.plan.does(feature)
+    }
+
+    /// Whether it is done where it is not needed.
+    #[inline]
+    pub(super) fn forces(&self, feature: Feature) -> bool {
+        self.plan.forces(feature)
     }
 
     pub(super) fn clamp(&self) -> Option<f32> {

@@ -15,6 +15,7 @@ use super::clock::Clock;
 use super::error::{Allotment, ErrorEstimator, Forecast, Outlook};
 use super::fault::{RenderFault, SampleNote, caught};
 use super::film::{Film, block_after};
+use super::kernel::{Layered, Plain};
 use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
@@ -484,9 +485,13 @@ impl<'a> Renderer<'a> {
             }
             drop(shared);
             let (scene, layers, progress) = (this.scene, this.layers, this.progress);
-            let block = this.sample(|stops, note| {
-                sample_tile(scene, tile, &samples, layers, stops, progress, note)
-            })?;
+            let take = if layers.is_empty() {
+                sample_tile::<Plain>
+            } else {
+                sample_tile::<Layered>
+            };
+            let block = this
+                .sample(|stops, note| take(scene, tile, &samples, layers, stops, progress, note))?;
             let mut shared = this.lock();
             shared.add(number, tile, &block, &this.clock);
             let means = this.watch.on_tile.map(|_| shared.film.means(tile));

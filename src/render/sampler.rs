@@ -27,6 +27,23 @@ pub enum Decision {
     Background,
 }
 
+impl Decision {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Pixel,
+        Self::Lens,
+        Self::Light,
+        Self::NearLight,
+        Self::AmbientOcclusion,
+        Self::Boundary,
+        Self::LightChoice,
+        Self::EmitterPoint,
+        Self::Direction,
+        Self::Roulette,
+        Self::Background,
+    ];
+}
+
 /// A pair of dimensions of its own for every decision at every bounce. Because dimensions are named and not counted, a
 /// decision a scene does not need can be left out without changing any other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +78,12 @@ impl Dimension {
     #[must_use]
     pub const fn about(self, item: u32) -> Self {
         Self { item, ..self }
+    }
+
+    /// What it decides.
+    #[must_use]
+    pub const fn decision(self) -> Decision {
+        self.decision
     }
 
     /// A number that no other dimension has, as long as paths have less than 2²⁸ bounces.

@@ -4,9 +4,9 @@ use super::background::ImageBackground;
 use super::direct::Occlusion;
 use super::mis::power_heuristic;
 use super::prepare::PreparedScene;
-use super::ray_tally::{NotedRay, RayPurpose, RayTally};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
+use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::math::{Vec3, warp};
 
 /// The mean of `image`'s radiance over the hemisphere at `point`, weighted by the cosine and by what is not occluded; without
@@ -20,12 +20,14 @@ pub fn mean_over_hemisphere(
     image: &ImageBackground,
     point: &SurfacePoint,
     (sampler, bounce): (Sampler, u32),
-    rays: &mut RayTally,
+    tally: &mut impl Tally,
 ) -> Occlusion {
     let occlusion = scene.settings().ambient_occlusion;
     let by_cosine = occlusion.samples / 2;
     let by_image = occlusion.samples - by_cosine;
     let (cosine_count, image_count) = (by_cosine as f32, by_image as f32);
+    tally.note_draws(Decision::AmbientOcclusion, by_cosine);
+    tally.note_draws(Decision::Background, by_image);
     let mut is_free = |wi: Vec3| {
         if !occlusion.enabled {
             return true;
@@ -34,7 +36,7 @@ pub fn mean_over_hemisphere(
         let is_occluded = scene.occluded(&ray, 1.0, None);
         let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
         let noted = || NotedRay::passing(ray, 1.0, passed);
-        rays.note(RayPurpose::AmbientOcclusion, noted);
+        tally.note(RayPurpose::AmbientOcclusion, noted);
         !is_occluded
     };
     let cosine_pdf = |wi: Vec3| warp::cosine_hemisphere_pdf(Vec3::Z * point.shading_normal.dot(wi));

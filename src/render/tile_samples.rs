@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::fault::SampleNote;
 use super::film::{Film, TileSums, block_after};
-use super::layers::{Gathered, Layer};
+use super::kernel::{Kernel, Plain};
+use super::layers::{Gathered, Layer, Parts};
 use super::prepare::PreparedScene;
 use super::progress::RenderProgress;
-use super::ray_tally::RayTally;
 use super::run::{Clamped, RayCounts};
+use super::tally::Tally;
 use super::tiles::Region;
 use crate::accel::Packet;
 use crate::control::CancelToken;
@@ -110,14 +111,14 @@ impl SampleCounts {
         }
     }
 
-    fn count_failures(&mut self, sample: &Gathered) {
+    fn count_failures<P: Parts>(&mut self, sample: &Gathered<P>) {
         self.non_finite += u64::from(!sample.radiance.is_finite());
         self.negative += u64::from(sample.radiance.min_element() < 0.0);
         self.depth_limited += u64::from(sample.is_depth_limited);
     }
 
     /// Scales a sample down to `most` in its brightest channel, and keeps account of what that removes.
-    fn clamp(&mut self, sample: &mut Gathered, most: f32) {
+    fn clamp<P: Parts>(&mut self, sample: &mut Gathered<P>, most: f32) {
         let before = f64::from(luminance(sample.radiance));
         self.luminance += before;
         if sample.limit(most) {
@@ -149,7 +150,7 @@ impl Stops<'_> {
 }
 
 /// Takes the samples of every pixel of `tile`, and writes in `note` at which it is; `None` when stopped.
-pub fn sample_tile(
+pub fn sample_tile<K: Kernel>(
     scene: &PreparedScene,
     tile: Region,
     samples: &[PixelSamples],
@@ -160,10 +161,10 @@ pub fn sample_tile(
 ) -> Option<TileBlock> {
     let mut sums = TileSums::new(layers, tile.pixel_count());
     let mut counts = SampleCounts::default();
-    let mut rays = RayTally::default();
+    let mut tally = K::Tally::default();
     let place = |x: u32, y: u32| ((y - tile.y) * tile.width + x - tile.x) as usize;
     for block in tile.cut(PACKET_SIDE) {
-        let traced_before = rays.counts.total();
+        let traced_before = tally.rays().total();
         let mut taken = 0;
         // Rays are traced together where pixels are at the same sample; all are, unless the error chooses pixels.
         let mut left = [(0, 0); Packet::MOST_RAYS];
@@ -196,15 +197,15 @@ pub fn sample_tile(
             let pixels = &pixels[..count];
             for index in together.first..together.first + together.count {
                 note.set((pixels[0], index));
-                let begun = scene.camera_samples(pixels, index);
+                let begun = scene.camera_samples(pixels, index, &mut tally);
                 for (&(x, y), begun) in pixels.iter().zip(begun.iter().flatten()) {
                     if stops.is_asked() {
                         return None;
                     }
                     note.set(((x, y), index));
-                    let before = rays.counts.total();
-                    let mut sample = scene.gathered(begun, &mut rays);
-                    let traced = rays.counts.total() - before;
+                    let before = tally.rays().total();
+                    let mut sample = scene.gathered::<K>(begun, &mut tally);
+                    let traced = tally.rays().total() - before;
                     counts.count_failures(&sample);
                     if let Some(most) = scene.clamp() {
                         counts.clamp(&mut sample, most);
@@ -215,9 +216,9 @@ pub fn sample_tile(
             taken += count as u64 * u64::from(together.count);
         }
         progress.samples.advance(taken);
-        progress.count_rays(rays.counts.total() - traced_before);
+        progress.count_rays(tally.rays().total() - traced_before);
     }
-    counts.rays = rays.counts;
+    counts.rays = *tally.rays();
     Some(TileBlock { sums, counts })
 }
 
@@ -249,9 +250,10 @@ pub fn coarse_tile(
                 tile.y + u32::midpoint(top, bottom - 1),
             );
             note.set(((x, y), 0));
-            let [begun, ..] = scene.camera_samples(&[(x, y)], 0);
+            let mut rays = RayCounts::default();
+            let [begun, ..] = scene.camera_samples(&[(x, y)], 0, &mut rays);
             let begun = begun.expect("there is one pixel");
-            let sample = scene.gathered(&begun, &mut RayTally::default());
+            let sample = scene.gathered::<Plain>(&begun, &mut rays);
             for row in top..bottom {
                 let start = row as usize * width;
                 rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());
@@ -265,12 +267,13 @@ pub fn coarse_tile(
 mod tests {
     use super::*;
     use crate::math::Vec3;
+    use crate::render::layers::NoParts;
 
     #[test]
     fn what_clamping_removes_is_accounted_for() {
         let mut counts = SampleCounts::default();
         for value in [1.0, 3.0, 10.0] {
-            let mut sample = Gathered::seen(Vec3::splat(value));
+            let mut sample = Gathered::<NoParts>::seen(Vec3::splat(value));
             counts.clamp(&mut sample, 4.0);
             assert!((sample.radiance.x - value.min(4.0)).abs() < 1e-6);
         }
@@ -286,7 +289,7 @@ mod tests {
     fn infinite_and_negative_samples_are_counted() {
         let mut counts = SampleCounts::default();
         for value in [1.0, f32::NAN, f32::INFINITY, -1.0, 0.0] {
-            counts.count_failures(&Gathered::seen(Vec3::new(1.0, value, 0.0)));
+            counts.count_failures(&Gathered::<NoParts>::seen(Vec3::new(1.0, value, 0.0)));
         }
         assert_eq!((counts.non_finite, counts.negative), (2, 1));
     }

@@ -1,8 +1,9 @@
 //! What one camera sample did, ray by ray: for whoever wants to know why a pixel looks as it does.
 
+use super::kernel::Watched;
 use super::prepare::{PreparedScene, Seen};
-use super::ray_tally::{NotedEnd, NotedRay, RayPurpose, RayTally};
 use super::surface::SurfacePoint;
+use super::tally::{NotedEnd, NotedRay, RayPurpose, WorkTally};
 use crate::math::{DVec3, Vec3};
 use crate::scene::Mode;
 
@@ -125,17 +126,17 @@ pub fn trace_sample(
     if sample >= count {
         return Err(TraceError::NoSuchSample { sample, count });
     }
-    let [begun, ..] = scene.camera_samples(&[(x, y)], sample);
+    let mut tally = WorkTally::default();
+    let [begun, ..] = scene.camera_samples(&[(x, y)], sample, &mut tally);
     let begun = begun.expect("there is one pixel");
-    let mut tally = RayTally::keeping();
-    let mut gathered = scene.gathered(&begun, &mut tally);
+    let mut gathered = scene.gathered::<Watched>(&begun, &mut tally);
     if let Some(most) = scene.clamp() {
         gathered.limit(most);
     }
     let traced = |(purpose, ray): &(RayPurpose, NotedRay)| traced(scene, *purpose, ray);
-    let mut rays: Vec<TracedRay> = tally.into_kept().iter().map(traced).collect();
+    let mut rays: Vec<TracedRay> = tally.kept.iter().map(traced).collect();
     // With all its digits, and from where the ray starts that is traced from near the scene on.
-    let (eye, direction) = scene.line_of_sight((x, y), &begun.sampler);
+    let (eye, direction) = scene.line_of_sight((x, y), &begun.sampler, &mut tally);
     rays[0].origin = scene.geometry().frame().world_from_prepared(eye);
     rays[0].direction = direction;
     Ok(SampleTrace {

@@ -73,6 +73,24 @@ impl Light {
         }
     }
 
+    /// Whether it gives any light.
+    #[must_use]
+    pub fn shines(&self) -> bool {
+        self.emission() != Rgb::ZERO
+    }
+
+    /// Whether it shines from more than one point.
+    #[must_use]
+    pub fn has_area(&self) -> bool {
+        matches!(self, Self::Disk { .. })
+    }
+
+    /// Whether rays meet it.
+    #[must_use]
+    pub fn is_visible(&self) -> bool {
+        matches!(self, Self::Disk { visible: true, .. })
+    }
+
     /// A disk of radius 1 at the origin that shines down, for files that say no more.
     #[must_use]
     pub fn disk() -> Self {

@@ -82,6 +82,13 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether `object` has a mesh with triangles, as far as it is loaded.
+    #[must_use]
+    pub fn has_triangles(&self, object: &Object) -> bool {
+        let mesh = self.meshes.get(&object.mesh);
+        mesh.is_some_and(|mesh| !mesh.triangles.is_empty())
+    }
+
     /// The material of `object`; the default one where it names none.
     ///
     /// # Errors

@@ -1,8 +1,10 @@
-//! What is told of every ray of a sample as it is traced: counted always, kept where somebody wants to look at it.
+//! What is told of every ray of a sample as it is traced, and of every random number: rays are counted always, the rest is kept where
+//! somebody wants to look at it.
 
 use super::run::RayCounts;
+use super::sampler::{Decision, Dimension, Sampler, Turns};
 use crate::accel::Hit;
-use crate::math::{Ray, Vec3};
+use crate::math::{Ray, Vec2, Vec3};
 
 /// What a ray is traced for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,58 +98,92 @@ impl NotedRay {
     }
 }
 
-/// Counts rays as they are traced; keeps them as well where somebody wants to look at them.
-#[derive(Clone, Debug, Default)]
-pub struct RayTally {
-    pub counts: RayCounts,
-    /// In the order in which they were traced.
-    kept: Option<Vec<(RayPurpose, NotedRay)>>,
-}
-
-impl RayTally {
-    /// One that keeps all rays.
-    pub fn keeping() -> Self {
-        Self {
-            kept: Some(Vec::new()),
-            ..Self::default()
-        }
-    }
-
-    /// What it has kept.
-    pub fn into_kept(self) -> Vec<(RayPurpose, NotedRay)> {
-        self.kept.unwrap_or_default()
-    }
-
-    /// A ray is traced. What it was is asked for only where rays are kept, so that counting costs next to no more than that.
-    #[inline]
-    pub fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay) {
-        *self.counts.of(purpose) += 1;
-        if let Some(kept) = &mut self.kept {
-            keep(kept, purpose, ray);
-        }
-    }
+/// Is told of every ray and of every random number.
+pub trait Tally: Default {
+    /// A ray is traced. What it was is asked for only where rays are kept.
+    fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay);
 
     /// As many rays are traced together.
+    fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay);
+
+    /// Random numbers are drawn for so many turns of a decision.
+    fn note_draws(&mut self, decision: Decision, turns: u32);
+
+    /// The rays so far.
+    fn rays(&self) -> &RayCounts;
+
+    /// A number of a decision.
     #[inline]
-    pub fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay) {
-        *self.counts.of(purpose) += count as u64;
-        if let Some(kept) = &mut self.kept {
-            for number in 0..count {
-                keep(kept, purpose, || ray(number));
-            }
-        }
+    fn draw_1d(&mut self, sampler: &Sampler, dimension: Dimension) -> f32 {
+        self.note_draws(dimension.decision(), 1);
+        sampler.next_1d(dimension)
+    }
+
+    /// A pair of numbers of a decision.
+    #[inline]
+    fn draw_2d(&mut self, sampler: &Sampler, dimension: Dimension) -> Vec2 {
+        self.note_draws(dimension.decision(), 1);
+        sampler.next_2d(dimension)
+    }
+
+    /// The numbers of a decision that is taken `count` times.
+    #[inline]
+    fn draw_turns(&mut self, sampler: &Sampler, dimension: Dimension, count: u32) -> Turns {
+        self.note_draws(dimension.decision(), count);
+        sampler.turns(dimension, count)
     }
 }
 
-/// Out of line: where rays are only counted, nothing of this may be in the way.
-#[cold]
-#[inline(never)]
-fn keep(
-    kept: &mut Vec<(RayPurpose, NotedRay)>,
-    purpose: RayPurpose,
-    ray: impl FnOnce() -> NotedRay,
-) {
-    kept.push((purpose, ray()));
+/// Counts rays: in every render.
+impl Tally for RayCounts {
+    #[inline]
+    fn note(&mut self, purpose: RayPurpose, _: impl FnOnce() -> NotedRay) {
+        *self.of(purpose) += 1;
+    }
+
+    #[inline]
+    fn note_all(&mut self, purpose: RayPurpose, count: usize, _: impl Fn(usize) -> NotedRay) {
+        *self.of(purpose) += count as u64;
+    }
+
+    #[inline]
+    fn note_draws(&mut self, _: Decision, _: u32) {}
+
+    #[inline]
+    fn rays(&self) -> &RayCounts {
+        self
+    }
+}
+
+/// Keeps rays and counts random numbers, for whoever looks at single samples.
+#[derive(Clone, Debug, Default)]
+pub struct WorkTally {
+    pub counts: RayCounts,
+    /// In the order in which they were traced.
+    pub kept: Vec<(RayPurpose, NotedRay)>,
+    /// Pairs of random numbers by decision.
+    pub draws: [u64; Decision::ALL.len()],
+}
+
+impl Tally for WorkTally {
+    fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay) {
+        *self.counts.of(purpose) += 1;
+        self.kept.push((purpose, ray()));
+    }
+
+    fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay) {
+        *self.counts.of(purpose) += count as u64;
+        self.kept
+            .extend((0..count).map(|number| (purpose, ray(number))));
+    }
+
+    fn note_draws(&mut self, decision: Decision, turns: u32) {
+        self.draws[decision as usize] += u64::from(turns);
+    }
+
+    fn rays(&self) -> &RayCounts {
+        &self.counts
+    }
 }
 
 impl RayCounts {
