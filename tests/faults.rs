@@ -247,10 +247,10 @@ fn a_mesh_that_changes_while_it_is_rendered_stays_as_it_was() {
 fn a_scene_file_beyond_the_bound_is_refused() {
     let folder = folder();
     let file = std::fs::File::create(folder.path().join("large.toml")).expect("is made");
-    file.set_len((64 << 20) + 1).expect("a hole");
+    file.set_len((16 << 20) + 1).expect("a hole");
     let said = fail(folder.path(), &["info", "large.toml"]);
     assert!(
-        said.contains("large.toml: the file is too large: a scene file has at most 64 MiB"),
+        said.contains("large.toml: the file is too large: a scene file has at most 16 MiB"),
         "{said}"
     );
 }

@@ -2,6 +2,7 @@
 //! prints nothing.
 
 pub mod bench;
+pub mod cost;
 mod difference;
 pub mod hazards;
 pub mod matrix;

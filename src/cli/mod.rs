@@ -7,6 +7,7 @@ mod check;
 mod checkpoint;
 mod compare;
 mod info;
+mod plan;
 mod render;
 mod report;
 mod signals;
@@ -45,6 +46,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Measure how the error of a scene's picture falls with run time
     Report(report::ReportArguments),
+    /// Say what the render of a scene does, what it leaves out and why, and what each costs
+    Plan(plan::PlanArguments),
     /// Say what a mesh, scene or rendered picture holds
     Info(info::InfoArguments),
     /// Measure how far a picture is from a reference, and draw the difference
@@ -91,6 +94,7 @@ impl Command {
             Self::Render(arguments) => return render::run(&arguments, signals),
             Self::Check(arguments) => return check::run(&arguments),
             Self::Report(arguments) => report::run(&arguments)?,
+            Self::Plan(arguments) => plan::run(&arguments)?,
             Self::Info(arguments) => info::run(&arguments)?,
             Self::Compare(arguments) => compare::run(&arguments)?,
             Self::Bench(arguments) => bench::run(&arguments)?,

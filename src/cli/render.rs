@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 
 use super::Signals;
 use super::checkpoint::{CheckpointArguments, CheckpointFile};
+use super::plan::PlannedFeature;
 use super::trace::TraceArguments;
 use crate::control::{CancelToken, Progress};
 use crate::io;
@@ -147,6 +148,7 @@ struct Stats {
     depth_limited_samples: u64,
     clamped: Clamped,
     image_hash: String,
+    plan: Vec<PlannedFeature>,
 }
 
 impl Stats {
@@ -156,6 +158,7 @@ impl Stats {
         scene: &PreparedScene,
         [load_seconds, build_seconds]: [f64; 2],
         hash: &str,
+        plan: Vec<PlannedFeature>,
     ) -> Self {
         let accelerator = scene.geometry().accelerator();
         Self {
@@ -179,6 +182,7 @@ impl Stats {
             depth_limited_samples: stats.depth_limited_samples,
             clamped: stats.clamped,
             image_hash: hash.to_owned(),
+            plan,
         }
     }
 }
@@ -366,7 +370,8 @@ fn render_scene(
     let hash = image.hash();
     let recorded = match &arguments.stats {
         Some(path) => {
-            let facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash);
+            let plan = super::plan::facts(scene)?;
+            let facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
             write_stats(&facts, path)
         }
         None => Ok(()),

@@ -13,9 +13,9 @@ use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Object, Scene, SceneError, presets};
 
-/// The most bytes of a scene file. Meshes and images lie in files of their own, so 300,000 lights fit. Parsing takes up to 100 times
-/// the file's size: every value knows its line and column.
-const MOST_SCENE_BYTES: u64 = 64 << 20;
+/// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
+/// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
+const MOST_SCENE_BYTES: u64 = 16 << 20;
 
 /// A scene ready to be prepared.
 #[derive(Clone, Debug)]

@@ -235,7 +235,9 @@ impl<K: Kernel> Shading<'_, K> {
         if scene.does(Feature::Occlusion) {
             black_box(self.over_hemisphere());
         }
-        let mean = scene.background().mean_over_hemisphere(self.point.shading_normal);
+        let mean = scene
+            .background()
+            .mean_over_hemisphere(self.point.shading_normal);
         mean.map_or(Vec3::ZERO, |mean| diffuse * mean)
     }
 
@@ -292,7 +294,11 @@ impl<K: Kernel> Shading<'_, K> {
         emitters.choose_each(&at, (0..count).map(number), |turn, chosen| {
             if let Some(index) = chosen.light() {
                 let light = &lights[index as usize];
-                for ray in self.aim(light, numbers.as_ref(), turn).into_iter().flatten() {
+                for ray in self
+                    .aim(light, numbers.as_ref(), turn)
+                    .into_iter()
+                    .flatten()
+                {
                     let brought = self.light_along(&ray, Some(index));
                     sum += brought * Vec3::splat(1.0 / chosen.probability);
                 }
@@ -324,7 +330,11 @@ impl<K: Kernel> Shading<'_, K> {
         let light_number = Some(index);
         if count < FEWEST_TOGETHER {
             for turn in 0..count {
-                for ray in self.aim(light, numbers.as_ref(), turn).into_iter().flatten() {
+                for ray in self
+                    .aim(light, numbers.as_ref(), turn)
+                    .into_iter()
+                    .flatten()
+                {
                     sum += self.light_along(&ray, light_number);
                 }
             }

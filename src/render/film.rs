@@ -85,7 +85,10 @@ impl TileSums {
         let (picture, rest) = self.planes.split_first_mut().expect("the picture is there");
         add_to(&mut picture[index], sample.radiance.as_dvec3().to_array());
         for (plane, &layer) in rest.iter_mut().zip(layers) {
-            add_to(&mut plane[index], sample.parts.of(layer).as_dvec3().to_array());
+            add_to(
+                &mut plane[index],
+                sample.parts.of(layer).as_dvec3().to_array(),
+            );
         }
         self.samples[index] += 1;
         self.rays[index] = self.rays[index].saturating_add(rays);
@@ -373,7 +376,12 @@ mod tests {
         let mut sums = TileSums::new(&[Layer::Ambient], pixels);
         for index in 0..pixels {
             for &sample in samples {
-                sums.add(index, &[Layer::Ambient], &Gathered::<AllParts>::seen(sample.into()), 2);
+                sums.add(
+                    index,
+                    &[Layer::Ambient],
+                    &Gathered::<AllParts>::seen(sample.into()),
+                    2,
+                );
             }
         }
         sums

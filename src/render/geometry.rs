@@ -158,6 +158,16 @@ impl PreparedGeometry {
         self.accelerator.part_of(triangle)
     }
 
+    /// Memory of all shading normals, in bytes; 0 where all triangles are flat.
+    #[must_use]
+    pub fn normal_bytes(&self) -> usize {
+        let normals = self
+            .objects
+            .iter()
+            .filter_map(|object| object.normals.as_ref());
+        normals.map(|normals| normals.bytes()).sum()
+    }
+
     /// The shading normals of the corners of `triangle` in world orientation, in the order of its corners; `None` where it is
     /// shaded by its own.
     #[must_use]

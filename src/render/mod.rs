@@ -47,6 +47,7 @@ mod tally;
 mod tile_samples;
 mod tiles;
 mod trace;
+mod work;
 
 pub use bands::Bands;
 pub use camera::{CameraRay, PreparedCamera};
@@ -60,7 +61,7 @@ pub use geometry::{
 pub use image::Image;
 pub use layers::Layer;
 pub use memory::{PictureMemory, ShortOfMemory};
-pub use plan::{Feature, Plan};
+pub use plan::{Feature, Plan, reasons};
 pub use prepare::PreparedScene;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 pub use run::{
@@ -72,3 +73,4 @@ pub use surface::SurfacePoint;
 pub use tally::RayPurpose;
 pub use tiles::{Region, TilePixels};
 pub use trace::{Met, MetSurface, SampleTrace, TraceError, TracedRay, trace_sample};
+pub use work::Work;

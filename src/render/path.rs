@@ -6,11 +6,11 @@
 
 use super::aim::{self, Aimed};
 use super::camera::CameraRay;
+use super::kernel::Kernel;
 use super::layers::{Beginning, ByLobe, Gathered, Parts};
 use super::light_tree::Receiver;
 use super::material::PreparedMaterial;
 use super::mis::power_heuristic;
-use super::kernel::Kernel;
 use super::phong::Phong;
 use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
@@ -90,7 +90,8 @@ pub fn gather<K: Kernel>(
                     mirror,
                 };
                 if scene.does(Feature::Aiming)
-                    && let Some(lit) = aiming.reflected((sampler, bounce), tally) {
+                    && let Some(lit) = aiming.reflected((sampler, bounce), tally)
+                {
                     let lobes = lit.lobes * throughput;
                     if lit.is_background {
                         gathered.add_ambient(beginning, lobes.sum());
@@ -194,11 +195,7 @@ struct Lit {
 impl Aiming<'_> {
     /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
     #[inline(always)]
-    fn reflected(
-        &self,
-        (sampler, bounce): (Sampler, u32),
-        tally: &mut impl Tally,
-    ) -> Option<Lit> {
+    fn reflected(&self, (sampler, bounce): (Sampler, u32), tally: &mut impl Tally) -> Option<Lit> {
         let Self {
             scene,
             phong,

@@ -1,6 +1,9 @@
 //! What a render does, and what it leaves out because the scene does not need it.
 
-use crate::scene::{Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene, SceneError, Shadows};
+use crate::scene::{
+    Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene,
+    SceneError, Shadows,
+};
 
 /// Work that a scene may not need. Where it does not, the picture is the same with and without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +47,23 @@ impl Feature {
         Self::Roulette,
         Self::DarkRays,
     ];
+
+    /// What is done wherever it is.
+    fn takes(self) -> &'static [Self] {
+        match self {
+            Self::PixelPoints | Self::Lens | Self::Light => &[],
+            Self::Aiming | Self::Occlusion | Self::LastRays | Self::Roulette => &[Self::Light],
+            Self::ShadowRays | Self::LightPoints => &[Self::Light, Self::Aiming],
+            Self::GlassShadows => &[Self::Light, Self::Aiming, Self::ShadowRays],
+            Self::DarkRays => &[
+                Self::Light,
+                Self::Aiming,
+                Self::ShadowRays,
+                Self::Occlusion,
+                Self::LastRays,
+            ],
+        }
+    }
 
     /// In words.
     #[must_use]
@@ -94,11 +114,11 @@ impl Plan {
     /// # Errors
     /// When an object has a material that there is not.
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
-        let facts = Facts::of(scene)?;
-        let is_needed = |feature: &Feature| facts.reason_against(*feature).is_none();
-        let needed = Feature::ALL.into_iter().filter(is_needed);
+        let needed = reasons(scene)?
+            .into_iter()
+            .filter(|(_, reason)| reason.is_none());
         Ok(Self {
-            needed: needed.fold(Features::default(), Features::with),
+            needed: needed.fold(Features::default(), |all, (feature, _)| all.with(feature)),
             forced: Features::default(),
         })
     }
@@ -121,11 +141,12 @@ impl Plan {
         self.forced.has(feature)
     }
 
-    /// The same, and `feature`, whether it is needed or not.
+    /// The same, and `feature` with all that it takes, whether needed or not.
     #[must_use]
-    pub const fn forcing(self, feature: Feature) -> Self {
+    pub fn forcing(self, feature: Feature) -> Self {
+        let with = feature.takes().iter().copied().chain([feature]);
         Self {
-            forced: self.forced.with(feature),
+            forced: with.fold(self.forced, Features::with),
             ..self
         }
     }
@@ -140,12 +161,15 @@ impl Plan {
     }
 }
 
-/// Why a render of `scene` leaves `feature` out; `None` where it is needed.
+/// All features, and why a render of `scene` leaves each out; `None` where it is needed.
 ///
 /// # Errors
 /// When an object has a material that there is not.
-pub fn reason_against(scene: &Scene, feature: Feature) -> Result<Option<&'static str>, SceneError> {
-    Ok(Facts::of(scene)?.reason_against(feature))
+pub fn reasons(
+    scene: &Scene,
+) -> Result<[(Feature, Option<&'static str>); Feature::ALL.len()], SceneError> {
+    let facts = Facts::of(scene)?;
+    Ok(Feature::ALL.map(|feature| (feature, facts.reason_against(feature))))
 }
 
 /// What of a scene decides about its plan.
@@ -168,7 +192,10 @@ struct Facts<'a> {
 impl<'a> Facts<'a> {
     fn of(scene: &'a Scene) -> Result<Self, SceneError> {
         let settings = &scene.render;
-        let there = scene.objects.iter().filter(|object| scene.has_triangles(object));
+        let there = scene
+            .objects
+            .iter()
+            .filter(|object| scene.has_triangles(object));
         let materials: Vec<Material> = there
             .map(|object| scene.material_of(object))
             .collect::<Result<_, _>>()?;
@@ -185,7 +212,8 @@ impl<'a> Facts<'a> {
                 Material::Glass { .. } => !settings.glass,
                 Material::Emitter { .. } => false,
             }),
-            has_glass: settings.glass && has(&|material| matches!(material, Material::Glass { .. })),
+            has_glass: settings.glass
+                && has(&|material| matches!(material, Material::Glass { .. })),
             has_emitter: has(
                 &|material| matches!(material, Material::Emitter { radiance } if *radiance != Rgb::ZERO),
             ),
@@ -204,11 +232,17 @@ impl<'a> Facts<'a> {
         // The first that holds is the reason.
         let reasons: &[(bool, &'static str)] = match feature {
             Feature::PixelPoints => &[
-                (settings.samples_per_pixel == 1, "one sample per pixel takes the middle"),
+                (
+                    settings.samples_per_pixel == 1,
+                    "one sample per pixel takes the middle",
+                ),
                 (!settings.antialiasing, "render.antialiasing is off"),
             ],
             Feature::Lens => &[
-                (self.camera.aperture_radius == 0.0, "camera.aperture_radius is 0"),
+                (
+                    self.camera.aperture_radius == 0.0,
+                    "camera.aperture_radius is 0",
+                ),
                 (!settings.depth_of_field, "render.depth_of_field is off"),
             ],
             Feature::Light => &[
@@ -256,7 +290,10 @@ impl<'a> Facts<'a> {
                 ),
             ],
             Feature::GlassShadows => &[
-                (!is_direct, "only mode direct lets light straight through glass"),
+                (
+                    !is_direct,
+                    "only mode direct lets light straight through glass",
+                ),
                 (!self.has_glass, "nothing is of glass"),
                 (
                     self.reason_against(Feature::ShadowRays).is_some(),
@@ -264,29 +301,39 @@ impl<'a> Facts<'a> {
                 ),
             ],
             Feature::Occlusion => &[
-                (settings.mode != Mode::Ao && !is_direct, "the mode has no ambient light"),
-                (is_direct && self.background.is_black(), "the background is black"),
+                (
+                    settings.mode != Mode::Ao && !is_direct,
+                    "the mode has no ambient light",
+                ),
+                (
+                    is_direct && self.background.is_black(),
+                    "the background is black",
+                ),
                 (is_direct && !self.has_diffuse, "nothing reflects diffusely"),
                 (
-                    is_direct
-                        && !settings.ambient_occlusion.enabled
-                        && !self.has_sky_image(),
+                    is_direct && !settings.ambient_occlusion.enabled && !self.has_sky_image(),
                     "render.ambient_occlusion is off",
                 ),
             ],
             Feature::LastRays => &[
                 (!is_path, "only paths have them"),
                 (
-                    settings.light_sampling == LightSampling::Nee,
-                    "render.light_sampling is nee",
-                ),
-                (
                     !self.has_emitter && !self.has_visible_light && self.background.is_black(),
                     "nothing that shines can be met",
+                ),
+                // A background that is no image is not aimed at.
+                (
+                    settings.light_sampling == LightSampling::Nee
+                        && (self.has_sky_image() || self.background.is_black()),
+                    "render.light_sampling is nee",
                 ),
             ],
             Feature::Roulette => &[
                 (!is_path, "only paths end by it"),
+                (
+                    self.reason_against(Feature::Light).is_some(),
+                    "there are no paths",
+                ),
                 (!settings.roulette, "render.roulette is off"),
                 (
                     settings.max_bounces < super::path::ROULETTE_FROM,

@@ -42,6 +42,24 @@ impl Decision {
         Self::Roulette,
         Self::Background,
     ];
+
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pixel => "point in the pixel",
+            Self::Lens => "point on the lens",
+            Self::Light => "point on a light",
+            Self::NearLight => "direction to a near light",
+            Self::AmbientOcclusion => "direction of occlusion",
+            Self::Boundary => "reflection or refraction",
+            Self::LightChoice => "light",
+            Self::EmitterPoint => "point on an emitter",
+            Self::Direction => "direction of a path",
+            Self::Roulette => "end of a path",
+            Self::Background => "direction to the sky",
+        }
+    }
 }
 
 /// A pair of dimensions of its own for every decision at every bounce. Because dimensions are named and not counted, a

@@ -2,7 +2,7 @@
 //! somebody wants to look at it.
 
 use super::run::RayCounts;
-use super::sampler::{Decision, Dimension, Sampler, Turns};
+use super::sampler::{Decision, Dimension, Sampler};
 use crate::accel::Hit;
 use crate::math::{Ray, Vec2, Vec3};
 
@@ -124,13 +124,6 @@ pub trait Tally: Default {
     fn draw_2d(&mut self, sampler: &Sampler, dimension: Dimension) -> Vec2 {
         self.note_draws(dimension.decision(), 1);
         sampler.next_2d(dimension)
-    }
-
-    /// The numbers of a decision that is taken `count` times.
-    #[inline]
-    fn draw_turns(&mut self, sampler: &Sampler, dimension: Dimension, count: u32) -> Turns {
-        self.note_draws(dimension.decision(), count);
-        sampler.turns(dimension, count)
     }
 }
 

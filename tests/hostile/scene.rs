@@ -3,8 +3,9 @@ use raymini::scene::Scene;
 
 use super::{assert_memory, assert_message, measured};
 
-/// Bytes of memory per byte of text: each value of two bytes knows its line and column, and the TOML reader keeps tokens.
-const MEMORY: usize = 128;
+/// Bytes of memory per byte of text: each value of two bytes knows its line and column, the TOML reader keeps tokens, and a table
+/// of one short key, which takes four bytes of text, has room for several.
+const MEMORY: usize = 256;
 
 /// What begins a line, for TOML a comment, that stands for `--set` with the rest of the line.
 const OVERRIDE: &str = "#set ";

@@ -6,6 +6,7 @@ mod camera;
 mod light;
 mod material;
 mod object;
+mod plan;
 mod settings;
 mod tree;
 
@@ -69,6 +70,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     section_ui(ui, "Effects", true, |ui| {
         settings::effects_ui(ui, &mut state.scene.render);
     });
+    section_ui(ui, "Plan", false, |ui| plan::plan_ui(ui, state.scene));
     section_ui(ui, "Display", true, |ui| {
         settings::layers_ui(ui, state);
         settings::display_ui(ui, state.scene);

@@ -295,7 +295,12 @@ mod tests {
                     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                     let value = if state >> 31 == 0 { 0.5 } else { 1.5 };
                     let rays = if index % WIDTH < WIDTH / 2 { 1 } else { price };
-                    sums.add(index, &[], &Gathered::<NoParts>::seen(Vec3::splat(value)), rays);
+                    sums.add(
+                        index,
+                        &[],
+                        &Gathered::<NoParts>::seen(Vec3::splat(value)),
+                        rays,
+                    );
                 }
             }
             film.add(region, &sums);

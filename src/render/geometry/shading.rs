@@ -31,6 +31,17 @@ pub struct TrueNormals {
 }
 
 impl ShadingNormals {
+    /// Memory, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Smooth(smooth) => {
+                size_of_val(&smooth.normals[..]) + size_of_val(&smooth.corners[..])
+            }
+            Self::Flat(flat) => size_of_val(&flat.triangles[..]) + size_of_val(&flat.normals[..]),
+        }
+    }
+
     /// The normals of the corners of the triangle number `index` of a copy; `None` where it is shaded by its own.
     #[must_use]
     #[inline]

@@ -1,0 +1,355 @@
+//! What each effect of a render costs, and what leaving out saves: renders that differ by one thing, in pairs, by processor time.
+
+use crate::control::CancelToken;
+use crate::render::{Feature, Plan, PreparedScene, RenderProgress, RunConfig, render};
+use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
+
+/// What a render takes at least, in seconds of processor time, for its time to mean anything.
+const LEAST_SECONDS: f64 = 0.05;
+/// The most samples per pixel of a render that is timed.
+const MOST_SAMPLES: u32 = 4;
+/// The first picture that is tried has one of so many pixels along each side.
+const COARSEST: u32 = 16;
+
+/// An effect that a scene may have, and that can be switched off. The picture is another one then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Points within a pixel.
+    Antialiasing,
+    /// A lens with an aperture.
+    DepthOfField,
+    /// Shadows.
+    Shadows,
+    /// Soft shadows in place of hard ones.
+    SoftShadows,
+    /// Ambient occlusion.
+    AmbientOcclusion,
+    /// Mirrors.
+    Mirrors,
+    /// Glass.
+    Glass,
+    /// Light that met several surfaces.
+    IndirectLight,
+    /// The estimate of the error.
+    ErrorEstimate,
+}
+
+impl Effect {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::Antialiasing,
+        Self::DepthOfField,
+        Self::Shadows,
+        Self::SoftShadows,
+        Self::AmbientOcclusion,
+        Self::Mirrors,
+        Self::Glass,
+        Self::IndirectLight,
+        Self::ErrorEstimate,
+    ];
+
+    /// In words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Antialiasing => "antialiasing",
+            Self::DepthOfField => "depth of field",
+            Self::Shadows => "shadows",
+            Self::SoftShadows => "soft in place of hard shadows",
+            Self::AmbientOcclusion => "ambient occlusion",
+            Self::Mirrors => "mirrors",
+            Self::Glass => "glass",
+            Self::IndirectLight => "indirect light",
+            Self::ErrorEstimate => "estimate of the error",
+        }
+    }
+
+    /// The scene without the effect; the same where it has none.
+    #[must_use]
+    pub fn removed_from(self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        let settings = &mut scene.render;
+        match self {
+            Self::Antialiasing => settings.antialiasing = false,
+            Self::DepthOfField => settings.depth_of_field = false,
+            Self::Shadows => settings.shadows = Shadows::Off,
+            Self::SoftShadows if settings.shadows != Shadows::Off => {
+                settings.shadows = Shadows::Hard;
+            }
+            Self::SoftShadows => {}
+            Self::AmbientOcclusion => settings.ambient_occlusion.enabled = false,
+            Self::Mirrors => settings.mirror = false,
+            Self::Glass => settings.glass = false,
+            Self::IndirectLight => settings.max_bounces = settings.max_bounces.min(1),
+            Self::ErrorEstimate => settings.error_estimate = false,
+        }
+        scene
+    }
+
+    /// Whether the picture of `scene` has it.
+    fn is_in(self, scene: &Scene) -> bool {
+        let settings = &scene.render;
+        let plan = Plan::of(scene);
+        let needs = |feature| plan.as_ref().is_ok_and(|plan| plan.needs(feature));
+        let is_direct = settings.mode == Mode::Direct;
+        let has_material = |is: fn(&Material) -> bool| {
+            let used = scene
+                .objects
+                .iter()
+                .filter(|object| scene.has_triangles(object));
+            used.filter_map(|object| scene.material_of(object).ok())
+                .any(|material| is(&material))
+        };
+        let shows_light = is_direct || settings.mode == Mode::Path;
+        match self {
+            Self::Antialiasing => needs(Feature::PixelPoints),
+            Self::DepthOfField => needs(Feature::Lens),
+            Self::Shadows => is_direct && needs(Feature::ShadowRays),
+            Self::SoftShadows => {
+                is_direct && needs(Feature::LightPoints) && settings.shadows == Shadows::Soft
+            }
+            Self::AmbientOcclusion => {
+                is_direct && settings.ambient_occlusion.enabled && needs(Feature::Occlusion)
+            }
+            Self::Mirrors => {
+                shows_light
+                    && settings.mirror
+                    && has_material(|material| matches!(material, Material::Mirror { .. }))
+            }
+            Self::Glass => {
+                shows_light
+                    && settings.glass
+                    && has_material(|material| matches!(material, Material::Glass { .. }))
+            }
+            Self::IndirectLight => settings.mode == Mode::Path && settings.max_bounces > 1,
+            Self::ErrorEstimate => settings.measures_error(),
+        }
+    }
+}
+
+/// A part of the time of a render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// The median of all pairs, as a share of the time of the plain render.
+    pub value: f64,
+    /// Where the median lies with 95 % confidence or more, by the sign test.
+    pub interval: [f64; 2],
+}
+
+/// What was measured of a scene.
+#[derive(Clone, Debug)]
+pub struct Costs {
+    /// Effects that the scene has, and the part of the time that each takes.
+    pub effects: Vec<(Effect, Share)>,
+    /// Features that are left out, and what each would add.
+    pub savings: Vec<(Feature, Share)>,
+    /// What keeping layers would add; `None` where there are none.
+    pub layers: Option<Share>,
+    /// Pairs of each.
+    pub pairs: usize,
+}
+
+/// A scene whose renders are short enough to be timed often, and long enough to be timed.
+#[derive(Debug)]
+pub struct Trial {
+    scene: Scene,
+    prepared: PreparedScene,
+    /// What the whole picture takes at this rate on one thread.
+    pub estimated_seconds: f64,
+}
+
+impl Trial {
+    /// Finds a size at which a render takes as long as it must.
+    ///
+    /// # Errors
+    /// What about the description cannot be rendered.
+    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+        let mut small = scene.clone();
+        small.render.stop = Stop::default();
+        let samples = scene.render.samples_per_pixel;
+        small.render.samples_per_pixel = samples.min(MOST_SAMPLES);
+        let mut divisor = COARSEST;
+        let mut previous = None;
+        loop {
+            small.render.width = scene.render.width.div_ceil(divisor);
+            small.render.height = scene.render.height.div_ceil(divisor);
+            let prepared = prepare(&small, previous.as_ref())?;
+            let seconds = seconds_of(&prepared, &alone());
+            if seconds >= LEAST_SECONDS || divisor == 1 {
+                let pixels = |scene: &Scene| {
+                    f64::from(scene.render.width)
+                        * f64::from(scene.render.height)
+                        * f64::from(scene.render.samples_per_pixel)
+                };
+                return Ok(Self {
+                    estimated_seconds: seconds * pixels(scene) / pixels(&small),
+                    scene: small,
+                    prepared,
+                });
+            }
+            divisor /= 2;
+            previous = Some(prepared);
+        }
+    }
+
+    /// Measures everything in `pairs` pairs. `is_done` is told how many of how many measurements are done.
+    ///
+    /// # Errors
+    /// What about the description cannot be rendered.
+    ///
+    /// # Panics
+    /// When a picture differs where only what is not needed was done: a fault of the program.
+    pub fn costs(
+        &self,
+        pairs: usize,
+        mut is_done: impl FnMut(usize, usize),
+    ) -> Result<Costs, SceneError> {
+        let effects: Vec<_> = Effect::ALL
+            .into_iter()
+            .filter(|effect| effect.is_in(&self.scene))
+            .collect();
+        let plan = self.prepared.plan();
+        let left_out: Vec<_> = Feature::ALL
+            .into_iter()
+            .filter(|&feature| !plan.needs(feature))
+            .collect();
+        let has_layers = !self.prepared.layers().is_empty();
+        let all = effects.len() + left_out.len() + usize::from(has_layers);
+        let mut done = 0;
+        let mut tell = || {
+            done += 1;
+            is_done(done, all);
+        };
+        let mut costs = Costs {
+            effects: Vec::new(),
+            savings: Vec::new(),
+            layers: None,
+            pairs,
+        };
+        for effect in effects {
+            let without = prepare(&effect.removed_from(&self.scene), Some(&self.prepared))?;
+            let share = self.compare(&without, &alone(), pairs, |plain, without| {
+                1.0 - without / plain
+            });
+            costs.effects.push((effect, share));
+            tell();
+        }
+        let added = |plain: f64, with: f64| with / plain - 1.0;
+        for feature in left_out {
+            let with = self.prepared.clone().with_plan(plan.forcing(feature));
+            let hash = |scene: &PreparedScene| picture_hash(scene);
+            assert_eq!(
+                hash(&with),
+                hash(&self.prepared),
+                "{feature:?} changes the picture"
+            );
+            costs
+                .savings
+                .push((feature, self.compare(&with, &alone(), pairs, added)));
+            tell();
+        }
+        if has_layers {
+            let with_layers = RunConfig {
+                layers: true,
+                ..alone()
+            };
+            costs.layers = Some(self.compare(&self.prepared, &with_layers, pairs, added));
+            tell();
+        }
+        Ok(costs)
+    }
+
+    /// Renders the scene and `other` in turns.
+    fn compare(
+        &self,
+        other: &PreparedScene,
+        run: &RunConfig,
+        pairs: usize,
+        share: impl Fn(f64, f64) -> f64,
+    ) -> Share {
+        let pair = |number: usize| {
+            let plain = || seconds_of(&self.prepared, &alone());
+            let changed = || seconds_of(other, run);
+            // Either is first as often.
+            if number % 2 == 0 {
+                let first = plain();
+                share(first, changed())
+            } else {
+                let first = changed();
+                share(plain(), first)
+            }
+        };
+        Share::of((0..pairs).map(pair).collect())
+    }
+}
+
+impl Share {
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let count = values.len();
+        let outside = ranks_outside(count);
+        let middle = |values: &[f64]| {
+            let half = values.len() / 2;
+            if values.len() % 2 == 0 {
+                f64::midpoint(values[half - 1], values[half])
+            } else {
+                values[half]
+            }
+        };
+        Self {
+            value: middle(&values),
+            interval: [values[outside], values[count - 1 - outside]],
+        }
+    }
+}
+
+/// How many of `count` sorted values lie outside the interval of the sign test at each end: as many as may be for a confidence of 95 %.
+fn ranks_outside(count: usize) -> usize {
+    let mut probability = 0.5_f64.powi(i32::try_from(count).unwrap_or(i32::MAX));
+    let mut tail = 0.0;
+    for rank in 0..count / 2 {
+        tail += probability;
+        if tail > 0.025 {
+            return rank.saturating_sub(1);
+        }
+        probability *= (count - rank) as f64 / (rank + 1) as f64;
+    }
+    (count / 2).saturating_sub(1)
+}
+
+fn alone() -> RunConfig {
+    RunConfig {
+        threads: 1,
+        ..RunConfig::default()
+    }
+}
+
+fn prepare(scene: &Scene, previous: Option<&PreparedScene>) -> Result<PreparedScene, SceneError> {
+    let prepared = PreparedScene::prepare(scene, previous, &CancelToken::new())?;
+    Ok(prepared.expect("nobody cancels"))
+}
+
+/// Processor time of a render.
+fn seconds_of(scene: &PreparedScene, run: &RunConfig) -> f64 {
+    let outcome = render(scene, None, run, &RenderProgress::default(), None);
+    outcome.expect("nobody cancels").stats.cpu_seconds
+}
+
+fn picture_hash(scene: &PreparedScene) -> String {
+    let outcome = render(scene, None, &alone(), &RenderProgress::default(), None);
+    outcome.expect("nobody cancels").image.hash()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The number of values below the median is binomial; for 20 the 6th and the 15th bound it with 95.9 %. Source: Conover,
+    /// Practical Nonparametric Statistics, table A3.
+    #[test]
+    fn the_interval_is_that_of_the_sign_test() {
+        for (count, outside) in [(1, 0), (5, 0), (6, 0), (8, 0), (9, 1), (20, 5), (30, 9)] {
+            assert_eq!(ranks_outside(count), outside, "{count}");
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! `raymini plan`: what a render does, what it leaves out and why, and what each costs.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Result, anyhow};
+use clap::Args;
+use serde::Serialize;
+
+use crate::analysis::cost::{Costs, Share, Trial};
+use crate::control::CancelToken;
+use crate::io;
+use crate::render::{Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, reasons};
+use crate::scene::{Choice, Scene};
+
+/// Along each side of the picture so many pixels are looked at.
+const LOOKS: u32 = 24;
+
+/// What `raymini plan` takes.
+#[derive(Debug, Args)]
+pub struct PlanArguments {
+    /// A scene file (.toml) or a mesh; the built-in demo when left out
+    #[arg(value_name = "SCENE")]
+    scene: Option<PathBuf>,
+
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
+    size: Option<(u32, u32)>,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N")]
+    spp: Option<u32>,
+
+    /// Change any key of the scene, e.g. render.shadows=off; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    assignments: Vec<String>,
+
+    /// Measure what each effect costs and what leaving out saves, by so many pairs of small renders
+    #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
+          value_parser = clap::value_parser!(u16).range(6..=1000))]
+    measure: Option<u16>,
+
+    /// Print the facts as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Whether a render does something.
+#[derive(Debug, Serialize)]
+pub(super) struct PlannedFeature {
+    feature: &'static str,
+    needed: bool,
+    /// Why not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'static str>,
+}
+
+/// The plan of a render, for programs.
+pub(super) fn facts(scene: &Scene) -> Result<Vec<PlannedFeature>> {
+    let planned = |(feature, reason): (Feature, Option<&'static str>)| PlannedFeature {
+        feature: feature.name(),
+        needed: reason.is_none(),
+        reason,
+    };
+    Ok(reasons(scene)?.map(planned).into())
+}
+
+#[derive(Debug, Serialize)]
+struct Facts {
+    mode: &'static str,
+    width: u32,
+    height: u32,
+    samples_per_pixel: u32,
+    features: Vec<PlannedFeature>,
+    per_sample: PerSample,
+    bytes: Bytes,
+    /// On one thread.
+    estimated_cpu_seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured: Option<Measured>,
+}
+
+/// Means over samples spread over the picture.
+#[derive(Debug, Serialize)]
+struct PerSample {
+    camera_rays: f64,
+    shadow_rays: f64,
+    ambient_occlusion_rays: f64,
+    bounce_rays: f64,
+    /// How often random numbers are drawn, by what they decide; none where they are not.
+    draws: Vec<(&'static str, f64)>,
+}
+
+#[derive(Debug, Serialize)]
+struct Bytes {
+    triangles_and_structure: usize,
+    normals: usize,
+    picture: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Measured {
+    pairs: usize,
+    /// Of the time of a render.
+    effects: Vec<MeasuredShare>,
+    /// What it would add to that time.
+    left_out: Vec<MeasuredShare>,
+}
+
+#[derive(Debug, Serialize)]
+struct MeasuredShare {
+    name: &'static str,
+    share: f64,
+    /// 95 % confidence.
+    interval: [f64; 2],
+}
+
+pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
+    let cancel = CancelToken::new();
+    let mut loaded = super::load(arguments.scene.as_deref())?;
+    io::override_scene(&mut loaded, &arguments.all_assignments(), &cancel)?;
+    for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
+        eprintln!("warning: {warning}");
+    }
+    let scene = &loaded.scene;
+    let prepared = PreparedScene::prepare(scene, None, &cancel)?
+        .ok_or_else(|| anyhow!("preparing was cancelled"))?;
+    let trial = Trial::new(scene)?;
+    let measured = match arguments.measure {
+        Some(pairs) => {
+            let costs = trial.costs(pairs.into(), |done, all| {
+                if !arguments.json {
+                    eprintln!("measured {done} of {all}");
+                }
+            })?;
+            Some(Measured::from(costs))
+        }
+        None => None,
+    };
+    let facts = Facts {
+        mode: scene.render.mode.name(),
+        width: scene.render.width,
+        height: scene.render.height,
+        samples_per_pixel: scene.render.samples_per_pixel,
+        features: facts(scene)?,
+        per_sample: PerSample::of(&prepared),
+        bytes: Bytes {
+            triangles_and_structure: prepared.geometry().accelerator().bytes(),
+            normals: prepared.geometry().normal_bytes(),
+            picture: PictureMemory::of_render(&prepared, None, &RunConfig::default()).bytes(),
+        },
+        estimated_cpu_seconds: trial.estimated_seconds,
+        measured,
+    };
+    if arguments.json {
+        super::say(&serde_json::to_string_pretty(&facts)?)
+    } else {
+        super::say(describe(&facts).trim_end())
+    }
+}
+
+impl PlanArguments {
+    /// Every change to the scene's keys that the flags ask for.
+    fn all_assignments(&self) -> Vec<String> {
+        let mut all = self.assignments.clone();
+        if let Some((width, height)) = self.size {
+            all.push(format!("render.width={width}"));
+            all.push(format!("render.height={height}"));
+        }
+        all.extend(
+            self.spp
+                .map(|spp| format!("render.samples_per_pixel={spp}")),
+        );
+        all
+    }
+}
+
+impl PerSample {
+    fn of(scene: &PreparedScene) -> Self {
+        let settings = scene.settings();
+        let (columns, rows) = (settings.width.min(LOOKS), settings.height.min(LOOKS));
+        let middle = |number: u32, count: u32, size: u32| {
+            let (number, count, size) = (u64::from(number), u64::from(count), u64::from(size));
+            u32::try_from((2 * number + 1) * size / (2 * count)).expect("lies in the picture")
+        };
+        let pixels = (0..rows).flat_map(|row| {
+            let y = middle(row, rows, settings.height);
+            (0..columns).map(move |column| (middle(column, columns, settings.width), y))
+        });
+        let work = Work::of(scene, pixels, settings.samples_per_pixel.min(2));
+        let per_sample = |count: u64| count as f64 / work.samples as f64;
+        let draws =
+            Decision::ALL.map(|decision| (decision.name(), per_sample(work.draws(decision))));
+        Self {
+            camera_rays: per_sample(work.rays.camera),
+            shadow_rays: per_sample(work.rays.shadow),
+            ambient_occlusion_rays: per_sample(work.rays.ambient_occlusion),
+            bounce_rays: per_sample(work.rays.bounce),
+            draws: draws
+                .into_iter()
+                .filter(|(_, draws)| *draws > 0.0)
+                .collect(),
+        }
+    }
+}
+
+impl From<Costs> for Measured {
+    fn from(costs: Costs) -> Self {
+        let measured = |name: &'static str, share: Share| MeasuredShare {
+            name,
+            share: share.value,
+            interval: share.interval,
+        };
+        let effects = costs.effects.into_iter();
+        let savings = costs.savings.into_iter();
+        let mut left_out: Vec<_> = savings
+            .map(|(feature, share)| measured(feature.name(), share))
+            .collect();
+        left_out.extend(costs.layers.map(|share| measured("layers", share)));
+        Self {
+            pairs: costs.pairs,
+            effects: effects
+                .map(|(effect, share)| measured(effect.name(), share))
+                .collect(),
+            left_out,
+        }
+    }
+}
+
+/// The same for people.
+fn describe(facts: &Facts) -> String {
+    let mut text = format!(
+        "mode {}, {}×{} pixels, {} samples per pixel\n\n",
+        facts.mode, facts.width, facts.height, facts.samples_per_pixel
+    );
+    for planned in &facts.features {
+        let state = planned.reason.map_or_else(
+            || format!("needed     {}", planned.feature),
+            |reason| format!("left out   {:27} {reason}", planned.feature),
+        );
+        text += &format!("{state}\n");
+    }
+    let rays = &facts.per_sample;
+    let _ = writeln!(
+        text,
+        "\nrays of a sample: camera {:.3}, shadow {:.3}, ambient occlusion {:.3}, bounce {:.3}",
+        rays.camera_rays, rays.shadow_rays, rays.ambient_occlusion_rays, rays.bounce_rays
+    );
+    let draws: Vec<String> = rays
+        .draws
+        .iter()
+        .map(|(name, draws)| format!("{name} {draws:.3}"))
+        .collect();
+    let draws = if draws.is_empty() {
+        "none".to_owned()
+    } else {
+        draws.join(", ")
+    };
+    let _ = writeln!(text, "random numbers of a sample: {draws}");
+    let _ = writeln!(
+        text,
+        "bytes: triangles and structure {}, normals {}, picture {}",
+        facts.bytes.triangles_and_structure, facts.bytes.normals, facts.bytes.picture
+    );
+    let _ = writeln!(
+        text,
+        "processor time: about {:.2} s",
+        facts.estimated_cpu_seconds
+    );
+    if let Some(measured) = &facts.measured {
+        let percent = |share: f64| format!("{:+.1} %", 100.0 * share);
+        let line = |share: &MeasuredShare| {
+            let [low, high] = share.interval.map(percent);
+            format!(
+                "{:>9}  ({low} to {high})  {}\n",
+                percent(share.share),
+                share.name
+            )
+        };
+        let _ = writeln!(
+            text,
+            "\npart of the time, medians of {} pairs (95 %):",
+            measured.pairs
+        );
+        text.extend(measured.effects.iter().map(line));
+        text += "\nwhat leaving out saves: it would add\n";
+        text.extend(measured.left_out.iter().map(line));
+    }
+    text
+}

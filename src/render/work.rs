@@ -1,0 +1,59 @@
+//! What samples take, counted in full: rays by purpose and random numbers by decision.
+
+use super::kernel::Watched;
+use super::prepare::PreparedScene;
+use super::run::RayCounts;
+use super::sampler::Decision;
+use super::tally::WorkTally;
+
+/// What some samples took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// How many they are.
+    pub samples: u64,
+    /// Their rays.
+    pub rays: RayCounts,
+    draws: [u64; Decision::ALL.len()],
+}
+
+impl Work {
+    /// That of the first `samples` samples of each pixel, at column `x` and row `y`.
+    ///
+    /// # Panics
+    /// Where a sample makes a render panic.
+    #[must_use]
+    pub fn of(
+        scene: &PreparedScene,
+        pixels: impl IntoIterator<Item = (u32, u32)>,
+        samples: u32,
+    ) -> Self {
+        let mut work = Self::default();
+        for pixel in pixels {
+            for sample in 0..samples {
+                let mut tally = WorkTally::default();
+                let begun = scene.camera_samples(&[pixel], sample, &mut tally);
+                for begun in begun.iter().flatten() {
+                    let _ = scene.gathered::<Watched>(begun, &mut tally);
+                    work.samples += 1;
+                }
+                work.rays.add(&tally.counts);
+                for (sum, draws) in work.draws.iter_mut().zip(tally.draws) {
+                    *sum += draws;
+                }
+            }
+        }
+        work
+    }
+
+    /// How often random numbers were drawn for a decision: one, or a pair.
+    #[must_use]
+    pub fn draws(&self, decision: Decision) -> u64 {
+        self.draws[decision as usize]
+    }
+
+    /// How often random numbers were drawn in all.
+    #[must_use]
+    pub fn all_draws(&self) -> u64 {
+        self.draws.iter().sum()
+    }
+}

@@ -1,0 +1,384 @@
+//! What a scene does not need is left out: its counter is exactly 0, and the picture is that of a render that does everything.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use common::{add, diffuse, rectangle};
+use raymini::control::CancelToken;
+use raymini::geometry::shapes;
+use raymini::math::{DVec3, Degrees};
+use raymini::render::{
+    Decision, Feature, Plan, PreparedScene, RenderProgress, RunConfig, Work, reasons, render,
+};
+use raymini::scene::{
+    AmbientOcclusion, Background, Camera, Facing, Light, LightSampling, Material, Mode, Rgb, Scene,
+    Shadows,
+};
+
+fn prepare(scene: &Scene) -> PreparedScene {
+    let prepared = PreparedScene::prepare(scene, None, &CancelToken::new());
+    prepared.expect("can be rendered").expect("nobody cancels")
+}
+
+fn hash(scene: &PreparedScene, layers: bool) -> String {
+    let run = RunConfig {
+        layers,
+        ..RunConfig::default()
+    };
+    let outcome = render(scene, None, &run, &RenderProgress::default(), None);
+    outcome.expect("nobody cancels").image.hash()
+}
+
+/// The work of all samples.
+fn work(scene: &PreparedScene) -> Work {
+    let settings = scene.settings();
+    let (width, height) = (settings.width, settings.height);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Work::of(scene, pixels, settings.samples_per_pixel)
+}
+
+/// A floor, a black and a shiny wall, a ball of glass and a mirror, lights of all kinds, one of them black, one behind the wall.
+fn showroom() -> Scene {
+    let mut scene = Scene::default();
+    let floor = rectangle(DVec3::ZERO, DVec3::X * 5.0, DVec3::Y * 5.0);
+    add(&mut scene, "floor", floor, diffuse(0.6));
+    let wall = rectangle(DVec3::new(0.0, 2.0, 1.0), DVec3::X * 3.0, DVec3::Z);
+    let shiny = Material::Phong {
+        diffuse: Rgb::splat(0.2),
+        specular: Rgb::splat(0.5),
+        shininess: 40.0,
+    };
+    add(&mut scene, "wall", wall, shiny);
+    let side = rectangle(DVec3::new(-2.0, 0.0, 1.0), DVec3::Y * 2.0, DVec3::Z);
+    add(&mut scene, "side", side, diffuse(0.0));
+    let glass = Material::Glass {
+        ior: 1.5,
+        attenuation: DVec3::splat(0.1),
+    };
+    add(&mut scene, "ball", shapes::icosphere(2), glass);
+    let mirror = rectangle(DVec3::new(1.5, 0.5, 0.5), DVec3::Y, DVec3::Z * 0.5);
+    let reflectance = Rgb::splat(0.9);
+    add(
+        &mut scene,
+        "mirror",
+        mirror,
+        Material::Mirror { reflectance },
+    );
+    let lamp = rectangle(DVec3::new(-1.0, -1.0, 3.0), DVec3::X * 0.2, DVec3::Y * 0.2);
+    let radiance = Rgb::splat(6.0);
+    add(&mut scene, "lamp", lamp, Material::Emitter { radiance });
+    let point = |x: f64, y: f64, intensity: f64| Light::Point {
+        position: DVec3::new(x, y, 1.5),
+        intensity: Rgb::splat(intensity),
+    };
+    let disk = |x: f64, visible: bool| Light::Disk {
+        center: DVec3::new(x, -1.0, 2.5),
+        facing: Facing::Target(DVec3::ZERO),
+        radius: 0.4,
+        radiance: Rgb::splat(3.0),
+        visible,
+    };
+    scene.lights = vec![
+        point(2.0, -2.0, 5.0),
+        point(0.0, 4.0, 5.0),
+        point(1.0, 1.0, 0.0),
+        disk(-1.0, false),
+        disk(1.0, true),
+    ];
+    scene.background = Background::Gradient {
+        zenith: Rgb::new(0.2, 0.3, 0.5),
+        horizon: Rgb::splat(0.4),
+        ground: Rgb::splat(0.1),
+        up: DVec3::Z,
+    };
+    scene.camera = Camera {
+        eye: DVec3::new(1.0, -5.0, 2.0),
+        target: DVec3::new(0.0, 0.0, 0.6),
+        up: DVec3::Z,
+        vertical_fov: Degrees(45.0),
+        aperture_radius: 0.05,
+        ..Camera::default()
+    };
+    scene.render.width = 24;
+    scene.render.height = 16;
+    scene.render.samples_per_pixel = 4;
+    scene.render.shadow_samples = 4;
+    scene.render.max_bounces = 6;
+    scene.render.ambient_occlusion = AmbientOcclusion {
+        enabled: true,
+        samples: 8,
+        radius: 0.2,
+    };
+    scene
+}
+
+/// What may be changed about the showroom.
+fn changes() -> BTreeMap<&'static str, fn(&mut Scene)> {
+    let mut changes: BTreeMap<&'static str, fn(&mut Scene)> = BTreeMap::new();
+    changes.insert("one sample", |s| s.render.samples_per_pixel = 1);
+    changes.insert("no antialiasing", |s| s.render.antialiasing = false);
+    changes.insert("no lens", |s| s.camera.aperture_radius = 0.0);
+    changes.insert("no depth of field", |s| s.render.depth_of_field = false);
+    changes.insert("hard shadows", |s| s.render.shadows = Shadows::Hard);
+    changes.insert("no shadows", |s| s.render.shadows = Shadows::Off);
+    changes.insert("shadows of 2011", |s| s.render.shadows = Shadows::Fraction);
+    changes.insert("no glass", |s| s.render.glass = false);
+    changes.insert("no mirror", |s| s.render.mirror = false);
+    changes.insert("black mirror", |s| {
+        let reflectance = Rgb::ZERO;
+        s.materials
+            .insert("mirror".into(), Material::Mirror { reflectance });
+    });
+    changes.insert("no occlusion", |s| {
+        s.render.ambient_occlusion.enabled = false
+    });
+    changes.insert("black background", |s| s.background = Background::default());
+    changes.insert("no lights", |s| s.lights.clear());
+    changes.insert("no lamp", |s| {
+        let radiance = Rgb::ZERO;
+        s.materials
+            .insert("lamp".into(), Material::Emitter { radiance });
+    });
+    changes.insert("nothing shines", |s| {
+        let radiance = Rgb::ZERO;
+        s.materials
+            .insert("lamp".into(), Material::Emitter { radiance });
+        for light in &mut s.lights {
+            match light {
+                Light::Point { intensity, .. } => *intensity = Rgb::ZERO,
+                Light::Disk { radiance, .. } => *radiance = Rgb::ZERO,
+            }
+        }
+        s.background = Background::default();
+    });
+    changes.insert("points only", |s| {
+        s.lights
+            .retain(|light| matches!(light, Light::Point { .. }));
+    });
+    changes.insert("many lights", |s| {
+        let lights = s.lights.clone();
+        s.lights = std::iter::repeat_with(|| lights.clone())
+            .take(9)
+            .flatten()
+            .collect();
+    });
+    changes.insert("one bounce", |s| s.render.max_bounces = 1);
+    changes.insert("three bounces", |s| s.render.max_bounces = 3);
+    changes.insert("no roulette", |s| s.render.roulette = false);
+    changes.insert("aimed at only", |s| {
+        s.render.light_sampling = LightSampling::Nee
+    });
+    changes.insert("met only", |s| {
+        s.render.light_sampling = LightSampling::Bsdf
+    });
+    changes
+}
+
+/// In each mode, with each change and each pair of changes: doing what is not needed, everything or one thing, changes no bit.
+#[test]
+fn a_render_that_does_everything_gives_the_same_picture() {
+    let changes = changes();
+    for mode in [Mode::Direct, Mode::Path, Mode::Ao, Mode::Normals] {
+        for (first, change) in &changes {
+            for (second, other) in &changes {
+                if second < first {
+                    continue;
+                }
+                let mut scene = showroom();
+                scene.render.mode = mode;
+                change(&mut scene);
+                other(&mut scene);
+                let prepared = prepare(&scene);
+                let plan = prepared.plan();
+                let expected = hash(&prepared, false);
+                let everything = prepared.clone().with_plan(plan.forcing_everything());
+                let what = format!("{mode:?}, {first}, {second}");
+                assert_eq!(hash(&everything, false), expected, "{what}");
+                if first == second {
+                    assert_eq!(hash(&prepared, true), expected, "{what}, with layers");
+                    for feature in Feature::ALL {
+                        let forced = prepared.clone().with_plan(plan.forcing(feature));
+                        assert_eq!(hash(&forced, false), expected, "{what}, {feature:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// For each kind of random number: a change that makes it unneeded, and one mode in which it is needed else.
+#[test]
+fn numbers_that_decide_nothing_are_not_drawn() {
+    let changes = changes();
+    let cases = [
+        (Decision::Pixel, Mode::Direct, "one sample"),
+        (Decision::Pixel, Mode::Direct, "no antialiasing"),
+        (Decision::Lens, Mode::Direct, "no lens"),
+        (Decision::Lens, Mode::Path, "no depth of field"),
+        (Decision::Light, Mode::Direct, "hard shadows"),
+        (Decision::Light, Mode::Direct, "points only"),
+        (Decision::Light, Mode::Path, "nothing shines"),
+        (Decision::AmbientOcclusion, Mode::Direct, "no occlusion"),
+        (Decision::AmbientOcclusion, Mode::Direct, "black background"),
+        (Decision::Boundary, Mode::Direct, "no glass"),
+        (Decision::EmitterPoint, Mode::Direct, "no lamp"),
+        (Decision::Roulette, Mode::Path, "no roulette"),
+        (Decision::Roulette, Mode::Path, "three bounces"),
+        (Decision::Direction, Mode::Path, "nothing shines"),
+    ];
+    for (decision, mode, name) in cases {
+        let mut scene = showroom();
+        scene.render.mode = mode;
+        assert!(
+            work(&prepare(&scene)).draws(decision) > 0,
+            "{decision:?} is drawn"
+        );
+        changes[name](&mut scene);
+        assert_eq!(
+            work(&prepare(&scene)).draws(decision),
+            0,
+            "{decision:?}, {name}"
+        );
+    }
+    let mut scene = showroom();
+    scene.render.mode = Mode::Path;
+    scene.render.max_bounces = 1;
+    scene.render.light_sampling = LightSampling::Nee;
+    // It is not aimed at.
+    scene.background = Background::default();
+    let scene = prepare(&scene);
+    assert_eq!(
+        work(&scene).draws(Decision::Direction),
+        0,
+        "the last surface scatters nothing"
+    );
+}
+
+/// For each kind of ray: a change that makes it unneeded; a render that does everything traces it all the same.
+#[test]
+fn rays_that_bring_nothing_are_not_traced() {
+    let changes = changes();
+    let bounce = |work: &Work| work.rays.bounce;
+    let shadow = |work: &Work| work.rays.shadow;
+    let occlusion = |work: &Work| work.rays.ambient_occlusion;
+    type Count<'a> = &'a dyn Fn(&Work) -> u64;
+    let cases: [(Count<'_>, Mode, &str); 5] = [
+        (&shadow, Mode::Direct, "no shadows"),
+        (&shadow, Mode::Direct, "nothing shines"),
+        (&occlusion, Mode::Direct, "black background"),
+        (&occlusion, Mode::Direct, "no occlusion"),
+        (&bounce, Mode::Path, "nothing shines"),
+    ];
+    for (count, mode, name) in cases {
+        let mut scene = showroom();
+        scene.render.mode = mode;
+        assert!(
+            count(&work(&prepare(&scene))) > 0,
+            "{name}: traced where needed"
+        );
+        changes[name](&mut scene);
+        let scene = prepare(&scene);
+        assert_eq!(count(&work(&scene)), 0, "{name}");
+        let everything = scene.plan().forcing_everything();
+        let everything = work(&scene.with_plan(everything));
+        assert!(
+            count(&everything) > 0,
+            "{mode:?}, {name}: traced for nothing"
+        );
+    }
+    // Without mirrors and glass nothing goes on in mode direct.
+    let mut scene = showroom();
+    scene.render.mirror = false;
+    scene.render.glass = false;
+    assert_eq!(work(&prepare(&scene)).rays.bounce, 0);
+}
+
+/// Shadow rays, counted by hand: of a floor that faces one point light and lies behind another, one each for the first only.
+#[test]
+fn each_light_in_front_takes_one_ray() {
+    let mut scene = Scene::default();
+    let floor = rectangle(DVec3::ZERO, DVec3::X * 50.0, DVec3::Y * 50.0);
+    add(&mut scene, "floor", floor, diffuse(0.5));
+    let point = |z: f64, intensity: f64| Light::Point {
+        position: DVec3::new(0.3, 0.2, z),
+        intensity: Rgb::splat(intensity),
+    };
+    scene.lights = vec![point(3.0, 1.0), point(-3.0, 1.0), point(2.0, 0.0)];
+    scene.camera = Camera {
+        eye: DVec3::new(0.1, -3.0, 8.0),
+        target: DVec3::ZERO,
+        vertical_fov: Degrees(30.0),
+        ..Camera::default()
+    };
+    scene.render.width = 10;
+    scene.render.height = 8;
+    scene.render.samples_per_pixel = 3;
+    let prepared = prepare(&scene);
+    let found = work(&prepared);
+    assert_eq!(found.samples, 240);
+    assert_eq!(found.rays.shadow, 240);
+    let plan = prepared.plan().forcing(Feature::DarkRays);
+    assert_eq!(work(&prepared.with_plan(plan)).rays.shadow, 720);
+}
+
+#[test]
+fn the_picture_of_nothing_takes_its_camera_rays_and_no_random_number() {
+    let mut scene = Scene::default();
+    (scene.render.width, scene.render.height) = (40, 30);
+    scene.render.samples_per_pixel = 1;
+    for mode in [Mode::Direct, Mode::Path] {
+        scene.render.mode = mode;
+        let found = work(&prepare(&scene));
+        assert_eq!(found.samples, 1200);
+        assert_eq!((found.rays.camera, found.rays.total()), (1200, 1200));
+        assert_eq!(found.all_draws(), 0);
+        assert!(
+            reasons(&scene)
+                .expect("all materials")
+                .iter()
+                .all(|(_, reason)| reason.is_some())
+        );
+    }
+}
+
+/// Triangles that are shaded flat have no normals, and those of an object that is smooth take some.
+#[test]
+fn flat_objects_store_no_normals() {
+    let mut scene = showroom();
+    assert_eq!(prepare(&scene).geometry().normal_bytes(), 0);
+    scene.objects[3].smooth = true;
+    assert!(prepare(&scene).geometry().normal_bytes() > 0);
+}
+
+/// A change of camera, light or material keeps the triangles and their tree.
+#[test]
+fn edits_that_move_no_triangle_build_nothing() {
+    let scene = showroom();
+    let before = prepare(&scene);
+    let edits: [fn(&mut Scene); 3] = [
+        |s| s.camera.eye.x += 0.1,
+        |s| s.lights[0].move_to(DVec3::splat(3.0)),
+        |s| {
+            s.materials.insert("floor".into(), diffuse(0.1));
+        },
+    ];
+    for edit in edits {
+        let mut scene = scene.clone();
+        edit(&mut scene);
+        let after = PreparedScene::prepare(&scene, Some(&before), &CancelToken::new());
+        let after = after.expect("can be rendered").expect("nobody cancels");
+        assert!(Arc::ptr_eq(after.geometry(), before.geometry()));
+    }
+}
+
+#[test]
+fn a_plan_knows_what_it_forces() {
+    let mut scene = showroom();
+    scene.camera.aperture_radius = 0.0;
+    let plan = Plan::of(&scene).expect("all materials are there");
+    assert!(!plan.does(Feature::Lens));
+    let forced = plan.forcing(Feature::Lens);
+    assert!(forced.does(Feature::Lens) && !forced.needs(Feature::Lens));
+}
