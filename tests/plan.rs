@@ -10,7 +10,8 @@ use raymini::control::CancelToken;
 use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees};
 use raymini::render::{
-    Decision, Feature, Plan, PreparedScene, RenderProgress, RunConfig, Work, reasons, render,
+    Decision, Feature, Plan, PreparedScene, PrimaryHitStore, RenderProgress, RunConfig, Work,
+    reasons, render,
 };
 use raymini::scene::{
     AmbientOcclusion, Background, Camera, Facing, Light, LightSampling, Material, Mode, Rgb, Scene,
@@ -371,6 +372,68 @@ fn edits_that_move_no_triangle_build_nothing() {
         let after = after.expect("can be rendered").expect("nobody cancels");
         assert!(Arc::ptr_eq(after.geometry(), before.geometry()));
     }
+}
+
+/// A render on all cores by which the store learns what the rays from the eye hit, or uses what it knows: hash and camera rays.
+fn render_with(store: &PrimaryHitStore, scene: &Scene, previous: &PreparedScene) -> (String, u64) {
+    let prepared = PreparedScene::prepare(scene, Some(previous), &CancelToken::new());
+    let prepared = prepared.expect("can be rendered").expect("nobody cancels");
+    let prepared = prepared.with_primary_hits(store);
+    let (run, progress) = (RunConfig::default(), RenderProgress::default());
+    let outcome = render(&prepared, None, &run, &progress, None).expect("nobody cancels");
+    let samples = outcome.stats.samples;
+    assert_eq!(samples, 24 * 16 * u64::from(scene.render.samples_per_pixel));
+    (outcome.image.hash(), outcome.stats.rays.camera)
+}
+
+/// Where all samples of a pixel send the same ray, it is traced once, and not again for a new light or material; a new camera, size
+/// or visible disk, near which rays start elsewhere, makes it another ray.
+#[test]
+fn rays_from_the_eye_are_traced_once_for_all_lights_and_materials() {
+    let edits: [(&str, fn(&mut Scene), bool); 7] = [
+        ("nothing", |_| {}, true),
+        ("light", |s| s.lights[0].move_to(DVec3::splat(2.0)), true),
+        (
+            "material",
+            |s| {
+                s.materials
+                    .insert("floor".into(), diffuse(0.1))
+                    .map_or((), drop)
+            },
+            true,
+        ),
+        ("shadows", |s| s.render.shadows = Shadows::Hard, true),
+        ("camera", |s| s.camera.eye.x += 0.01, false),
+        ("geometry", |s| s.objects[1].translate.x += 0.1, false),
+        (
+            "visible disk",
+            |s| s.lights[4].move_to(DVec3::splat(9.0)),
+            false,
+        ),
+    ];
+    for samples in [1, 4] {
+        for (name, edit, is_known) in edits {
+            for mode in [Mode::Direct, Mode::Path] {
+                let mut scene = showroom();
+                scene.camera.aperture_radius = 0.0;
+                scene.render.antialiasing = false;
+                scene.render.samples_per_pixel = samples;
+                scene.render.mode = mode;
+                let store = PrimaryHitStore::default();
+                let first = prepare(&scene);
+                let (found, camera_rays) = render_with(&store, &scene, &first);
+                assert_eq!(found, hash(&first, false));
+                assert_eq!(camera_rays, 24 * 16);
+                edit(&mut scene);
+                let (found, camera_rays) = render_with(&store, &scene, &first);
+                assert_eq!(found, hash(&prepare(&scene), false), "{name}");
+                assert_eq!(camera_rays == 0, is_known, "{name}: {camera_rays} rays");
+            }
+        }
+    }
+    let store = PrimaryHitStore::default();
+    let scene = prepare(&showroom()).with_primary_hits(&store);
+    assert!(!scene.keeps_primary_hits(), "each sample sends another ray");
 }
 
 #[test]

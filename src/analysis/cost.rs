@@ -1,7 +1,9 @@
 //! What each effect of a render costs, and what leaving out saves: renders that differ by one thing, in pairs, by processor time.
 
 use crate::control::CancelToken;
-use crate::render::{Feature, Plan, PreparedScene, RenderProgress, RunConfig, render};
+use crate::render::{
+    Feature, Plan, PreparedScene, PrimaryHitStore, RenderProgress, RunConfig, render,
+};
 use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
 
 /// What a render takes at least, in seconds of processor time, for its time to mean anything.
@@ -145,6 +147,9 @@ pub struct Costs {
     pub savings: Vec<(Feature, Share)>,
     /// What keeping layers would add; `None` where there are none.
     pub layers: Option<Share>,
+    /// What tracing the rays from the eye again after an edit of lights or materials would add; `None` where they differ from sample
+    /// to sample.
+    pub primary_rays: Option<Share>,
     /// Pairs of each.
     pub pairs: usize,
 }
@@ -224,13 +229,18 @@ impl Trial {
             effects: Vec::new(),
             savings: Vec::new(),
             layers: None,
+            primary_rays: None,
             pairs,
         };
         for effect in effects {
             let without = prepare(&effect.removed_from(&self.scene), Some(&self.prepared))?;
-            let share = self.compare(&without, &alone(), pairs, |plain, without| {
-                1.0 - without / plain
-            });
+            let share = compare(
+                &self.prepared,
+                &without,
+                &alone(),
+                pairs,
+                |plain, without| 1.0 - without / plain,
+            );
             costs.effects.push((effect, share));
             tell();
         }
@@ -243,9 +253,10 @@ impl Trial {
                 hash(&self.prepared),
                 "{feature:?} changes the picture"
             );
-            costs
-                .savings
-                .push((feature, self.compare(&with, &alone(), pairs, added)));
+            costs.savings.push((
+                feature,
+                compare(&self.prepared, &with, &alone(), pairs, added),
+            ));
             tell();
         }
         if has_layers {
@@ -253,34 +264,47 @@ impl Trial {
                 layers: true,
                 ..alone()
             };
-            costs.layers = Some(self.compare(&self.prepared, &with_layers, pairs, added));
+            costs.layers = Some(compare(
+                &self.prepared,
+                &self.prepared,
+                &with_layers,
+                pairs,
+                added,
+            ));
             tell();
+        }
+        let store = PrimaryHitStore::default();
+        let known = self.prepared.clone().with_primary_hits(&store);
+        if known.keeps_primary_hits() {
+            let _ = seconds_of(&known, &alone());
+            let again = compare(&known, &self.prepared, &alone(), pairs, added);
+            costs.primary_rays = Some(again);
         }
         Ok(costs)
     }
+}
 
-    /// Renders the scene and `other` in turns.
-    fn compare(
-        &self,
-        other: &PreparedScene,
-        run: &RunConfig,
-        pairs: usize,
-        share: impl Fn(f64, f64) -> f64,
-    ) -> Share {
-        let pair = |number: usize| {
-            let plain = || seconds_of(&self.prepared, &alone());
-            let changed = || seconds_of(other, run);
-            // Either is first as often.
-            if number % 2 == 0 {
-                let first = plain();
-                share(first, changed())
-            } else {
-                let first = changed();
-                share(plain(), first)
-            }
-        };
-        Share::of((0..pairs).map(pair).collect())
-    }
+/// Renders `plain` and `other` in turns.
+fn compare(
+    plain: &PreparedScene,
+    other: &PreparedScene,
+    run: &RunConfig,
+    pairs: usize,
+    share: impl Fn(f64, f64) -> f64,
+) -> Share {
+    let pair = |number: usize| {
+        let plain = || seconds_of(plain, &alone());
+        let changed = || seconds_of(other, run);
+        // Either is first as often.
+        if number % 2 == 0 {
+            let first = plain();
+            share(first, changed())
+        } else {
+            let first = changed();
+            share(plain(), first)
+        }
+    };
+    Share::of((0..pairs).map(pair).collect())
 }
 
 impl Share {

@@ -217,6 +217,8 @@ impl From<Costs> for Measured {
             .map(|(feature, share)| measured(feature.name(), share))
             .collect();
         left_out.extend(costs.layers.map(|share| measured("layers", share)));
+        let again = |share| measured("rays from the eye, after an edit in the window", share);
+        left_out.extend(costs.primary_rays.map(again));
         Self {
             pairs: costs.pairs,
             effects: effects

@@ -6,17 +6,12 @@
 use std::io;
 use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
-use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use crate::control::CancelToken;
 use crate::io::exit_process;
-
-/// How long a signal may wait for its answer. What a handler itself may do is next to nothing, so it leaves a note that is looked
-/// at so often.
-const PERIOD: Duration = Duration::from_millis(20);
 
 /// What is known about signals; clones see the same.
 #[derive(Clone, Debug, Default)]
@@ -41,10 +36,11 @@ impl Signals {
         for (signal, exit_code) in [(SIGINT, 130), (SIGTERM, 143)] {
             flag::register_usize(signal, Arc::clone(&received), exit_code)?;
         }
+        let mut wait = waiting()?;
         let watching = signals.clone();
         let watch = move || {
             loop {
-                std::thread::sleep(PERIOD);
+                wait();
                 if let Ok(code @ 1..) = u8::try_from(received.swap(0, Ordering::Relaxed)) {
                     watching.answer(code);
                 }
@@ -75,4 +71,26 @@ impl Signals {
             _ => exit_process(code),
         }
     }
+}
+
+/// Waits until there may have been a signal since the last time: what a handler itself may do is next to nothing. To be asked for
+/// after what is to be looked at is registered.
+#[cfg(unix)]
+fn waiting() -> io::Result<impl FnMut() + Send> {
+    use signal_hook::low_level::pipe;
+    use std::io::Read;
+    use std::os::unix::net::UnixStream;
+
+    let (mut receiver, sender) = UnixStream::pair()?;
+    for signal in [SIGINT, SIGTERM] {
+        pipe::register(signal, sender.try_clone()?)?;
+    }
+    // The handlers keep the sender open, so reading fails only where it is interrupted.
+    Ok(move || while receiver.read(&mut [0; 1]).is_err() {})
+}
+
+#[cfg(not(unix))]
+fn waiting() -> io::Result<impl FnMut() + Send> {
+    const PERIOD: std::time::Duration = std::time::Duration::from_millis(20);
+    Ok(|| std::thread::sleep(PERIOD))
 }

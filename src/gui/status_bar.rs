@@ -300,7 +300,7 @@ mod tests {
             ]
         );
         stats = RenderStats::default();
-        stats.rays.camera = 1000;
+        stats.samples = 1000;
         stats.depth_limited_samples = 100;
         assert!(faults(&stats).is_empty());
         stats.depth_limited_samples = 250;

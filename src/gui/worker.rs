@@ -23,8 +23,8 @@ use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
 use crate::render::{
-    self, Image, Layer, OnRound, PictureMemory, PreparedScene, RenderOutcome, RenderProgress,
-    Round, RunConfig, TilePixels, Watch,
+    self, Image, Layer, OnRound, PictureMemory, PreparedScene, PrimaryHitStore, RenderOutcome,
+    RenderProgress, Round, RunConfig, TilePixels, Watch,
 };
 use crate::scene::{Object, Output, Scene};
 
@@ -212,6 +212,8 @@ pub struct RenderRequest {
     pub scene: Scene,
     /// What was prepared last.
     pub previous: Option<PreparedScene>,
+    /// What is known of the rays from the eye.
+    pub primary_hits: PrimaryHitStore,
     /// Render threads; 0 is one per core.
     pub threads: usize,
     /// Where the picture goes.
@@ -229,7 +231,7 @@ const ERROR_LAYER_SHARE: f64 = 0.02;
 pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let previous = request.previous.as_ref();
     let prepared = match PreparedScene::prepare(&request.scene, previous, &job.cancel) {
-        Ok(Some(prepared)) => prepared,
+        Ok(Some(prepared)) => prepared.with_primary_hits(&request.primary_hits),
         Ok(None) => return,
         Err(error) => return job.send(Event::RenderFailed(error.to_string())),
     };

@@ -140,6 +140,7 @@ impl Merged {
                 before.first_tile_seconds
             },
             rays,
+            samples: before.samples + stats.samples,
             sample_range: if is_first {
                 stats.sample_range
             } else {

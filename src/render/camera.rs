@@ -3,7 +3,7 @@ use crate::scene::{Camera, CameraAxes, SceneError};
 
 /// A camera in the prepared scene. Rays are made in `f64`, so that a thousandth of a degree still has as many directions as
 /// pixels, and start near the scene, so that a distant eye costs no digits.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PreparedCamera {
     eye: DVec3,
     axes: CameraAxes,
@@ -19,7 +19,7 @@ pub struct PreparedCamera {
 }
 
 /// A box around things to meet.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct MetBox {
     bounds: DBounds,
     /// Of the box.
@@ -27,7 +27,7 @@ struct MetBox {
 }
 
 /// A thin lens, in prepared units.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Lens {
     radius: f64,
     /// Along the view axis.

@@ -57,7 +57,7 @@ impl Halves {
 }
 
 /// The sums of blocks of samples of the pixels of one tile: the picture's first, then those of each layer, each row by row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct TileSums {
     planes: Vec<Vec<[f64; 3]>>,
     samples: Vec<u32>,
@@ -65,13 +65,14 @@ pub struct TileSums {
 }
 
 impl TileSums {
-    /// Nothing yet of `pixels` pixels.
-    pub fn new(layers: &[Layer], pixels: usize) -> Self {
-        Self {
-            planes: vec![vec![[0.0; 3]; pixels]; 1 + layers.len()],
-            samples: vec![0; pixels],
-            rays: vec![0; pixels],
+    /// Begins again with nothing of `pixels` pixels; memory is kept.
+    pub fn reset(&mut self, layers: &[Layer], pixels: usize) {
+        self.planes.resize_with(1 + layers.len(), Vec::new);
+        for plane in &mut self.planes {
+            refill(plane, pixels);
         }
+        refill(&mut self.samples, pixels);
+        refill(&mut self.rays, pixels);
     }
 
     /// Adds a sample of the pixel number `index` that took `rays`.
@@ -93,6 +94,12 @@ impl TileSums {
         self.samples[index] += 1;
         self.rays[index] = self.rays[index].saturating_add(rays);
     }
+}
+
+/// Makes it `count` zeros.
+fn refill<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
+    values.clear();
+    values.resize(count, T::default());
 }
 
 fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
@@ -373,7 +380,8 @@ mod tests {
     use super::*;
 
     fn sums(pixels: usize, samples: &[[f32; 3]]) -> TileSums {
-        let mut sums = TileSums::new(&[Layer::Ambient], pixels);
+        let mut sums = TileSums::default();
+        sums.reset(&[Layer::Ambient], pixels);
         for index in 0..pixels {
             for &sample in samples {
                 sums.add(

@@ -5,7 +5,7 @@ use crate::math::{Bounds, DVec3, Ray, SceneFrame, Vec2, Vec3, color::luminance, 
 use crate::scene::Light;
 
 /// A light in the prepared scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PreparedLight {
     Point {
         position: Vec3,
@@ -17,7 +17,7 @@ pub enum PreparedLight {
 }
 
 /// A disk light in the prepared scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparedDisk {
     center: Vec3,
     /// Unit; the disk shines on its side.

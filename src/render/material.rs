@@ -48,6 +48,14 @@ impl PreparedMaterial {
         }
     }
 
+    /// What it emits; `None` where it is no emitter.
+    pub fn emission(&self) -> Option<Vec3> {
+        match self {
+            Self::Emitter { radiance } => Some(*radiance),
+            _ => None,
+        }
+    }
+
     /// Diffuse plus specular reflectance; what a mirror reflects; white for glass; black for emitters.
     pub fn albedo(&self) -> Vec3 {
         match self {

@@ -19,6 +19,8 @@ pub struct PictureMemory {
     pub copies: usize,
     /// Whether checkpoints are made of the render, or read.
     pub has_checkpoint: bool,
+    /// What is kept from one render to the next, in bytes.
+    pub kept_bytes: u64,
 }
 
 /// The bytes of a pixel of a picture, an [`Image`](super::Image).
@@ -46,6 +48,7 @@ impl PictureMemory {
             has_error: settings.measures_error(),
             copies: 0,
             has_checkpoint: false,
+            kept_bytes: scene.primary_hit_bytes(),
         }
     }
 
@@ -68,6 +71,7 @@ impl PictureMemory {
             has_error,
             copies,
             has_checkpoint,
+            kept_bytes,
         } = self;
         let (kept, estimate) = if has_error { (FALLS, ESTIMATE) } else { (0, 0) };
         let film = Film::bytes_per_pixel(layers, has_error) + kept;
@@ -76,7 +80,7 @@ impl PictureMemory {
         let rendering = film + estimate.max(IMAGE) + checkpoint;
         let pictures = 1 + layers + usize::from(has_error && layers > 0);
         let most = rendering.max(pictures * WRITING) + copies * IMAGE;
-        pixels * most as u64
+        pixels * most as u64 + kept_bytes
     }
 
     /// Says whether there is as much, and a sixteenth more for what goes beside it.
@@ -139,6 +143,7 @@ mod tests {
         has_error: false,
         copies: 0,
         has_checkpoint: false,
+        kept_bytes: 0,
     };
 
     #[test]

@@ -34,6 +34,7 @@ mod path;
 mod phong;
 mod plan;
 mod prepare;
+mod primary_hits;
 mod progress;
 mod radiance_image;
 mod renderer;
@@ -63,6 +64,7 @@ pub use layers::Layer;
 pub use memory::{PictureMemory, ShortOfMemory};
 pub use plan::{Feature, Plan, reasons};
 pub use prepare::PreparedScene;
+pub use primary_hits::PrimaryHitStore;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,

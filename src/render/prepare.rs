@@ -16,6 +16,7 @@ use super::light::PreparedLight;
 use super::material::PreparedMaterial;
 use super::path;
 use super::plan::{Feature, Plan};
+use super::primary_hits::{PrimaryHitStore, PrimaryHits};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
@@ -36,10 +37,12 @@ pub struct PreparedScene {
     /// Those lights that rays meet.
     disks: VisibleDisks,
     /// What one light is chosen from.
-    emitters: Emitters,
+    emitters: Arc<Emitters>,
     /// How often they are aimed at, and how often the background.
     aim_shares: AimShares,
     plan: Plan,
+    /// What is kept of the rays from the eye, where somebody keeps it.
+    primary_hits: Option<Arc<PrimaryHits>>,
     /// Whether there is a background or an object that shines.
     has_shining_surroundings: bool,
     /// In prepared units.
@@ -171,13 +174,24 @@ impl PreparedScene {
         let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
-        let emitters = match scene.render.mode {
-            Mode::Path => Emitters::new(&lights, &geometry, &materials),
-            Mode::Direct if lights.len() > direct::MOST_SUMMED => {
-                Emitters::new(&lights, &geometry, &materials)
+        let emission = |materials: &[PreparedMaterial]| -> Vec<_> {
+            materials.iter().map(PreparedMaterial::emission).collect()
+        };
+        let lit_alike = previous.filter(|previous| {
+            previous.settings.mode == scene.render.mode
+                && Arc::ptr_eq(&previous.geometry, &geometry)
+                && previous.lights == lights
+                && emission(&previous.materials) == emission(&materials)
+        });
+        let emitters = match (lit_alike, scene.render.mode) {
+            (Some(previous), _) => Arc::clone(&previous.emitters),
+            (None, Mode::Path) => Arc::new(Emitters::new(&lights, &geometry, &materials)),
+            (None, Mode::Direct) => {
+                let are_chosen = lights.len() > direct::MOST_SUMMED;
+                let chosen = if are_chosen { &lights[..] } else { &[] };
+                Arc::new(Emitters::new(chosen, &geometry, &materials))
             }
-            Mode::Direct => Emitters::new(&[], &geometry, &materials),
-            _ => Emitters::default(),
+            _ => Arc::default(),
         };
         let radius = bounds.diagonal() / 2.0;
         Ok(Some(Self {
@@ -189,6 +203,7 @@ impl PreparedScene {
                     .any(|m| matches!(m, PreparedMaterial::Emitter { .. })),
             background,
             plan: Plan::of(scene)?,
+            primary_hits: None,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
@@ -251,6 +266,34 @@ impl PreparedScene {
         index: u32,
         tally: &mut impl Tally,
     ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
+        let Some(primary_hits) = &self.primary_hits else {
+            return self.traced_camera_samples(pixels, index, tally);
+        };
+        if pixels.iter().any(|&pixel| primary_hits.of(pixel).is_none()) {
+            let samples = self.traced_camera_samples(pixels, index, tally);
+            for (&pixel, sample) in pixels.iter().zip(samples.iter().flatten()) {
+                primary_hits.keep(pixel, sample.hit);
+            }
+            return samples;
+        }
+        let mut samples = [None; Packet::MOST_RAYS];
+        for (sample, &pixel) in samples.iter_mut().zip(pixels) {
+            let hit = primary_hits.of(pixel).expect("all are known");
+            *sample = Some(CameraSample {
+                hit,
+                ..self.begun(pixel, index, tally)
+            });
+        }
+        samples
+    }
+
+    /// The same, by tracing.
+    fn traced_camera_samples(
+        &self,
+        pixels: &[(u32, u32)],
+        index: u32,
+        tally: &mut impl Tally,
+    ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
         let mut samples = [None; Packet::MOST_RAYS];
         let mut rays = [(Ray::new(Vec3::ZERO, Vec3::X), f32::INFINITY); Packet::MOST_RAYS];
         let mut count = 0;
@@ -268,6 +311,9 @@ impl PreparedScene {
         let begun = samples.iter_mut().flatten();
         for (sample, hit) in begun.filter(|sample| sample.ray.is_some()).zip(hits) {
             sample.hit = hit;
+        }
+        for sample in samples.iter().flatten() {
+            tally.note(RayPurpose::Camera, || sample.noted());
         }
         samples
     }
@@ -336,7 +382,6 @@ impl PreparedScene {
         let &CameraSample { sampler, hit, .. } = sample;
         #[cfg(test)]
         assert!(self.faulty != Some(sampler), "as the test wants");
-        tally.note(RayPurpose::Camera, || sample.noted());
         let Some(camera_ray) = sample.ray else {
             return Gathered::seen(match self.settings.mode {
                 Mode::Direct | Mode::Path => self.background.radiance(sample.direction),
@@ -469,6 +514,39 @@ impl PreparedScene {
     #[must_use]
     pub fn with_plan(self, plan: Plan) -> Self {
         Self { plan, ..self }
+    }
+
+    /// The same scene, whose rays from the eye are traced only where `store` does not know what they hit, and which leaves there what
+    /// it finds. All samples of a pixel must send the same ray for that; else nothing is kept, and the store is cleared.
+    #[must_use]
+    pub fn with_primary_hits(self, store: &PrimaryHitStore) -> Self {
+        let is_one_ray = !self.needs(Feature::PixelPoints) && !self.needs(Feature::Lens);
+        let primary_hits = if is_one_ray {
+            let size = (self.settings.width, self.settings.height);
+            Some(store.of(&self.geometry, &self.camera, size))
+        } else {
+            store.clear();
+            None
+        };
+        Self {
+            primary_hits,
+            ..self
+        }
+    }
+
+    /// Whether what the rays from the eye hit is kept.
+    #[must_use]
+    pub fn keeps_primary_hits(&self) -> bool {
+        self.primary_hits.is_some()
+    }
+
+    /// The bytes that are kept of the rays from the eye.
+    pub(super) fn primary_hit_bytes(&self) -> u64 {
+        let per_pixel = self
+            .primary_hits
+            .as_ref()
+            .map_or(0, |_| PrimaryHits::BYTES_PER_PIXEL);
+        per_pixel as u64 * self.settings.pixel_count()
     }
 
     /// Whether the picture needs it.

@@ -221,6 +221,7 @@ impl<'a> Renderer<'a> {
             first_tile_seconds: first_tile_seconds.unwrap_or_default(),
             threads: self.threads,
             rays: counts.rays,
+            samples: film.total_samples(),
             samples_per_pixel: film.mean_samples(),
             sample_range: film.sample_range(),
             passes: self.course.passes,
@@ -403,20 +404,21 @@ impl<'a> Renderer<'a> {
         self.shared.lock().expect("no thread panicked")
     }
 
-    /// Does `work` for every tile and its number once, or for fewer tiles when it is cut.
+    /// Does `work` for every tile and its number once, or for fewer tiles when it is cut. Each thread has a block of its own.
     fn for_each_tile(
         &self,
-        work: &(dyn Fn(usize, Region) -> Option<()> + Sync),
+        work: &(dyn Fn(usize, Region, &mut TileBlock) -> Option<()> + Sync),
     ) -> Result<(), Cut> {
         let next_tile = AtomicUsize::new(0);
         self.pool.broadcast(|_| {
+            let mut block = TileBlock::default();
             loop {
                 let number = next_tile.fetch_add(1, Ordering::Relaxed);
                 let Some(&tile) = self.tiles.get(number) else {
                     return;
                 };
                 let is_cut = self.run.interrupt.is_cancelled() || self.halt.is_cancelled();
-                if is_cut || work(number, tile).is_none() {
+                if is_cut || work(number, tile, &mut block).is_none() {
                     return;
                 }
             }
@@ -453,7 +455,7 @@ impl<'a> Renderer<'a> {
         let Some(on_tile) = self.watch.on_tile else {
             return Ok(());
         };
-        self.for_each_tile(&|_, tile| {
+        self.for_each_tile(&|_, tile, _| {
             let rgb = self.sample(|stops, note| coarse_tile(self.scene, tile, stops, note))?;
             on_tile(&TilePixels {
                 region: tile,
@@ -477,10 +479,10 @@ impl<'a> Renderer<'a> {
         let this = &*self;
         let pass = this.course.pass.as_ref().expect("one is going on");
         let work = pass.work(this.settings.samples_per_pixel);
-        this.for_each_tile(&|number, tile| {
+        this.for_each_tile(&|number, tile, block| {
             let shared = this.lock();
-            let samples = work.of_tile(&shared.film, tile);
-            if shared.has_pass[number] || samples.iter().all(|pixel| pixel.count == 0) {
+            work.of_tile(&shared.film, tile, &mut block.samples);
+            if shared.has_pass[number] || block.samples.iter().all(|pixel| pixel.count == 0) {
                 return Some(());
             }
             drop(shared);
@@ -490,10 +492,9 @@ impl<'a> Renderer<'a> {
             } else {
                 sample_tile::<Layered>
             };
-            let block = this
-                .sample(|stops, note| take(scene, tile, &samples, layers, stops, progress, note))?;
+            this.sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))?;
             let mut shared = this.lock();
-            shared.add(number, tile, &block, &this.clock);
+            shared.add(number, tile, block, &this.clock);
             let means = this.watch.on_tile.map(|_| shared.film.means(tile));
             drop(shared);
             if let Some((on_tile, means)) = this.watch.on_tile.zip(means) {

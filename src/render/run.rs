@@ -48,7 +48,8 @@ impl RunConfig {
 /// Rays by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayCounts {
-    /// From the eye: one per sample, also where it misses the scene's box.
+    /// From the eye: one per sample, also where it misses the scene's box. None where it is [known](super::PrimaryHitStore) what they
+    /// hit.
     pub camera: u64,
     /// To a light.
     pub shadow: u64,
@@ -115,6 +116,8 @@ pub struct RenderStats {
     pub threads: usize,
     /// Rays traced.
     pub rays: RayCounts,
+    /// Samples of all pixels.
+    pub samples: u64,
     /// Mean samples of a pixel.
     pub samples_per_pixel: f64,
     /// The fewest and the most samples of a pixel.
@@ -144,7 +147,7 @@ impl RenderStats {
     /// The share of the samples that are depth-limited, where it is large enough to be warned of.
     #[must_use]
     pub fn notable_depth_limited_share(&self) -> Option<f64> {
-        let share = self.depth_limited_samples as f64 / self.rays.camera as f64;
+        let share = self.depth_limited_samples as f64 / self.samples as f64;
         Some(share).filter(|&share| share > NOTABLE_SHARE)
     }
 }

@@ -62,12 +62,12 @@ impl Work<'_> {
         PixelSamples { first, count }
     }
 
-    /// The samples of each pixel of `tile`, row by row.
-    pub fn of_tile(&self, film: &Film, tile: Region) -> Vec<PixelSamples> {
+    /// Puts the samples of each pixel of `tile`, row by row, in place of what `samples` holds.
+    pub fn of_tile(&self, film: &Film, tile: Region, samples: &mut Vec<PixelSamples>) {
         let rows = (0..tile.height as usize).map(|row| film.row_start(tile, row));
-        rows.flat_map(|start| start..start + tile.width as usize)
-            .map(|index| self.of_pixel(film, index))
-            .collect()
+        let indices = rows.flat_map(|start| start..start + tile.width as usize);
+        samples.clear();
+        samples.extend(indices.map(|index| self.of_pixel(film, index)));
     }
 
     /// Whether there is anything to do.
@@ -128,8 +128,11 @@ impl SampleCounts {
     }
 }
 
-/// One pass over one tile.
+/// One pass over one tile. A thread has one for all its tiles, so that a tile needs no memory of its own.
+#[derive(Debug, Default)]
 pub struct TileBlock {
+    /// What it is to take.
+    pub samples: Vec<PixelSamples>,
     pub sums: TileSums,
     pub counts: SampleCounts,
 }
@@ -149,31 +152,33 @@ impl Stops<'_> {
     }
 }
 
-/// Takes the samples of every pixel of `tile`, and writes in `note` at which it is; `None` when stopped.
+/// Takes the samples of every pixel of `tile` that `block` asks for, and writes in `note` at which it is; `None` when stopped.
 pub fn sample_tile<K: Kernel>(
     scene: &PreparedScene,
     tile: Region,
-    samples: &[PixelSamples],
+    block: &mut TileBlock,
     layers: &[Layer],
     stops: Stops<'_>,
     progress: &RenderProgress,
     note: &SampleNote,
-) -> Option<TileBlock> {
-    let mut sums = TileSums::new(layers, tile.pixel_count());
-    let mut counts = SampleCounts::default();
+) -> Option<()> {
+    let TileBlock {
+        samples,
+        sums,
+        counts,
+    } = block;
+    sums.reset(layers, tile.pixel_count());
+    *counts = SampleCounts::default();
     let mut tally = K::Tally::default();
     let place = |x: u32, y: u32| ((y - tile.y) * tile.width + x - tile.x) as usize;
-    for block in tile.cut(PACKET_SIDE) {
+    for part in tile.cut(PACKET_SIDE) {
         let traced_before = tally.rays().total();
         let mut taken = 0;
         // Rays are traced together where pixels are at the same sample; all are, unless the error chooses pixels.
         let mut left = [(0, 0); Packet::MOST_RAYS];
         let mut left_count = 0;
-        for number in 0..block.width * block.height {
-            let (x, y) = (
-                block.x + number % block.width,
-                block.y + number / block.width,
-            );
+        for number in 0..part.width * part.height {
+            let (x, y) = (part.x + number % part.width, part.y + number / part.width);
             if samples[place(x, y)].count > 0 {
                 left[left_count] = (x, y);
                 left_count += 1;
@@ -205,7 +210,8 @@ pub fn sample_tile<K: Kernel>(
                     note.set(((x, y), index));
                     let before = tally.rays().total();
                     let mut sample = scene.gathered::<K>(begun, &mut tally);
-                    let traced = tally.rays().total() - before;
+                    // With the one from the eye, whether it was traced or known: what a sample is worth must not depend on that.
+                    let traced = 1 + tally.rays().total() - before;
                     counts.count_failures(&sample);
                     if let Some(most) = scene.clamp() {
                         counts.clamp(&mut sample, most);
@@ -219,7 +225,7 @@ pub fn sample_tile<K: Kernel>(
         progress.count_rays(tally.rays().total() - traced_before);
     }
     counts.rays = *tally.rays();
-    Some(TileBlock { sums, counts })
+    Some(())
 }
 
 /// A number of rays; what is more than the largest gives that.

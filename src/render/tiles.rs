@@ -69,7 +69,9 @@ impl Region {
 
     /// Those of [`Self::cut`], those nearest its middle first: what people look at.
     pub(super) fn tiles(&self, side: u32) -> Vec<Region> {
-        let mut tiles: Vec<_> = self.cut(side).collect();
+        let count = self.width.div_ceil(side) as usize * self.height.div_ceil(side) as usize;
+        let mut tiles = Vec::with_capacity(count);
+        tiles.extend(self.cut(side));
         // Twice the middle, so that it is a whole number. The sort is stable: equal distances keep their order.
         let middle = |region: &Region| {
             let twice = |start: u32, length: u32| 2 * i64::from(start) + i64::from(length);

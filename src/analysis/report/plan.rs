@@ -132,6 +132,7 @@ impl ReportPlan {
             // The reference, and what is measured against it.
             copies: 2,
             has_checkpoint: false,
+            kept_bytes: 0,
         }
     }
 

@@ -38,7 +38,7 @@ use super::worker::{Event, Prepared, ReportRequest};
 use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
-use crate::render::Layer;
+use crate::render::{Layer, PrimaryHitStore};
 use crate::scene::Scene;
 
 /// How the window starts.
@@ -69,6 +69,8 @@ pub struct App {
     viewport: Viewport,
     preview: Option<PreviewImage>,
     prepared: Option<PreparedState>,
+    /// What the rays from the eye hit in the last render.
+    primary_hits: PrimaryHitStore,
     /// The scene that was last handed over to prepare.
     preparing: Option<Scene>,
     /// How far its acceleration structure is.
@@ -125,6 +127,7 @@ impl App {
             viewport: Viewport::default(),
             preview: creation.wgpu_render_state.as_ref().map(PreviewImage::new),
             prepared: None,
+            primary_hits: PrimaryHitStore::default(),
             preparing: None,
             build_progress: Progress::new(),
             problem: None,

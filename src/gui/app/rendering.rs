@@ -134,6 +134,7 @@ impl App {
         let request = RenderRequest {
             scene,
             previous: self.prepared.as_ref().map(|p| p.prepared.scene.clone()),
+            primary_hits: self.primary_hits.clone(),
             threads: self.threads,
             buffer,
             progress,

@@ -288,7 +288,8 @@ mod tests {
         let mut film = Film::new(region, &[], true);
         let mut state = 1_u32;
         while film.samples(0) < 64 {
-            let mut sums = TileSums::new(&[], region.pixel_count());
+            let mut sums = TileSums::default();
+            sums.reset(&[], region.pixel_count());
             for index in 0..region.pixel_count() {
                 for _ in 0..block_after(film.samples(0)) {
                     // Source of the constants: Numerical Recipes, 3rd edition, 7.1.
