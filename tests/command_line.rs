@@ -536,3 +536,61 @@ fn bench_refuses_what_it_cannot_measure() {
         assert!(complaint.contains(expected), "{arguments:?}: {complaint}");
     }
 }
+
+#[test]
+fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
+    let folder = folder();
+    let text = succeed(folder.path(), &["plan", "scene.toml", "--spp", "1"]);
+    for line in [
+        "mode direct, 64×48 pixels, 1 sample per pixel",
+        "left out   points within a pixel       one sample per pixel takes the middle",
+        "left out   points on lights            render.shadows is hard",
+        "needed     shadow rays",
+        "random numbers of a sample: none",
+    ] {
+        assert!(text.contains(line), "{line}\n{text}");
+    }
+
+    let measure = [
+        "plan",
+        "scene.toml",
+        "--size",
+        "80x60",
+        "--measure",
+        "6",
+        "--json",
+    ];
+    let facts: Value = serde_json::from_str(&succeed(folder.path(), &measure)).expect("is JSON");
+    assert_eq!(
+        (&facts["width"], &facts["height"]),
+        (&80.into(), &60.into())
+    );
+    let features = facts["features"].as_array().expect("a list");
+    let by_name = |name: &str| {
+        let feature = features.iter().find(|feature| feature["feature"] == name);
+        feature.unwrap_or_else(|| panic!("{name}: {facts}"))
+    };
+    assert_eq!(by_name("shadow rays")["needed"], true);
+    assert_eq!(
+        by_name("light through glass")["reason"],
+        "nothing is of glass"
+    );
+    // Every pixel that sees the floor or the tetrahedron sees light: at most one ray to each light, on average less.
+    let shadow_rays = facts["per_sample"]["shadow_rays"]
+        .as_f64()
+        .expect("a number");
+    assert!(shadow_rays > 0.2 && shadow_rays <= 2.0, "{shadow_rays}");
+    assert_eq!(facts["per_sample"]["camera_rays"], 1.0);
+    let measured = &facts["measured"];
+    assert_eq!(measured["pairs"], 6);
+    let shadows = measured["effects"].as_array().expect("a list").iter();
+    let shadows = shadows.filter(|effect| effect["name"] == "shadows");
+    assert_eq!(shadows.count(), 1, "{measured}");
+
+    succeed(
+        folder.path(),
+        &["render", "scene.toml", "-o", "a.png", "--stats", "a.json"],
+    );
+    let stats = json(&folder.path().join("a.json"));
+    assert_eq!(stats["plan"], facts["features"]);
+}

@@ -422,6 +422,25 @@ fn a_render_uses_the_newest_edits() {
     assert_eq!(window.hash(), library_hash(window.scene()));
 }
 
+/// The picture's rays from the eye are those before wherever only lights differ; the panel says what else is left out.
+#[test]
+fn the_plan_is_shown_and_another_light_keeps_the_rays_from_the_eye() {
+    let files = Files::new();
+    let path = files.write("room.toml", &format!("{SCENE}antialiasing = false\n"));
+    let mut window = Window::open(&path);
+    window.operate("Plan");
+    assert!(window.says("left out: render.antialiasing is off"));
+    window.render();
+    let camera_rays = |window: &Window| window.finished().1.rays.camera;
+    // One for each pixel, but for those that the coarse picture has traced already.
+    assert!((1..=160 * 120).contains(&camera_rays(&window)));
+    window.click("Add light");
+    window.render();
+    assert_eq!(window.scene().lights.len(), 2);
+    assert_eq!(camera_rays(&window), 0);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
 /// Exposure changes what is shown and saved, at once and without rendering again.
 #[test]
 fn display_settings_need_no_new_render() {

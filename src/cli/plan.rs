@@ -231,9 +231,13 @@ impl From<Costs> for Measured {
 
 /// The same for people.
 fn describe(facts: &Facts) -> String {
+    let samples = match facts.samples_per_pixel {
+        1 => "1 sample".to_owned(),
+        samples => format!("{samples} samples"),
+    };
     let mut text = format!(
-        "mode {}, {}×{} pixels, {} samples per pixel\n\n",
-        facts.mode, facts.width, facts.height, facts.samples_per_pixel
+        "mode {}, {}×{} pixels, {samples} per pixel\n\n",
+        facts.mode, facts.width, facts.height
     );
     for planned in &facts.features {
         let state = planned.reason.map_or_else(

@@ -510,6 +510,7 @@ fn say_what_it_took(
 /// Samples per pixel in words.
 fn describe_samples(stats: &RenderStats) -> String {
     match stats.sample_range {
+        [1, 1] => "1 sample".to_owned(),
         [least, most] if least == most => format!("{most} samples"),
         [least, most] => format!(
             "{:.1} samples on average ({least} to {most})",
