@@ -8,7 +8,7 @@ use std::sync::Arc;
 use common::{add, diffuse, rectangle};
 use raymini::control::CancelToken;
 use raymini::geometry::shapes;
-use raymini::math::{DVec3, Degrees};
+use raymini::math::{DVec3, Degrees, Ray, Vec3};
 use raymini::render::{
     Decision, Feature, Plan, PreparedScene, PrimaryHitStore, RenderProgress, RunConfig, Work,
     reasons, render,
@@ -115,9 +115,11 @@ fn showroom() -> Scene {
     scene
 }
 
+type Edit = fn(&mut Scene);
+
 /// What may be changed about the showroom.
-fn changes() -> BTreeMap<&'static str, fn(&mut Scene)> {
-    let mut changes: BTreeMap<&'static str, fn(&mut Scene)> = BTreeMap::new();
+fn changes() -> BTreeMap<&'static str, Edit> {
+    let mut changes: BTreeMap<&'static str, Edit> = BTreeMap::new();
     changes.insert("one sample", |s| s.render.samples_per_pixel = 1);
     changes.insert("no antialiasing", |s| s.render.antialiasing = false);
     changes.insert("no lens", |s| s.camera.aperture_radius = 0.0);
@@ -133,7 +135,7 @@ fn changes() -> BTreeMap<&'static str, fn(&mut Scene)> {
             .insert("mirror".into(), Material::Mirror { reflectance });
     });
     changes.insert("no occlusion", |s| {
-        s.render.ambient_occlusion.enabled = false
+        s.render.ambient_occlusion.enabled = false;
     });
     changes.insert("black background", |s| s.background = Background::default());
     changes.insert("no lights", |s| s.lights.clear());
@@ -169,10 +171,10 @@ fn changes() -> BTreeMap<&'static str, fn(&mut Scene)> {
     changes.insert("three bounces", |s| s.render.max_bounces = 3);
     changes.insert("no roulette", |s| s.render.roulette = false);
     changes.insert("aimed at only", |s| {
-        s.render.light_sampling = LightSampling::Nee
+        s.render.light_sampling = LightSampling::Nee;
     });
     changes.insert("met only", |s| {
-        s.render.light_sampling = LightSampling::Bsdf
+        s.render.light_sampling = LightSampling::Bsdf;
     });
     changes
 }
@@ -257,6 +259,8 @@ fn numbers_that_decide_nothing_are_not_drawn() {
     );
 }
 
+type Count<'a> = &'a dyn Fn(&Work) -> u64;
+
 /// For each kind of ray: a change that makes it unneeded; a render that does everything traces it all the same.
 #[test]
 fn rays_that_bring_nothing_are_not_traced() {
@@ -264,7 +268,6 @@ fn rays_that_bring_nothing_are_not_traced() {
     let bounce = |work: &Work| work.rays.bounce;
     let shadow = |work: &Work| work.rays.shadow;
     let occlusion = |work: &Work| work.rays.ambient_occlusion;
-    type Count<'a> = &'a dyn Fn(&Work) -> u64;
     let cases: [(Count<'_>, Mode, &str); 5] = [
         (&shadow, Mode::Direct, "no shadows"),
         (&shadow, Mode::Direct, "nothing shines"),
@@ -358,7 +361,7 @@ fn flat_objects_store_no_normals() {
 fn edits_that_move_no_triangle_build_nothing() {
     let scene = showroom();
     let before = prepare(&scene);
-    let edits: [fn(&mut Scene); 3] = [
+    let edits: [Edit; 3] = [
         |s| s.camera.eye.x += 0.1,
         |s| s.lights[0].move_to(DVec3::splat(3.0)),
         |s| {
@@ -390,15 +393,13 @@ fn render_with(store: &PrimaryHitStore, scene: &Scene, previous: &PreparedScene)
 /// or visible disk, near which rays start elsewhere, makes it another ray.
 #[test]
 fn rays_from_the_eye_are_traced_once_for_all_lights_and_materials() {
-    let edits: [(&str, fn(&mut Scene), bool); 7] = [
+    let edits: [(&str, Edit, bool); 7] = [
         ("nothing", |_| {}, true),
         ("light", |s| s.lights[0].move_to(DVec3::splat(2.0)), true),
         (
             "material",
             |s| {
-                s.materials
-                    .insert("floor".into(), diffuse(0.1))
-                    .map_or((), drop)
+                s.materials.insert("floor".into(), diffuse(0.1));
             },
             true,
         ),
@@ -434,6 +435,27 @@ fn rays_from_the_eye_are_traced_once_for_all_lights_and_materials() {
     let store = PrimaryHitStore::default();
     let scene = prepare(&showroom()).with_primary_hits(&store);
     assert!(!scene.keeps_primary_hits(), "each sample sends another ray");
+}
+
+#[test]
+fn few_triangles_need_no_node() {
+    let mut scene = Scene::default();
+    for number in 0..4 {
+        let place = DVec3::new(f64::from(number), 0.0, 0.0);
+        let square = rectangle(place, DVec3::Y, DVec3::Z);
+        add(&mut scene, &number.to_string(), square, diffuse(0.5));
+    }
+    let ray = Ray::new(Vec3::new(-1.0, 0.01, 0.02), Vec3::X);
+    let visits = |scene: &Scene| {
+        prepare(scene)
+            .geometry()
+            .accelerator()
+            .visits(&ray, f32::INFINITY, false)
+    };
+    assert_eq!(visits(&scene).nodes, 0);
+    assert!(visits(&scene).blocks > 0);
+    add(&mut scene, "ball", shapes::icosphere(2), diffuse(0.5));
+    assert!(visits(&scene).nodes > 0);
 }
 
 #[test]

@@ -411,6 +411,7 @@ impl Assembly {
 
     /// The triangle `id`.
     #[must_use]
+    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
     #[inline(always)]
     pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
         let index = self.part_of(id);

@@ -9,7 +9,7 @@ use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
 /// What a render takes at least, in seconds of processor time, for its time to mean anything.
 const LEAST_SECONDS: f64 = 0.05;
 /// The most samples per pixel of a render that is timed.
-const MOST_SAMPLES: u32 = 4;
+const MOST_SAMPLES: u32 = 16;
 /// The first picture that is tried has one of so many pixels along each side.
 const COARSEST: u32 = 16;
 
@@ -296,7 +296,7 @@ fn compare(
         let plain = || seconds_of(plain, &alone());
         let changed = || seconds_of(other, run);
         // Either is first as often.
-        if number % 2 == 0 {
+        if number.is_multiple_of(2) {
             let first = plain();
             share(first, changed())
         } else {
@@ -314,7 +314,7 @@ impl Share {
         let outside = ranks_outside(count);
         let middle = |values: &[f64]| {
             let half = values.len() / 2;
-            if values.len() % 2 == 0 {
+            if values.len().is_multiple_of(2) {
                 f64::midpoint(values[half - 1], values[half])
             } else {
                 values[half]

@@ -244,7 +244,7 @@ fn describe(facts: &Facts) -> String {
             || format!("needed     {}", planned.feature),
             |reason| format!("left out   {:27} {reason}", planned.feature),
         );
-        text += &format!("{state}\n");
+        let _ = writeln!(text, "{state}");
     }
     let rays = &facts.per_sample;
     let _ = writeln!(

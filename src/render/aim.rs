@@ -86,6 +86,7 @@ impl Aimed {
     /// very many. `None` where there is nothing to aim at.
     ///
     /// What `u` has left after the choice finds the place to aim at, so that places are as well spread as `u` over all of them.
+    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
     #[inline(always)]
     pub fn choose(
         scene: &PreparedScene,
@@ -113,6 +114,7 @@ impl Aimed {
         })
     }
 
+    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
     #[inline(always)]
     fn at_emitter(
         scene: &PreparedScene,

@@ -378,6 +378,7 @@ fn each(value: impl Fn(usize) -> f64) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::layers::AllParts;
 
     fn sums(pixels: usize, samples: &[[f32; 3]]) -> TileSums {
         let mut sums = TileSums::default();

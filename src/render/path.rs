@@ -92,15 +92,7 @@ pub fn gather<K: Kernel>(
                 if scene.does(Feature::Aiming)
                     && let Some(lit) = aiming.reflected((sampler, bounce), tally)
                 {
-                    let lobes = lit.lobes * throughput;
-                    if lit.is_background {
-                        gathered.add_ambient(beginning, lobes.sum());
-                    } else {
-                        gathered.add_reflected(beginning, lobes);
-                    }
-                    if beginning.has_not_scattered() {
-                        gathered.parts.count_shadow_ray(lit.passed);
-                    }
+                    lit.add_to(&mut gathered, beginning, throughput);
                 }
                 // A ray that scatters no more is there for the light it meets alone.
                 if bounce + 1 == settings.max_bounces && !scene.does(Feature::LastRays) {
@@ -128,19 +120,13 @@ pub fn gather<K: Kernel>(
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         }
 
-        // Paths that carry little end at random; the rest carry more for them. Inside glass, little is not what it seems.
         if bounce + 1 >= ROULETTE_FROM && scene.does(Feature::Roulette) {
+            let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Roulette, bounce));
             let carried = throughput.max_element() * concentration;
-            let survival = carried / ENOUGH;
-            if survival < 1.0 {
-                let u = tally.draw_1d(&sampler, Dimension::at(Decision::Roulette, bounce));
-                if scene.needs(Feature::Roulette) {
-                    if u >= survival {
-                        break;
-                    }
-                    throughput /= survival;
-                }
-            }
+            let Some(divisor) = after_roulette(scene, carried, u) else {
+                break;
+            };
+            throughput /= divisor;
         }
         if throughput == Vec3::ZERO {
             break;
@@ -157,6 +143,21 @@ pub fn gather<K: Kernel>(
         tally.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
     gathered
+}
+
+/// What to divide by where a path goes on that carries so much; `None` where it ends. Paths that carry little end at random, and the
+/// rest carry more for them. Inside glass, little is not what it seems. `u`: uniform in `[0, 1)`.
+fn after_roulette(scene: &PreparedScene, carried: f32, u: impl FnOnce() -> f32) -> Option<f32> {
+    let survival = carried / ENOUGH;
+    if survival >= 1.0 {
+        return Some(1.0);
+    }
+    let u = u();
+    if !scene.needs(Feature::Roulette) {
+        black_box(u);
+        return Some(1.0);
+    }
+    (u < survival).then_some(survival)
 }
 
 /// Weight of light that a path meets after it `scattered`, with a density, at a point where `aimed_pdf` says how likely it was to
@@ -192,8 +193,24 @@ struct Lit {
     is_background: bool,
 }
 
+impl Lit {
+    /// Adds it to what a path has gathered that began so and carries `throughput`.
+    fn add_to<P: Parts>(&self, gathered: &mut Gathered<P>, beginning: Beginning, throughput: Vec3) {
+        let lobes = self.lobes * throughput;
+        if self.is_background {
+            gathered.add_ambient(beginning, lobes.sum());
+        } else {
+            gathered.add_reflected(beginning, lobes);
+        }
+        if beginning.has_not_scattered() {
+            gathered.parts.count_shadow_ray(self.passed);
+        }
+    }
+}
+
 impl Aiming<'_> {
     /// Aims at one light; `None` where no ray was needed to know that it adds nothing.
+    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
     #[inline(always)]
     fn reflected(&self, (sampler, bounce): (Sampler, u32), tally: &mut impl Tally) -> Option<Lit> {
         let Self {

@@ -92,6 +92,7 @@ impl Phong {
     /// the surface. `u`: uniform over the unit square.
     ///
     /// The lobe is chosen by a part of `u`, so that the directions of each lobe are as well spread as `u`.
+    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
     #[inline(always)]
     pub fn sample(&self, normal: Vec3, mirror: Vec3, mut u: Vec2) -> Option<Scattered> {
         let share = self.specular_share;

@@ -55,13 +55,7 @@ impl Feature {
             Self::Aiming | Self::Occlusion | Self::LastRays | Self::Roulette => &[Self::Light],
             Self::ShadowRays | Self::LightPoints => &[Self::Light, Self::Aiming],
             Self::GlassShadows => &[Self::Light, Self::Aiming, Self::ShadowRays],
-            Self::DarkRays => &[
-                Self::Light,
-                Self::Aiming,
-                Self::ShadowRays,
-                Self::Occlusion,
-                Self::LastRays,
-            ],
+            Self::DarkRays => &[Self::Light, Self::Aiming, Self::ShadowRays, Self::LastRays],
         }
     }
 
@@ -177,148 +171,148 @@ struct Facts<'a> {
     settings: &'a RenderSettings,
     camera: &'a Camera,
     background: &'a Background,
-    /// Of objects that have triangles, as the settings leave them.
-    has_diffuse: bool,
-    has_glass: bool,
-    has_emitter: bool,
-    /// Of lights that shine.
-    has_light: bool,
-    has_light_with_area: bool,
-    /// That rays can meet, and that they cannot.
-    has_visible_light: bool,
-    has_unmet_light: bool,
+    /// Of objects that have triangles.
+    materials: Vec<Material>,
+    /// Those that shine.
+    lights: Vec<&'a Light>,
+}
+
+/// Reasons to leave something out, and whether each holds; the first that does is told.
+type Reasons<'a> = &'a [(bool, &'static str)];
+
+fn first_of(reasons: Reasons<'_>) -> Option<&'static str> {
+    let first = reasons.iter().find(|(holds, _)| *holds);
+    first.map(|(_, reason)| *reason)
 }
 
 impl<'a> Facts<'a> {
     fn of(scene: &'a Scene) -> Result<Self, SceneError> {
-        let settings = &scene.render;
-        let there = scene
-            .objects
-            .iter()
-            .filter(|object| scene.has_triangles(object));
-        let materials: Vec<Material> = there
-            .map(|object| scene.material_of(object))
-            .collect::<Result<_, _>>()?;
-        let has = |is: &dyn Fn(&Material) -> bool| materials.iter().any(is);
-        let shining = || scene.lights.iter().filter(|light| light.shines());
+        let objects = scene.objects.iter();
+        let there = objects.filter(|object| scene.has_triangles(object));
+        let materials = there.map(|object| scene.material_of(object));
         Ok(Self {
-            settings,
+            settings: &scene.render,
             camera: &scene.camera,
             background: &scene.background,
-            has_diffuse: has(&|material| match material {
-                Material::Phong { diffuse, .. } => *diffuse != Rgb::ZERO,
-                // Grey, where they are switched off.
-                Material::Mirror { .. } => !settings.mirror,
-                Material::Glass { .. } => !settings.glass,
-                Material::Emitter { .. } => false,
-            }),
-            has_glass: settings.glass
-                && has(&|material| matches!(material, Material::Glass { .. })),
-            has_emitter: has(
-                &|material| matches!(material, Material::Emitter { radiance } if *radiance != Rgb::ZERO),
-            ),
-            has_light: shining().next().is_some(),
-            has_light_with_area: shining().any(Light::has_area),
-            has_visible_light: shining().any(Light::is_visible),
-            has_unmet_light: shining().any(|light| !light.is_visible()),
+            materials: materials.collect::<Result<_, _>>()?,
+            lights: scene.lights.iter().filter(|light| light.shines()).collect(),
         })
     }
 
     /// Why the feature is not needed; `None` where it is.
     fn reason_against(&self, feature: Feature) -> Option<&'static str> {
         let settings = self.settings;
-        let (is_path, is_direct) = (settings.mode == Mode::Path, settings.mode == Mode::Direct);
-        let shows_light = is_path || is_direct;
-        // The first that holds is the reason.
-        let reasons: &[(bool, &'static str)] = match feature {
-            Feature::PixelPoints => &[
+        match feature {
+            Feature::PixelPoints => first_of(&[
                 (
                     settings.samples_per_pixel == 1,
                     "one sample per pixel takes the middle",
                 ),
                 (!settings.antialiasing, "render.antialiasing is off"),
-            ],
-            Feature::Lens => &[
+            ]),
+            Feature::Lens => first_of(&[
                 (
                     self.camera.aperture_radius == 0.0,
                     "camera.aperture_radius is 0",
                 ),
                 (!settings.depth_of_field, "render.depth_of_field is off"),
-            ],
-            Feature::Light => &[
-                (!shows_light, "the mode shows no light"),
+            ]),
+            Feature::Light => first_of(&[
+                (!self.shows_light(), "the mode shows no light"),
                 (
-                    !self.has_light && !self.has_emitter && self.background.is_black(),
+                    !self.has_source() && self.background.is_black(),
                     "nothing shines",
                 ),
-            ],
-            Feature::Aiming => &[
-                (!shows_light, "the mode shows no light"),
+            ]),
+            Feature::Aiming
+            | Feature::ShadowRays
+            | Feature::LightPoints
+            | Feature::GlassShadows => self.reason_against_aiming(feature),
+            Feature::Occlusion => first_of(&[
                 (
-                    is_path
+                    settings.mode != Mode::Ao && !self.is_direct(),
+                    "the mode has no ambient light",
+                ),
+                (
+                    self.is_direct() && self.background.is_black(),
+                    "the background is black",
+                ),
+                (
+                    self.is_direct() && !self.has_diffuse(),
+                    "nothing reflects diffusely",
+                ),
+                (
+                    self.is_direct()
+                        && !settings.ambient_occlusion.enabled
+                        && !self.has_sky_image(),
+                    "render.ambient_occlusion is off",
+                ),
+            ]),
+            Feature::LastRays | Feature::Roulette => self.reason_against_in_paths(feature),
+            Feature::DarkRays => Some("known before they are traced"),
+        }
+    }
+
+    fn reason_against_aiming(&self, feature: Feature) -> Option<&'static str> {
+        let settings = self.settings;
+        if feature != Feature::Aiming && self.reason_against(Feature::Aiming).is_some() {
+            return Some("there is nothing to aim at");
+        }
+        match feature {
+            Feature::Aiming => first_of(&[
+                (!self.shows_light(), "the mode shows no light"),
+                (
+                    self.is_path()
                         && settings.light_sampling == LightSampling::Bsdf
-                        && !self.has_unmet_light,
+                        && self.lights.iter().all(|light| light.is_visible()),
                     "render.light_sampling is bsdf",
                 ),
                 (
-                    !self.has_light && !self.has_emitter && !(is_path && self.has_sky_image()),
+                    !(self.has_source() || self.is_path() && self.has_sky_image()),
                     "no light or emitter shines",
                 ),
-            ],
-            Feature::ShadowRays => &[
+            ]),
+            Feature::ShadowRays => first_of(&[(
+                self.is_direct() && settings.shadows == Shadows::Off,
+                "render.shadows is off",
+            )]),
+            Feature::LightPoints => first_of(&[
                 (
-                    self.reason_against(Feature::Aiming).is_some(),
-                    "there is nothing to aim at",
-                ),
-                (
-                    is_direct && settings.shadows == Shadows::Off,
-                    "render.shadows is off",
-                ),
-            ],
-            Feature::LightPoints => &[
-                (
-                    self.reason_against(Feature::Aiming).is_some(),
-                    "there is nothing to aim at",
-                ),
-                (
-                    is_direct && settings.shadows == Shadows::Hard && !self.has_emitter,
+                    self.is_direct() && settings.shadows == Shadows::Hard && !self.has_emitter(),
                     "render.shadows is hard",
                 ),
                 (
-                    !self.has_light_with_area && !self.has_emitter && !self.has_sky_image(),
+                    !self.lights.iter().any(|light| light.has_area())
+                        && !self.has_emitter()
+                        && !self.has_sky_image(),
                     "no light has an area",
                 ),
-            ],
-            Feature::GlassShadows => &[
+            ]),
+            _ => first_of(&[
                 (
-                    !is_direct,
+                    !self.is_direct(),
                     "only mode direct lets light straight through glass",
                 ),
-                (!self.has_glass, "nothing is of glass"),
+                (!self.has_glass(), "nothing is of glass"),
                 (
                     self.reason_against(Feature::ShadowRays).is_some(),
                     "there are no shadow rays",
                 ),
-            ],
-            Feature::Occlusion => &[
+            ]),
+        }
+    }
+
+    fn reason_against_in_paths(&self, feature: Feature) -> Option<&'static str> {
+        let settings = self.settings;
+        if !self.is_path() {
+            return Some("there are no paths but those of mirrors and glass");
+        }
+        match feature {
+            Feature::LastRays => first_of(&[
                 (
-                    settings.mode != Mode::Ao && !is_direct,
-                    "the mode has no ambient light",
-                ),
-                (
-                    is_direct && self.background.is_black(),
-                    "the background is black",
-                ),
-                (is_direct && !self.has_diffuse, "nothing reflects diffusely"),
-                (
-                    is_direct && !settings.ambient_occlusion.enabled && !self.has_sky_image(),
-                    "render.ambient_occlusion is off",
-                ),
-            ],
-            Feature::LastRays => &[
-                (!is_path, "only paths have them"),
-                (
-                    !self.has_emitter && !self.has_visible_light && self.background.is_black(),
+                    !self.has_emitter()
+                        && !self.lights.iter().any(|light| light.is_visible())
+                        && self.background.is_black(),
                     "nothing that shines can be met",
                 ),
                 // A background that is no image is not aimed at.
@@ -327,9 +321,8 @@ impl<'a> Facts<'a> {
                         && (self.has_sky_image() || self.background.is_black()),
                     "render.light_sampling is nee",
                 ),
-            ],
-            Feature::Roulette => &[
-                (!is_path, "only paths end by it"),
+            ]),
+            _ => first_of(&[
                 (
                     self.reason_against(Feature::Light).is_some(),
                     "there are no paths",
@@ -339,14 +332,49 @@ impl<'a> Facts<'a> {
                     settings.max_bounces < super::path::ROULETTE_FROM,
                     "render.max_bounces ends paths before",
                 ),
-            ],
-            Feature::DarkRays => &[(true, "known before they are traced")],
-        };
-        let first = reasons.iter().find(|(holds, _)| *holds);
-        first.map(|(_, reason)| *reason)
+            ]),
+        }
+    }
+
+    fn is_path(&self) -> bool {
+        self.settings.mode == Mode::Path
+    }
+
+    fn is_direct(&self) -> bool {
+        self.settings.mode == Mode::Direct
+    }
+
+    fn shows_light(&self) -> bool {
+        self.is_path() || self.is_direct()
     }
 
     fn has_sky_image(&self) -> bool {
         matches!(self.background, Background::Image { .. })
+    }
+
+    /// Whether a light or an object shines.
+    fn has_source(&self) -> bool {
+        !self.lights.is_empty() || self.has_emitter()
+    }
+
+    fn has_emitter(&self) -> bool {
+        let shines = |material: &Material| matches!(material, Material::Emitter { radiance } if *radiance != Rgb::ZERO);
+        self.materials.iter().any(shines)
+    }
+
+    fn has_glass(&self) -> bool {
+        let is_glass = |material: &Material| matches!(material, Material::Glass { .. });
+        self.settings.glass && self.materials.iter().any(is_glass)
+    }
+
+    fn has_diffuse(&self) -> bool {
+        let settings = self.settings;
+        self.materials.iter().any(|material| match material {
+            Material::Phong { diffuse, .. } => *diffuse != Rgb::ZERO,
+            // Grey, where they are switched off.
+            Material::Mirror { .. } => !settings.mirror,
+            Material::Glass { .. } => !settings.glass,
+            Material::Emitter { .. } => false,
+        })
     }
 }

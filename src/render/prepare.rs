@@ -174,25 +174,7 @@ impl PreparedScene {
         let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
-        let emission = |materials: &[PreparedMaterial]| -> Vec<_> {
-            materials.iter().map(PreparedMaterial::emission).collect()
-        };
-        let lit_alike = previous.filter(|previous| {
-            previous.settings.mode == scene.render.mode
-                && Arc::ptr_eq(&previous.geometry, &geometry)
-                && previous.lights == lights
-                && emission(&previous.materials) == emission(&materials)
-        });
-        let emitters = match (lit_alike, scene.render.mode) {
-            (Some(previous), _) => Arc::clone(&previous.emitters),
-            (None, Mode::Path) => Arc::new(Emitters::new(&lights, &geometry, &materials)),
-            (None, Mode::Direct) => {
-                let are_chosen = lights.len() > direct::MOST_SUMMED;
-                let chosen = if are_chosen { &lights[..] } else { &[] };
-                Arc::new(Emitters::new(chosen, &geometry, &materials))
-            }
-            _ => Arc::default(),
-        };
+        let emitters = emitters_of(scene, previous, &geometry, &lights, &materials);
         let radius = bounds.diagonal() / 2.0;
         Ok(Some(Self {
             camera,
@@ -266,34 +248,6 @@ impl PreparedScene {
         index: u32,
         tally: &mut impl Tally,
     ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
-        let Some(primary_hits) = &self.primary_hits else {
-            return self.traced_camera_samples(pixels, index, tally);
-        };
-        if pixels.iter().any(|&pixel| primary_hits.of(pixel).is_none()) {
-            let samples = self.traced_camera_samples(pixels, index, tally);
-            for (&pixel, sample) in pixels.iter().zip(samples.iter().flatten()) {
-                primary_hits.keep(pixel, sample.hit);
-            }
-            return samples;
-        }
-        let mut samples = [None; Packet::MOST_RAYS];
-        for (sample, &pixel) in samples.iter_mut().zip(pixels) {
-            let hit = primary_hits.of(pixel).expect("all are known");
-            *sample = Some(CameraSample {
-                hit,
-                ..self.begun(pixel, index, tally)
-            });
-        }
-        samples
-    }
-
-    /// The same, by tracing.
-    fn traced_camera_samples(
-        &self,
-        pixels: &[(u32, u32)],
-        index: u32,
-        tally: &mut impl Tally,
-    ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
         let mut samples = [None; Packet::MOST_RAYS];
         let mut rays = [(Ray::new(Vec3::ZERO, Vec3::X), f32::INFINITY); Packet::MOST_RAYS];
         let mut count = 0;
@@ -305,15 +259,25 @@ impl PreparedScene {
             }
             *sample = Some(begun);
         }
+        let begun = samples.iter_mut().flatten();
+        let primary_hits = self.primary_hits.as_deref();
+        if let Some(known) = primary_hits.filter(|hits| pixels.iter().all(|&at| hits.knows(at))) {
+            for (sample, &pixel) in begun.zip(pixels) {
+                sample.hit = known.of(pixel);
+            }
+            return samples;
+        }
         let hits = self
             .accelerator()
             .intersect_packet(&Packet::new(&rays[..count]));
-        let begun = samples.iter_mut().flatten();
         for (sample, hit) in begun.filter(|sample| sample.ray.is_some()).zip(hits) {
             sample.hit = hit;
         }
-        for sample in samples.iter().flatten() {
+        for (sample, &pixel) in samples.iter().flatten().zip(pixels) {
             tally.note(RayPurpose::Camera, || sample.noted());
+            if let Some(hits) = primary_hits {
+                hits.keep(pixel, sample.hit);
+            }
         }
         samples
     }
@@ -353,6 +317,7 @@ impl PreparedScene {
     }
 
     /// A point of the unit square for a feature of the camera; 0 where it is not needed.
+    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
     #[inline(always)]
     fn point_for(
         &self,
@@ -575,5 +540,87 @@ impl PreparedScene {
     #[must_use]
     pub fn occlusion_radius(&self) -> f32 {
         self.occlusion_radius
+    }
+}
+
+/// What one light is chosen from in `scene`; that of `previous`, where it is the same.
+fn emitters_of(
+    scene: &Scene,
+    previous: Option<&PreparedScene>,
+    geometry: &Arc<PreparedGeometry>,
+    lights: &[PreparedLight],
+    materials: &[PreparedMaterial],
+) -> Arc<Emitters> {
+    let emission = |materials: &[PreparedMaterial]| -> Vec<_> {
+        materials.iter().map(PreparedMaterial::emission).collect()
+    };
+    let lit_alike = previous.filter(|previous| {
+        previous.settings.mode == scene.render.mode
+            && Arc::ptr_eq(&previous.geometry, geometry)
+            && previous.lights == lights
+            && emission(&previous.materials) == emission(materials)
+    });
+    match (lit_alike, scene.render.mode) {
+        (Some(previous), _) => Arc::clone(&previous.emitters),
+        (None, Mode::Path) => Arc::new(Emitters::new(lights, geometry, materials)),
+        (None, Mode::Direct) => {
+            let are_chosen = lights.len() > direct::MOST_SUMMED;
+            let chosen = if are_chosen { lights } else { &[] };
+            Arc::new(Emitters::new(chosen, geometry, materials))
+        }
+        _ => Arc::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::scene::{Light, Material, Object, Rgb};
+
+    type Edit = fn(&mut Scene);
+
+    #[test]
+    fn what_lights_are_chosen_from_is_kept_until_one_changes() {
+        let mut scene = Scene::default();
+        scene.render.mode = Mode::Path;
+        scene
+            .meshes
+            .insert("ball".into(), Arc::new(shapes::icosphere(1)));
+        let radiance = Rgb::ONE;
+        scene
+            .materials
+            .insert("lamp".into(), Material::Emitter { radiance });
+        scene.objects.push(Object {
+            mesh: "ball".into(),
+            material: Some("lamp".into()),
+            ..Object::default()
+        });
+        scene.lights.push(Light::default());
+        let prepare = |scene: &Scene, previous| {
+            let prepared = PreparedScene::prepare(scene, previous, &CancelToken::new());
+            prepared.expect("can be rendered").expect("nobody cancels")
+        };
+        let before = prepare(&scene, None);
+        let edits: [(Edit, bool); 4] = [
+            (|s| s.camera.eye.x += 1.0, true),
+            (|s| s.lights[0].move_to(DVec3::ONE), false),
+            (
+                |s| {
+                    let radiance = Rgb::splat(2.0);
+                    s.materials
+                        .insert("lamp".into(), Material::Emitter { radiance });
+                },
+                false,
+            ),
+            (|s| s.render.mode = Mode::Direct, false),
+        ];
+        for (number, (edit, is_kept)) in edits.into_iter().enumerate() {
+            let mut scene = scene.clone();
+            edit(&mut scene);
+            let after = prepare(&scene, Some(&before));
+            let found = Arc::ptr_eq(&after.emitters, &before.emitters);
+            assert_eq!(found, is_kept, "edit {number}");
+        }
     }
 }

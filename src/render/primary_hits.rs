@@ -34,10 +34,16 @@ impl PrimaryHits {
         }
     }
 
-    /// What is known of a pixel's ray; `None` where nothing is.
+    /// Whether it is known what the ray of a pixel hits.
     #[inline]
-    pub fn of(&self, pixel: (u32, u32)) -> Option<Option<Hit>> {
-        self.hits[self.index(pixel)].get().copied()
+    pub fn knows(&self, pixel: (u32, u32)) -> bool {
+        self.hits[self.index(pixel)].get().is_some()
+    }
+
+    /// What the ray of a pixel hits, as far as it is known.
+    #[inline]
+    pub fn of(&self, pixel: (u32, u32)) -> Option<Hit> {
+        self.hits[self.index(pixel)].get().copied().flatten()
     }
 
     /// A pixel's ray hits this.
