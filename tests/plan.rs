@@ -14,8 +14,8 @@ use raymini::render::{
     reasons, render,
 };
 use raymini::scene::{
-    AmbientOcclusion, Background, Camera, Facing, Light, LightSampling, Material, Mode, Rgb, Scene,
-    Shadows,
+    AmbientOcclusion, Background, Camera, Facing, Light, LightSampling, Material, Mode, PhongModel,
+    RadianceMap, Rgb, Scene, Shadows,
 };
 
 fn prepare(scene: &Scene) -> PreparedScene {
@@ -117,6 +117,20 @@ fn showroom() -> Scene {
 
 type Edit = fn(&mut Scene);
 
+/// Gives the scene a small image of a sky with a sun.
+fn set_sky(scene: &mut Scene, brightness: f32) {
+    let sky = [0.2, 0.5, 9.0, 0.3, 0.1, 0.1, 0.2, 0.1];
+    let pixels = sky.map(|pixel| [pixel * brightness; 3]).to_vec();
+    let (map, _) = RadianceMap::cleaned(4, 2, pixels);
+    scene.images.insert("sky".into(), Arc::new(map));
+    scene.background = Background::Image {
+        image: "sky".into(),
+        up: DVec3::Z,
+        rotation: Degrees(30.0),
+        scale: 1.0,
+    };
+}
+
 /// What may be changed about the showroom.
 fn changes() -> BTreeMap<&'static str, Edit> {
     let mut changes: BTreeMap<&'static str, Edit> = BTreeMap::new();
@@ -138,6 +152,15 @@ fn changes() -> BTreeMap<&'static str, Edit> {
         s.render.ambient_occlusion.enabled = false;
     });
     changes.insert("black background", |s| s.background = Background::default());
+    changes.insert("sky", |s| set_sky(s, 2.0));
+    changes.insert("black sky", |s| set_sky(s, 0.0));
+    changes.insert("classic", |s| {
+        // Paths need the modified model.
+        if s.render.mode == Mode::Direct {
+            s.render.phong = PhongModel::Classic;
+        }
+    });
+    changes.insert("clamp", |s| s.render.clamp = Some(2.0));
     changes.insert("no lights", |s| s.lights.clear());
     changes.insert("no lamp", |s| {
         let radiance = Rgb::ZERO;
@@ -209,6 +232,22 @@ fn a_render_that_does_everything_gives_the_same_picture() {
             }
         }
     }
+}
+
+/// Where the error decides which pixels get samples, what samples cost decides too: that must not depend on what else is kept.
+#[test]
+fn layers_change_no_bit_where_samples_are_chosen() {
+    let mut scene = showroom();
+    scene.render.samples_per_pixel = 64;
+    scene.render.stop.noise = Some(0.05);
+    let shiny = Material::Phong {
+        diffuse: Rgb::ZERO,
+        specular: Rgb::splat(0.8),
+        shininess: 20.0,
+    };
+    scene.materials.insert("wall".into(), shiny);
+    let prepared = prepare(&scene);
+    assert_eq!(hash(&prepared, true), hash(&prepared, false));
 }
 
 /// For each kind of random number: a change that makes it unneeded, and one mode in which it is needed else.
@@ -435,6 +474,24 @@ fn rays_from_the_eye_are_traced_once_for_all_lights_and_materials() {
     let store = PrimaryHitStore::default();
     let scene = prepare(&showroom()).with_primary_hits(&store);
     assert!(!scene.keeps_primary_hits(), "each sample sends another ray");
+}
+
+/// Clear glass of index 1 is not there, and neither is glass without triangles: shadow rays need not look for it.
+#[test]
+fn glass_that_is_not_there_is_not_looked_for() {
+    let needs_it = |scene: &Scene| prepare(scene).plan().needs(Feature::GlassShadows);
+    let mut scene = showroom();
+    assert!(needs_it(&scene));
+    let glass = |ior: f64| Material::Glass {
+        ior,
+        attenuation: DVec3::ZERO,
+    };
+    scene.materials.insert("ball".into(), glass(1.0));
+    assert!(!needs_it(&scene));
+    scene.materials.insert("ball".into(), glass(1.1));
+    assert!(needs_it(&scene));
+    scene.meshes.insert("ball".into(), Arc::default());
+    assert!(!needs_it(&scene));
 }
 
 #[test]

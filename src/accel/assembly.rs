@@ -411,7 +411,10 @@ impl Assembly {
 
     /// The triangle `id`.
     #[must_use]
-    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
+    #[expect(
+        clippy::inline_always,
+        reason = "hot, and too large to be inlined in every form of the code that renders"
+    )]
     #[inline(always)]
     pub fn triangle(&self, id: u32) -> PlacedTriangle<'_> {
         let index = self.part_of(id);

@@ -143,7 +143,7 @@ pub struct Share {
 pub struct Costs {
     /// Effects that the scene has, and the part of the time that each takes.
     pub effects: Vec<(Effect, Share)>,
-    /// Features that are left out, and what each would add.
+    /// Features of the mode that are left out, and what each would add.
     pub savings: Vec<(Feature, Share)>,
     /// What keeping layers would add; `None` where there are none.
     pub layers: Option<Share>,
@@ -216,7 +216,7 @@ impl Trial {
         let plan = self.prepared.plan();
         let left_out: Vec<_> = Feature::ALL
             .into_iter()
-            .filter(|&feature| !plan.needs(feature))
+            .filter(|feature| !plan.needs(*feature) && feature.is_of(self.scene.render.mode))
             .collect();
         let has_layers = !self.prepared.layers().is_empty();
         let all = effects.len() + left_out.len() + usize::from(has_layers);

@@ -352,15 +352,15 @@ fn render_scene(
     };
     let outcome = outcome.ok_or_else(|| anyhow!("rendering was cancelled"))?;
     let is_interrupted = outcome.stats.ending == Ending::Interrupted;
-    if outcome.stats.sample_range[0] == 0 {
-        if kept.is_none() && outcome.stats.sample_range[1] > 0 {
-            write_unfinished(&outcome, scene, output)?;
-            return Ok(exit_code(signals));
-        }
+    let [fewest, most] = outcome.stats.sample_range;
+    if fewest == 0 && (kept.is_some() || most == 0) {
         let code = interrupted_early(signals);
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
         return Ok(code);
     }
+    // Black where nothing is known would be taken for the scene's own black, and must not replace a picture that is whole.
+    let unfinished = (fewest == 0).then(|| unfinished_name(output));
+    let output = unfinished.as_deref().unwrap_or(output);
     let (place, failure) = write_picture(&outcome, scene, output)?;
     if !is_interrupted && failure.is_none() {
         kept.iter().for_each(CheckpointFile::remove);
@@ -391,17 +391,10 @@ fn interrupted_early(signals: &Signals) -> ExitCode {
     exit_code(signals)
 }
 
-/// Writes a picture that has pixels without a sample to a name of its own: black where nothing is known would be taken for the
-/// scene's own black, and must not replace a picture that is whole.
-fn write_unfinished(outcome: &RenderOutcome, scene: &Scene, output: &Path) -> Result<()> {
+/// The name of a picture that has pixels without a sample.
+fn unfinished_name(output: &Path) -> PathBuf {
     let format = output.extension().unwrap_or_default().to_string_lossy();
-    let name = output.with_extension(format!("unfinished.{format}"));
-    let (place, failure) = write_picture(outcome, scene, &name)?;
-    eprintln!(
-        "interrupted before every pixel had a sample: {} has what there is, and is black elsewhere",
-        place.display()
-    );
-    failure.map_or(Ok(()), Err)
+    output.with_extension(format!("unfinished.{format}"))
 }
 
 /// That of the signal, if one came, however far the work was.
@@ -466,7 +459,12 @@ fn say_what_it_took(
         super::say(&describe_error(error))?;
     }
     if stats.ending == Ending::Interrupted {
-        eprintln!("warning: interrupted: the picture has the samples taken so far");
+        let gaps = if stats.sample_range[0] == 0 {
+            ", and is black where there are none"
+        } else {
+            ""
+        };
+        eprintln!("warning: interrupted: the picture has the samples taken so far{gaps}");
     }
     if stats.ending != Ending::Noise
         && let Some(noise) = settings.stop.noise

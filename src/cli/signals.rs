@@ -40,10 +40,11 @@ impl Signals {
         let watching = signals.clone();
         let watch = move || {
             loop {
-                wait();
+                // First, as one may have come before anything waited.
                 if let Ok(code @ 1..) = u8::try_from(received.swap(0, Ordering::Relaxed)) {
                     watching.answer(code);
                 }
+                wait();
             }
         };
         std::thread::Builder::new()

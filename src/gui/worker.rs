@@ -231,7 +231,7 @@ const ERROR_LAYER_SHARE: f64 = 0.02;
 pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let previous = request.previous.as_ref();
     let prepared = match PreparedScene::prepare(&request.scene, previous, &job.cancel) {
-        Ok(Some(prepared)) => prepared.with_primary_hits(&request.primary_hits),
+        Ok(Some(prepared)) => prepared,
         Ok(None) => return,
         Err(error) => return job.send(Event::RenderFailed(error.to_string())),
     };
@@ -245,11 +245,14 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let memory = PictureMemory {
         // Those that the window shows.
         copies: 1 + request.buffer.layers().len(),
+        kept_bytes: prepared.primary_hit_bytes(&request.primary_hits),
         ..PictureMemory::of_render(&prepared, None, &run)
     };
     if let Err(short) = memory.require() {
+        request.primary_hits.clear();
         return job.send(Event::RenderFailed(short.to_string()));
     }
+    let prepared = prepared.with_primary_hits(&request.primary_hits);
     let is_first = AtomicBool::new(true);
     let on_tile = |tile: &TilePixels<'_>| {
         if let Some(tile) = request.buffer.accept(tile) {

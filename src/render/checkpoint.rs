@@ -8,7 +8,7 @@ use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::ErrorPoint;
 use super::renderer::TILE_SIDE;
-use super::tile_samples::{SampleCounts, Work};
+use super::tile_samples::{PassWork, SampleCounts};
 use super::tiles::Region;
 
 /// A moment of a render, from which [`resume`](super::resume) goes on as if nothing had happened.
@@ -71,8 +71,8 @@ pub struct Pass {
 
 impl Pass {
     /// What it does to a tile, where no pixel may get more than `most` samples in all.
-    pub fn work(&self, most: u32) -> Work<'_> {
-        Work {
+    pub fn work(&self, most: u32) -> PassWork<'_> {
+        PassWork {
             selected: self.selected.as_deref(),
             begins_round: self.begins_round,
             longest: self.longest,

@@ -220,9 +220,8 @@ impl<K: Kernel> Shading<'_, K> {
     /// What is reflected of the background's light.
     fn reflected_background(&mut self) -> Vec3 {
         let (scene, diffuse) = (self.scene, self.phong.diffuse);
-        if scene.needs(Feature::Occlusion) {
-            // The layer of occlusion shows black surfaces as well.
-            if diffuse != Vec3::ZERO || K::Parts::ARE_KEPT {
+        if scene.needs(Feature::Occlusion) && !scene.background().is_black() {
+            if diffuse != Vec3::ZERO {
                 let found = self.over_hemisphere();
                 self.parts.set_occlusion(found.free);
                 return diffuse * found.radiance;
@@ -232,7 +231,7 @@ impl<K: Kernel> Shading<'_, K> {
             }
             return Vec3::ZERO;
         }
-        if scene.does(Feature::Occlusion) {
+        if scene.forces(Feature::Occlusion) {
             black_box(self.over_hemisphere());
         }
         let mean = scene

@@ -27,7 +27,8 @@ pub enum Layer {
     Indirect,
     /// Factor: share of the shadow rays from the first scattering surface that come through, white where there are none.
     Shadow,
-    /// Factor: share of its hemisphere that is not occluded, white where occlusion is not looked for.
+    /// Factor: share of its hemisphere that is not occluded, white where occlusion is not looked for, as on what reflects nothing
+    /// diffusely.
     Occlusion,
     /// How far the picture is from the truth, as far as can be told: no sum of samples, unlike the others.
     Error,
@@ -90,6 +91,12 @@ impl Layer {
         let emits = has(&|m| matches!(m, Material::Emitter { .. }));
         let is_lit = scatters && (emits || !scene.lights.is_empty());
         let has_ambient = scatters && !scene.background.is_black();
+        let has_diffuse = has(&|m| match m {
+            Material::Phong { diffuse, .. } => *diffuse != Rgb::ZERO,
+            Material::Mirror { .. } => !settings.mirror,
+            Material::Glass { .. } => !settings.glass,
+            Material::Emitter { .. } => false,
+        });
         let is_there = |layer: &Self| match layer {
             Self::Emission => true,
             Self::DirectDiffuse => is_lit,
@@ -99,7 +106,9 @@ impl Layer {
             Self::Refraction => glass,
             Self::Indirect => is_path && scatters && settings.max_bounces > 1,
             Self::Shadow => is_lit && (is_path || settings.shadows != Shadows::Off),
-            Self::Occlusion => has_ambient && !is_path && settings.ambient_occlusion.enabled,
+            Self::Occlusion => {
+                has_ambient && has_diffuse && !is_path && settings.ambient_occlusion.enabled
+            }
             Self::Error => false,
         };
         Self::ALL.into_iter().filter(is_there).collect()
@@ -188,9 +197,6 @@ impl Beginning {
 
 /// What is kept of a sample beside its radiance.
 pub trait Parts: Copy {
-    /// Whether anything is.
-    const ARE_KEPT: bool;
-
     /// Those of a sample that has met nothing yet.
     fn nothing() -> Self;
 
@@ -215,8 +221,6 @@ pub trait Parts: Copy {
 pub struct NoParts;
 
 impl Parts for NoParts {
-    const ARE_KEPT: bool = false;
-
     fn nothing() -> Self {
         Self
     }
@@ -242,8 +246,6 @@ pub struct AllParts {
 }
 
 impl Parts for AllParts {
-    const ARE_KEPT: bool = true;
-
     fn nothing() -> Self {
         let mut layers = [Vec3::ZERO; Layer::ALL.len()];
         layers[Layer::Occlusion as usize] = Vec3::ONE;

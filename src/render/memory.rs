@@ -48,7 +48,7 @@ impl PictureMemory {
             has_error: settings.measures_error(),
             copies: 0,
             has_checkpoint: false,
-            kept_bytes: scene.primary_hit_bytes(),
+            kept_bytes: 0,
         }
     }
 

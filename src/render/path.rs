@@ -82,6 +82,9 @@ pub fn gather<K: Kernel>(
         // The next direction, after aiming at a light where that is possible.
         match material {
             PreparedMaterial::Phong(phong) => {
+                if phong.is_black() && !scene.does(Feature::DarkRays) {
+                    break;
+                }
                 let mirror = point.mirror_direction();
                 let aiming = Aiming {
                     scene,
@@ -96,7 +99,7 @@ pub fn gather<K: Kernel>(
                 }
                 // A ray that scatters no more is there for the light it meets alone.
                 if bounce + 1 == settings.max_bounces && !scene.does(Feature::LastRays) {
-                    gathered.is_depth_limited = true;
+                    gathered.is_depth_limited = throughput * material.albedo() != Vec3::ZERO;
                     break;
                 }
                 let direction = tally.draw_2d(&sampler, Dimension::at(Decision::Direction, bounce));

@@ -1,5 +1,6 @@
 //! What a render does, and what it leaves out because the scene does not need it.
 
+use super::geometry::is_nothing;
 use crate::scene::{
     Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene,
     SceneError, Shadows,
@@ -18,7 +19,7 @@ pub enum Feature {
     Aiming,
     /// Rays that ask what is in the way to a light.
     ShadowRays,
-    /// A point on each light for every ray.
+    /// A point on each light for every ray, in mode `direct`.
     LightPoints,
     /// Shadow rays that go through glass, and so must look for what is nearest.
     GlassShadows,
@@ -47,6 +48,20 @@ impl Feature {
         Self::Roulette,
         Self::DarkRays,
     ];
+
+    /// Whether rendering in `mode` knows it.
+    #[must_use]
+    pub fn is_of(self, mode: Mode) -> bool {
+        let is_direct = mode == Mode::Direct;
+        let is_path = mode == Mode::Path;
+        match self {
+            Self::PixelPoints | Self::Lens => true,
+            Self::Light | Self::Aiming | Self::DarkRays => is_direct || is_path,
+            Self::ShadowRays | Self::LightPoints | Self::GlassShadows => is_direct,
+            Self::Occlusion => is_direct || mode == Mode::Ao,
+            Self::LastRays | Self::Roulette => is_path,
+        }
+    }
 
     /// What is done wherever it is.
     fn takes(self) -> &'static [Self] {
@@ -129,7 +144,7 @@ impl Plan {
         self.needed.has(feature) || self.forced.has(feature)
     }
 
-    /// Whether it is done where it is not needed.
+    /// Whether it is done even if it is not needed.
     #[must_use]
     pub const fn forces(self, feature: Feature) -> bool {
         self.forced.has(feature)
@@ -171,7 +186,7 @@ struct Facts<'a> {
     settings: &'a RenderSettings,
     camera: &'a Camera,
     background: &'a Background,
-    /// Of objects that have triangles.
+    /// Of objects that are there.
     materials: Vec<Material>,
     /// Those that shine.
     lights: Vec<&'a Light>,
@@ -188,13 +203,15 @@ fn first_of(reasons: Reasons<'_>) -> Option<&'static str> {
 impl<'a> Facts<'a> {
     fn of(scene: &'a Scene) -> Result<Self, SceneError> {
         let objects = scene.objects.iter();
-        let there = objects.filter(|object| scene.has_triangles(object));
-        let materials = there.map(|object| scene.material_of(object));
+        let solid = objects.filter(|object| scene.has_triangles(object));
+        let materials = solid.map(|object| scene.material_of(object));
+        let mut materials: Vec<_> = materials.collect::<Result<_, _>>()?;
+        materials.retain(|material| !is_nothing(material, &scene.render));
         Ok(Self {
             settings: &scene.render,
             camera: &scene.camera,
             background: &scene.background,
-            materials: materials.collect::<Result<_, _>>()?,
+            materials,
             lights: scene.lights.iter().filter(|light| light.shines()).collect(),
         })
     }
@@ -277,14 +294,10 @@ impl<'a> Facts<'a> {
                 "render.shadows is off",
             )]),
             Feature::LightPoints => first_of(&[
+                (!self.is_direct(), "paths have them where they aim"),
+                (settings.shadows == Shadows::Hard, "render.shadows is hard"),
                 (
-                    self.is_direct() && settings.shadows == Shadows::Hard && !self.has_emitter(),
-                    "render.shadows is hard",
-                ),
-                (
-                    !self.lights.iter().any(|light| light.has_area())
-                        && !self.has_emitter()
-                        && !self.has_sky_image(),
+                    !self.lights.iter().any(|light| light.has_area()),
                     "no light has an area",
                 ),
             ]),

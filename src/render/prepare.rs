@@ -485,10 +485,8 @@ impl PreparedScene {
     /// it finds. All samples of a pixel must send the same ray for that; else nothing is kept, and the store is cleared.
     #[must_use]
     pub fn with_primary_hits(self, store: &PrimaryHitStore) -> Self {
-        let is_one_ray = !self.needs(Feature::PixelPoints) && !self.needs(Feature::Lens);
-        let primary_hits = if is_one_ray {
-            let size = (self.settings.width, self.settings.height);
-            Some(store.of(&self.geometry, &self.camera, size))
+        let primary_hits = if self.sends_one_ray_per_pixel() {
+            Some(store.of(&self.geometry, &self.camera, self.size()))
         } else {
             store.clear();
             None
@@ -499,19 +497,36 @@ impl PreparedScene {
         }
     }
 
+    /// The bytes that [`Self::with_primary_hits`] would ask for.
+    #[must_use]
+    pub fn primary_hit_bytes(&self, store: &PrimaryHitStore) -> u64 {
+        if self.sends_one_ray_per_pixel() {
+            store.bytes_missing(&self.geometry, &self.camera, self.size())
+        } else {
+            0
+        }
+    }
+
+    /// The same scene, of whose rays from the eye nothing is known.
+    pub(super) fn without_primary_hits(&self) -> Self {
+        Self {
+            primary_hits: None,
+            ..self.clone()
+        }
+    }
+
     /// Whether what the rays from the eye hit is kept.
     #[must_use]
     pub fn keeps_primary_hits(&self) -> bool {
         self.primary_hits.is_some()
     }
 
-    /// The bytes that are kept of the rays from the eye.
-    pub(super) fn primary_hit_bytes(&self) -> u64 {
-        let per_pixel = self
-            .primary_hits
-            .as_ref()
-            .map_or(0, |_| PrimaryHits::BYTES_PER_PIXEL);
-        per_pixel as u64 * self.settings.pixel_count()
+    fn sends_one_ray_per_pixel(&self) -> bool {
+        !self.needs(Feature::PixelPoints) && !self.needs(Feature::Lens)
+    }
+
+    fn size(&self) -> (u32, u32) {
+        (self.settings.width, self.settings.height)
     }
 
     /// Whether the picture needs it.
@@ -526,7 +541,7 @@ impl PreparedScene {
         self.plan.does(feature)
     }
 
-    /// Whether it is done where it is not needed.
+    /// Whether it is done even if it is not needed.
     #[inline]
     pub(super) fn forces(&self, feature: Feature) -> bool {
         self.plan.forces(feature)

@@ -1,6 +1,6 @@
 //! What the rays from the eye hit, kept from one render to the next: a new light or material changes nothing about it.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use super::camera::PreparedCamera;
 use super::geometry::PreparedGeometry;
@@ -9,7 +9,8 @@ use crate::accel::Hit;
 /// What the one ray of each pixel hits, lights aside, as far as it is known.
 #[derive(Debug)]
 pub(super) struct PrimaryHits {
-    geometry: Arc<PreparedGeometry>,
+    /// Whose hits they are: not kept alive by them.
+    geometry: Weak<PreparedGeometry>,
     camera: PreparedCamera,
     size: (u32, u32),
     /// Row by row.
@@ -21,17 +22,25 @@ pub(super) struct PrimaryHits {
 pub struct PrimaryHitStore(Arc<Mutex<Option<Arc<PrimaryHits>>>>);
 
 impl PrimaryHits {
-    /// The bytes of a pixel.
-    pub const BYTES_PER_PIXEL: usize = size_of::<OnceLock<Option<Hit>>>();
-
     fn new(geometry: &Arc<PreparedGeometry>, camera: &PreparedCamera, size: (u32, u32)) -> Self {
         let pixels = size.0 as usize * size.1 as usize;
         Self {
-            geometry: Arc::clone(geometry),
+            geometry: Arc::downgrade(geometry),
             camera: camera.clone(),
             size,
             hits: std::iter::repeat_with(OnceLock::new).take(pixels).collect(),
         }
+    }
+
+    fn are_of(
+        &self,
+        geometry: &Arc<PreparedGeometry>,
+        camera: &PreparedCamera,
+        size: (u32, u32),
+    ) -> bool {
+        self.geometry.as_ptr() == Arc::as_ptr(geometry)
+            && self.camera == *camera
+            && self.size == size
     }
 
     /// Whether it is known what the ray of a pixel hits.
@@ -67,14 +76,28 @@ impl PrimaryHitStore {
         size: (u32, u32),
     ) -> Arc<PrimaryHits> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let are_these = |hits: &&Arc<PrimaryHits>| {
-            Arc::ptr_eq(&hits.geometry, geometry) && hits.camera == *camera && hits.size == size
-        };
+        let are_these = |hits: &&Arc<PrimaryHits>| hits.are_of(geometry, camera, size);
         if let Some(hits) = kept.as_ref().filter(are_these) {
             return Arc::clone(hits);
         }
         *kept = None;
         Arc::clone(kept.insert(Arc::new(PrimaryHits::new(geometry, camera, size))))
+    }
+
+    /// The bytes that [`Self::of`] would ask for.
+    pub(super) fn bytes_missing(
+        &self,
+        geometry: &Arc<PreparedGeometry>,
+        camera: &PreparedCamera,
+        size: (u32, u32),
+    ) -> u64 {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let are_there = kept
+            .as_ref()
+            .is_some_and(|hits| hits.are_of(geometry, camera, size));
+        let pixels = u64::from(size.0) * u64::from(size.1);
+        let per_pixel = size_of::<OnceLock<Option<Hit>>>() as u64;
+        if are_there { 0 } else { pixels * per_pixel }
     }
 
     /// Forgets what is kept: the memory is free when no render uses it any more.

@@ -27,7 +27,7 @@ const COARSE_BLOCK: u32 = 8;
 
 /// Which samples a pass takes.
 #[derive(Clone, Copy, Debug)]
-pub struct Work<'a> {
+pub struct PassWork<'a> {
     /// Whether each pixel takes part; all do, where there is no choice.
     pub selected: Option<&'a [bool]>,
     /// Whether pixels are to leave a power of two; else only those that are on the way to the next take part.
@@ -47,7 +47,7 @@ pub struct PixelSamples {
     pub count: u32,
 }
 
-impl Work<'_> {
+impl PassWork<'_> {
     fn of_pixel(&self, film: &Film, index: usize) -> PixelSamples {
         let first = film.samples(index);
         let takes_part = self.selected.is_none_or(|selected| selected[index])

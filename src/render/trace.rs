@@ -126,6 +126,7 @@ pub fn trace_sample(
     if sample >= count {
         return Err(TraceError::NoSuchSample { sample, count });
     }
+    let scene = &scene.without_primary_hits();
     let mut tally = WorkTally::default();
     let [begun, ..] = scene.camera_samples(&[(x, y)], sample, &mut tally);
     let begun = begun.expect("there is one pixel");

@@ -225,7 +225,7 @@ mod tests {
         for part in [
             "on A CPU, 2 threads, linux",
             // Mirrors are as usual, but not in the variant.
-            "2×1 pixels, mirror = true, mode = path, stop.noise = 0.03\n",
+            "2×1 pixels, mode = path, mirror = true, stop.noise = 0.03\n",
             "3 seeds: 7, 8, 9",
             "exact answer",
         ] {

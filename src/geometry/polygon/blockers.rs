@@ -60,14 +60,17 @@ impl Blockers {
 
         let mut place_of = vec![GONE; points.len()];
         let mut places = Vec::with_capacity(groups.len());
-        for (place, (corners, occupied)) in (0..).zip(groups.into_iter().zip(occupied)) {
-            let blocking = corners.iter().filter(|&&corner| blocks(corner));
-            let blocking = blocking.inspect(|&&corner| place_of[corner as usize] = place);
+        for (place, (group, occupied)) in (0..).zip(groups.into_iter().zip(occupied)) {
+            let mut corners = 0;
+            for &corner in group.iter().filter(|&&corner| blocks(corner)) {
+                place_of[corner as usize] = place;
+                corners += 1;
+            }
             places.push(Place {
-                point: point(corners[0]),
-                corners: blocking.map(|_| 1).sum(),
+                point: point(group[0]),
+                corners,
                 occupied,
-                spokes: (corners.len() > 1).then(Spokes::default),
+                spokes: (group.len() > 1).then(Spokes::default),
             });
         }
         Self {

@@ -13,7 +13,8 @@ pub(super) struct Spokes {
 
 /// An edge of positive length, as seen from one of its ends.
 ///
-/// Those of one point are ordered counter-clockwise from the direction of +X, exactly.
+/// Those of one point are ordered counter-clockwise from the direction of +X, exactly unless a product underflows: then an edge may
+/// stay that should go, and a polygon be cut as if it touched itself.
 #[derive(Clone, Copy)]
 struct Spoke {
     hub: DVec2,

@@ -95,6 +95,7 @@ impl App {
         self.selection = Selection::Camera;
         self.view = View::Preview;
         self.prepared = None;
+        self.primary_hits.clear();
         self.preparing = None;
         self.problem = None;
         self.put_picture_away();

@@ -45,7 +45,7 @@ pub struct ObjectShape {
 static NOTHING: LazyLock<Arc<TriangleMesh>> = LazyLock::new(Arc::default);
 
 /// Whether light passes `material` as if nothing were there. No ray must know of it, or its rounding would show.
-fn is_nothing(material: &Material, settings: &RenderSettings) -> bool {
+pub fn is_nothing(material: &Material, settings: &RenderSettings) -> bool {
     let clear = Material::Glass {
         ior: 1.0,
         attenuation: Rgb::ZERO,
