@@ -1,4 +1,4 @@
-use egui::{Grid, RichText, Ui};
+use egui::{Label, RichText, Ui};
 
 use crate::render::reasons;
 use crate::scene::Scene;
@@ -9,20 +9,13 @@ pub fn plan_ui(ui: &mut Ui, scene: &Scene) {
     let Ok(reasons) = reasons(scene) else {
         return;
     };
-    Grid::new("plan").num_columns(2).show(ui, |ui| {
-        for (feature, reason) in reasons {
-            let name = feature.name();
-            match reason {
-                None => {
-                    ui.label(name);
-                    ui.label("needed");
-                }
-                Some(reason) => {
-                    ui.label(RichText::new(name).weak());
-                    ui.label(RichText::new(format!("left out: {reason}")).weak());
-                }
-            }
-            ui.end_row();
-        }
-    });
+    for (feature, reason) in reasons {
+        let name = feature.name();
+        let text = match reason {
+            None => RichText::new(format!("{name}: needed")),
+            Some(reason) => RichText::new(format!("{name}: left out: {reason}")).weak(),
+        };
+        // Wrapped, as the longest reason must not make the panel wider.
+        ui.add(Label::new(text).wrap());
+    }
 }
