@@ -2,7 +2,7 @@
 
 use crate::control::CancelToken;
 use crate::render::{
-    Feature, Plan, PreparedScene, PrimaryHitStore, RenderProgress, RunConfig, render,
+    Feature, Plan, PreparedScene, PrimaryHitStore, Region, RenderProgress, RunConfig, render,
 };
 use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
 
@@ -10,6 +10,9 @@ use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
 const LEAST_SECONDS: f64 = 0.05;
 /// The most samples per pixel of a render that is timed.
 const MOST_SAMPLES: u32 = 16;
+/// So many tiles along each side, of so many pixels, tell what the whole picture takes.
+const TILES: u32 = 4;
+const TILE_SIDE: u32 = 32;
 /// The first picture that is tried has one of so many pixels along each side.
 const COARSEST: u32 = 16;
 
@@ -181,13 +184,8 @@ impl Trial {
             let prepared = prepare(&small, previous.as_ref())?;
             let seconds = seconds_of(&prepared, &alone());
             if seconds >= LEAST_SECONDS || divisor == 1 {
-                let pixels = |scene: &Scene| {
-                    f64::from(scene.render.width)
-                        * f64::from(scene.render.height)
-                        * f64::from(scene.render.samples_per_pixel)
-                };
                 return Ok(Self {
-                    estimated_seconds: seconds * pixels(scene) / pixels(&small),
+                    estimated_seconds: estimated_seconds(scene, &prepared)?,
                     scene: small,
                     prepared,
                 });
@@ -339,6 +337,39 @@ fn ranks_outside(count: usize) -> usize {
         probability *= (count - rank) as f64 / (rank + 1) as f64;
     }
     (count / 2).saturating_sub(1)
+}
+
+/// What the whole picture takes, by some of its tiles spread over it: rays that are as near each other as in the whole.
+fn estimated_seconds(scene: &Scene, previous: &PreparedScene) -> Result<f64, SceneError> {
+    let mut scene = scene.clone();
+    scene.render.stop = Stop::default();
+    let samples = scene.render.samples_per_pixel;
+    scene.render.samples_per_pixel = samples.min(MOST_SAMPLES);
+    let (width, height) = (scene.render.width, scene.render.height);
+    let prepared = prepare(&scene, Some(previous))?;
+    let place = |number: u32, size: u32| (2 * number + 1) * (size / (2 * TILES)).min(size);
+    let (mut seconds, mut pixels) = (0.0, 0);
+    for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {
+        let (x, y) = (place(column, width), place(row, height));
+        let region = Region {
+            x,
+            y,
+            width: TILE_SIDE.min(width - x),
+            height: TILE_SIDE.min(height - y),
+        };
+        let outcome = render(
+            &prepared,
+            Some(region),
+            &alone(),
+            &RenderProgress::default(),
+            None,
+        );
+        seconds += outcome.expect("nobody cancels").stats.cpu_seconds;
+        pixels += region.pixel_count();
+    }
+    let all = scene.render.pixel_count() as f64 * f64::from(samples);
+    let taken = pixels as f64 * f64::from(scene.render.samples_per_pixel);
+    Ok(seconds * all / taken)
 }
 
 fn alone() -> RunConfig {
