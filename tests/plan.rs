@@ -136,6 +136,10 @@ fn changes() -> BTreeMap<&'static str, Edit> {
     let mut changes: BTreeMap<&'static str, Edit> = BTreeMap::new();
     changes.insert("one sample", |s| s.render.samples_per_pixel = 1);
     changes.insert("no antialiasing", |s| s.render.antialiasing = false);
+    changes.insert("pinhole and no antialiasing", |s| {
+        s.camera.aperture_radius = 0.0;
+        s.render.antialiasing = false;
+    });
     changes.insert("no lens", |s| s.camera.aperture_radius = 0.0);
     changes.insert("no depth of field", |s| s.render.depth_of_field = false);
     changes.insert("hard shadows", |s| s.render.shadows = Shadows::Hard);
@@ -298,6 +302,40 @@ fn numbers_that_decide_nothing_are_not_drawn() {
     );
 }
 
+/// One ray for all samples of a pixel that look along one line; in a render, for those of one pass.
+#[test]
+fn samples_that_look_along_one_line_share_a_ray() {
+    let mut scene = showroom();
+    scene.render.samples_per_pixel = 64;
+    let pixels = scene.render.pixel_count();
+    let taken = |scene: &Scene| {
+        let prepared = prepare(scene);
+        let outcome = render(
+            &prepared,
+            None,
+            &RunConfig::default(),
+            &RenderProgress::default(),
+            None,
+        );
+        let stats = outcome.expect("nobody cancels").stats;
+        assert_eq!(stats.samples, 64 * pixels);
+        (work(&prepared).rays.camera, stats.rays.camera, stats.passes)
+    };
+    let (camera, in_render, _) = taken(&scene);
+    assert_eq!((camera, in_render), (64 * pixels, 64 * pixels));
+    changes()["pinhole and no antialiasing"](&mut scene);
+    let (camera, in_render, passes) = taken(&scene);
+    assert_eq!(
+        (camera, in_render),
+        (pixels, u64::from(passes) * pixels),
+        "{passes} passes"
+    );
+    assert!(passes < 16, "{passes}");
+    let scene = prepare(&scene);
+    let again = scene.plan().forcing(Feature::EyeRays);
+    assert_eq!(work(&scene.with_plan(again)).rays.camera, 64 * pixels);
+}
+
 type Count<'a> = &'a dyn Fn(&Work) -> u64;
 
 /// For each kind of ray: a change that makes it unneeded; a render that does everything traces it all the same.
@@ -383,6 +421,20 @@ fn the_picture_of_nothing_takes_its_camera_rays_and_no_random_number() {
                 .iter()
                 .all(|(_, reason)| reason.is_some())
         );
+    }
+}
+
+/// The plan of a scene under a black image is that of one under nothing.
+#[test]
+fn a_black_sky_is_not_needed() {
+    let [mut image, mut nothing] = [showroom(), showroom()];
+    set_sky(&mut image, 0.0);
+    nothing.background = Background::default();
+    for mode in [Mode::Direct, Mode::Path] {
+        image.render.mode = mode;
+        nothing.render.mode = mode;
+        let plans = [&image, &nothing].map(|scene| reasons(scene).expect("all is loaded"));
+        assert_eq!(plans[0], plans[1], "{mode:?}");
     }
 }
 

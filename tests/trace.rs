@@ -227,7 +227,7 @@ fn rays_lead_from_one_surface_to_the_next() {
             }
         }
         assert!(met > 40, "{name}: {met}");
-        let sees_lights = matches!(scene.render.mode, Mode::Direct | Mode::Path);
+        let sees_lights = scene.render.mode.shows_light();
         assert_eq!(lights > 0, sees_lights, "{name}");
     }
 }

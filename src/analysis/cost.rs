@@ -105,7 +105,7 @@ impl Effect {
             used.filter_map(|object| scene.material_of(object).ok())
                 .any(|material| is(&material))
         };
-        let shows_light = is_direct || settings.mode == Mode::Path;
+        let shows_light = settings.mode.shows_light();
         match self {
             Self::Antialiasing => needs(Feature::PixelPoints),
             Self::DepthOfField => needs(Feature::Lens),

@@ -42,8 +42,8 @@ pub struct SkySample {
 }
 
 impl PreparedBackground {
-    /// Prepares the background of a validated `scene`; keeps the tables of `previous` where the image is the same. `None` when
-    /// cancelled.
+    /// Prepares the background of a validated `scene`; keeps the tables of `previous` where the image is the same, and makes none
+    /// for a picture that does not show it. `None` when cancelled.
     ///
     /// # Errors
     /// An image that is not loaded, or too bright for 32 bits.
@@ -66,7 +66,11 @@ impl PreparedBackground {
                 up: direction_of(up).unwrap_or(DVec3::Z).as_vec3(),
             },
             Background::Image { .. } => {
-                let image = ImageBackground::new(scene, previous, cancel)?;
+                let known = ImageBackground::known(scene, previous)?;
+                if known.is_none() && !scene.render.mode.shows_light() {
+                    return Ok(Some(Self::Constant(Vec3::ZERO)));
+                }
+                let image = ImageBackground::new(scene, known, cancel)?;
                 return Ok(image.map(Self::Image));
             }
         }))
@@ -145,9 +149,25 @@ impl PreparedBackground {
 }
 
 impl ImageBackground {
-    fn new(
+    /// The tables of the scene's image, where `previous` has them.
+    fn known(
         scene: &Scene,
         previous: Option<&PreparedBackground>,
+    ) -> Result<Option<Arc<RadianceImage>>, SceneError> {
+        let map = scene.background_image()?;
+        Ok(match previous {
+            Some(PreparedBackground::Image(known))
+                if map.is_some_and(|map| Arc::ptr_eq(known.image.map(), map)) =>
+            {
+                Some(Arc::clone(&known.image))
+            }
+            _ => None,
+        })
+    }
+
+    fn new(
+        scene: &Scene,
+        known: Option<Arc<RadianceImage>>,
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
         let (
@@ -161,12 +181,6 @@ impl ImageBackground {
         ) = (scene.background_image()?, &scene.background)
         else {
             unreachable!("only an image is prepared as one");
-        };
-        let known = match previous {
-            Some(PreparedBackground::Image(known)) if Arc::ptr_eq(known.image.map(), map) => {
-                Some(Arc::clone(&known.image))
-            }
-            _ => None,
         };
         let Some(image) = known.or_else(|| RadianceImage::new(map, cancel).map(Arc::new)) else {
             return Ok(None);

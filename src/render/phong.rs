@@ -178,6 +178,24 @@ mod tests {
         }
     }
 
+    /// As many as there are values to compute, and none where nothing is specular.
+    #[test]
+    fn powers_are_taken_for_the_specular_lobe_only() {
+        let (mirror, wi) = (Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
+        let powers = |phong: Phong| {
+            let before = robust::POWERS.get();
+            let _ = phong.reflected(PhongModel::Modified, mirror, wi, wi.z);
+            let _ = phong.reflected(PhongModel::Classic, mirror, wi, wi.z);
+            let _ = phong.response(mirror, wi, wi.z);
+            let sampled = phong.sample(Vec3::Z, mirror, Vec2::new(0.3, 0.6));
+            assert!(sampled.is_some());
+            robust::POWERS.get() - before
+        };
+        assert_eq!(powers(phong(0.5, 0.0, 9.0)), 0);
+        assert_eq!(powers(phong(0.0, 0.5, 9.0)), 4);
+        assert_eq!(powers(phong(0.5, 0.5, 9.0)), 4);
+    }
+
     #[test]
     fn the_lobe_ends_at_a_right_angle() {
         let behind = Vec3::new(-0.8, 0.0, 0.6);

@@ -2,8 +2,7 @@
 
 use super::geometry::is_nothing;
 use crate::scene::{
-    Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene,
-    SceneError, Shadows,
+    Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene, SceneError, Shadows,
 };
 
 /// Work that a scene may not need. Where it does not, the picture is the same with and without.
@@ -13,6 +12,8 @@ pub enum Feature {
     PixelPoints,
     /// A point on the lens.
     Lens,
+    /// A ray from the eye for every sample of a pixel.
+    EyeRays,
     /// Looking for light at all.
     Light,
     /// Aiming at lights and emitters, or at an image of the sky.
@@ -35,9 +36,10 @@ pub enum Feature {
 
 impl Feature {
     /// All, as a sample comes to them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::PixelPoints,
         Self::Lens,
+        Self::EyeRays,
         Self::Light,
         Self::Aiming,
         Self::ShadowRays,
@@ -55,7 +57,7 @@ impl Feature {
         let is_direct = mode == Mode::Direct;
         let is_path = mode == Mode::Path;
         match self {
-            Self::PixelPoints | Self::Lens => true,
+            Self::PixelPoints | Self::Lens | Self::EyeRays => true,
             Self::Light | Self::Aiming | Self::DarkRays => is_direct || is_path,
             Self::ShadowRays | Self::LightPoints | Self::GlassShadows => is_direct,
             Self::Occlusion => is_direct || mode == Mode::Ao,
@@ -66,7 +68,7 @@ impl Feature {
     /// What is done wherever it is.
     fn takes(self) -> &'static [Self] {
         match self {
-            Self::PixelPoints | Self::Lens | Self::Light => &[],
+            Self::PixelPoints | Self::Lens | Self::EyeRays | Self::Light => &[],
             Self::Aiming | Self::Occlusion | Self::LastRays | Self::Roulette => &[Self::Light],
             Self::ShadowRays | Self::LightPoints => &[Self::Light, Self::Aiming],
             Self::GlassShadows => &[Self::Light, Self::Aiming, Self::ShadowRays],
@@ -80,6 +82,7 @@ impl Feature {
         match self {
             Self::PixelPoints => "points within a pixel",
             Self::Lens => "points on a lens",
+            Self::EyeRays => "rays from the eye, again",
             Self::Light => "looking for light",
             Self::Aiming => "aiming at lights",
             Self::ShadowRays => "shadow rays",
@@ -121,7 +124,7 @@ impl Plan {
     /// What `scene` needs.
     ///
     /// # Errors
-    /// When an object has a material that there is not.
+    /// When an object has a material that there is not, or the background an image that was not loaded.
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
         let needed = reasons(scene)?
             .into_iter()
@@ -173,7 +176,7 @@ impl Plan {
 /// All features, and why a render of `scene` leaves each out; `None` where it is needed.
 ///
 /// # Errors
-/// When an object has a material that there is not.
+/// When an object has a material that there is not, or the background an image that was not loaded.
 pub fn reasons(
     scene: &Scene,
 ) -> Result<[(Feature, Option<&'static str>); Feature::ALL.len()], SceneError> {
@@ -185,7 +188,9 @@ pub fn reasons(
 struct Facts<'a> {
     settings: &'a RenderSettings,
     camera: &'a Camera,
-    background: &'a Background,
+    is_background_black: bool,
+    /// Whether the background is an image that gives light.
+    has_sky_image: bool,
     /// Of objects that are there.
     materials: Vec<Material>,
     /// Those that shine.
@@ -207,10 +212,14 @@ impl<'a> Facts<'a> {
         let materials = solid.map(|object| scene.material_of(object));
         let mut materials: Vec<_> = materials.collect::<Result<_, _>>()?;
         materials.retain(|material| !is_nothing(material, &scene.render));
+        let image = scene.background_image()?;
+        let is_background_black =
+            scene.background.is_black() || image.is_some_and(|image| image.is_black());
         Ok(Self {
             settings: &scene.render,
             camera: &scene.camera,
-            background: &scene.background,
+            is_background_black,
+            has_sky_image: image.is_some() && !is_background_black,
             materials,
             lights: scene.lights.iter().filter(|light| light.shines()).collect(),
         })
@@ -234,10 +243,18 @@ impl<'a> Facts<'a> {
                 ),
                 (!settings.depth_of_field, "render.depth_of_field is off"),
             ]),
-            Feature::Light => first_of(&[
-                (!self.shows_light(), "the mode shows no light"),
+            Feature::EyeRays => first_of(&[
+                (settings.samples_per_pixel == 1, "there is one sample"),
                 (
-                    !self.has_source() && self.background.is_black(),
+                    self.reason_against(Feature::PixelPoints).is_some()
+                        && self.reason_against(Feature::Lens).is_some(),
+                    "all samples of a pixel look along one line",
+                ),
+            ]),
+            Feature::Light => first_of(&[
+                (!settings.mode.shows_light(), "the mode shows no light"),
+                (
+                    !self.has_source() && self.is_background_black,
                     "nothing shines",
                 ),
             ]),
@@ -251,7 +268,7 @@ impl<'a> Facts<'a> {
                     "the mode has no ambient light",
                 ),
                 (
-                    self.is_direct() && self.background.is_black(),
+                    self.is_direct() && self.is_background_black,
                     "the background is black",
                 ),
                 (
@@ -259,9 +276,7 @@ impl<'a> Facts<'a> {
                     "nothing reflects diffusely",
                 ),
                 (
-                    self.is_direct()
-                        && !settings.ambient_occlusion.enabled
-                        && !self.has_sky_image(),
+                    self.is_direct() && !settings.ambient_occlusion.enabled && !self.has_sky_image,
                     "render.ambient_occlusion is off",
                 ),
             ]),
@@ -277,7 +292,7 @@ impl<'a> Facts<'a> {
         }
         match feature {
             Feature::Aiming => first_of(&[
-                (!self.shows_light(), "the mode shows no light"),
+                (!settings.mode.shows_light(), "the mode shows no light"),
                 (
                     self.is_path()
                         && settings.light_sampling == LightSampling::Bsdf
@@ -285,7 +300,7 @@ impl<'a> Facts<'a> {
                     "render.light_sampling is bsdf",
                 ),
                 (
-                    !(self.has_source() || self.is_path() && self.has_sky_image()),
+                    !(self.has_source() || self.is_path() && self.has_sky_image),
                     "no light or emitter shines",
                 ),
             ]),
@@ -325,13 +340,13 @@ impl<'a> Facts<'a> {
                 (
                     !self.has_emitter()
                         && !self.lights.iter().any(|light| light.is_visible())
-                        && self.background.is_black(),
+                        && self.is_background_black,
                     "nothing that shines can be met",
                 ),
                 // A background that is no image is not aimed at.
                 (
                     settings.light_sampling == LightSampling::Nee
-                        && (self.has_sky_image() || self.background.is_black()),
+                        && (self.has_sky_image || self.is_background_black),
                     "render.light_sampling is nee",
                 ),
             ]),
@@ -355,14 +370,6 @@ impl<'a> Facts<'a> {
 
     fn is_direct(&self) -> bool {
         self.settings.mode == Mode::Direct
-    }
-
-    fn shows_light(&self) -> bool {
-        self.is_path() || self.is_direct()
-    }
-
-    fn has_sky_image(&self) -> bool {
-        matches!(self.background, Background::Image { .. })
     }
 
     /// Whether a light or an object shines.

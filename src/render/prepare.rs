@@ -63,6 +63,9 @@ pub(super) enum Seen<'a> {
     Background,
 }
 
+/// Where one sample of each of some pixels begins, in their order; `None` beyond the last pixel.
+pub(super) type CameraSamples = [Option<CameraSample>; Packet::MOST_RAYS];
+
 /// Where a sample of a pixel begins: everything up to what it sees first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraSample {
@@ -241,13 +244,22 @@ impl PreparedScene {
         Some(self.geometry.object_of(hit.triangle))
     }
 
-    /// Where sample `index` of each of `pixels`, at most [`Packet::MOST_RAYS`] near each other, begins, in their order.
+    /// Where sample `index` of each of `pixels`, at most [`Packet::MOST_RAYS`] near each other, begins. `before`: where another
+    /// sample of the same pixels did.
     pub(super) fn camera_samples(
         &self,
         pixels: &[(u32, u32)],
         index: u32,
+        before: Option<&CameraSamples>,
         tally: &mut impl Tally,
-    ) -> [Option<CameraSample>; Packet::MOST_RAYS] {
+    ) -> CameraSamples {
+        if let Some(before) = before.filter(|_| !self.does(Feature::EyeRays)) {
+            let mut samples = *before;
+            for (sample, &pixel) in samples.iter_mut().flatten().zip(pixels) {
+                sample.sampler = self.sampler(pixel, index);
+            }
+            return samples;
+        }
         let mut samples = [None; Packet::MOST_RAYS];
         let mut rays = [(Ray::new(Vec3::ZERO, Vec3::X), f32::INFINITY); Packet::MOST_RAYS];
         let mut count = 0;
@@ -283,15 +295,19 @@ impl PreparedScene {
     }
 
     /// Sample `index` of a pixel, before it is known what it hits.
-    fn begun(&self, (x, y): (u32, u32), index: u32, tally: &mut impl Tally) -> CameraSample {
-        let sampler = Sampler::new(self.settings.seed, x, y, index);
-        let (eye, direction) = self.line_of_sight((x, y), &sampler, tally);
+    fn begun(&self, pixel: (u32, u32), index: u32, tally: &mut impl Tally) -> CameraSample {
+        let sampler = self.sampler(pixel, index);
+        let (eye, direction) = self.line_of_sight(pixel, &sampler, tally);
         CameraSample {
             sampler,
             direction: direction.as_vec3(),
             ray: self.camera.ray_from(eye, direction),
             hit: None,
         }
+    }
+
+    fn sampler(&self, (x, y): (u32, u32), index: u32) -> Sampler {
+        Sampler::new(self.settings.seed, x, y, index)
     }
 
     /// Where a sample of a pixel looks from, and along which unit vector, in prepared units.

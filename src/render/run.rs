@@ -48,8 +48,8 @@ impl RunConfig {
 /// Rays by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayCounts {
-    /// From the eye: one per sample, also where it misses the scene's box. None where it is [known](super::PrimaryHitStore) what they
-    /// hit.
+    /// From the eye: one per sample, also where it misses the scene's box; one for all samples that a pass takes of a pixel, where they
+    /// look along one line. None where it is [known](super::PrimaryHitStore) what they hit.
     pub camera: u64,
     /// To a light.
     pub shadow: u64,

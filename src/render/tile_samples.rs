@@ -200,9 +200,10 @@ pub fn sample_tile<K: Kernel>(
             }
             left_count = kept;
             let pixels = &pixels[..count];
+            let mut before = None;
             for index in together.first..together.first + together.count {
                 note.set((pixels[0], index));
-                let begun = scene.camera_samples(pixels, index, &mut tally);
+                let begun = scene.camera_samples(pixels, index, before.as_ref(), &mut tally);
                 for (&(x, y), begun) in pixels.iter().zip(begun.iter().flatten()) {
                     if stops.is_asked() {
                         return None;
@@ -218,6 +219,7 @@ pub fn sample_tile<K: Kernel>(
                     }
                     sums.add(place(x, y), layers, &sample, few(traced));
                 }
+                before = Some(begun);
             }
             taken += count as u64 * u64::from(together.count);
         }
@@ -257,7 +259,7 @@ pub fn coarse_tile(
             );
             note.set(((x, y), 0));
             let mut rays = RayCounts::default();
-            let [begun, ..] = scene.camera_samples(&[(x, y)], 0, &mut rays);
+            let [begun, ..] = scene.camera_samples(&[(x, y)], 0, None, &mut rays);
             let begun = begun.expect("there is one pixel");
             let sample = scene.gathered::<Plain>(&begun, &mut rays);
             for row in top..bottom {

@@ -5,7 +5,6 @@ use super::prepare::{PreparedScene, Seen};
 use super::surface::SurfacePoint;
 use super::tally::{NotedEnd, NotedRay, RayPurpose, WorkTally};
 use crate::math::{DVec3, Vec3};
-use crate::scene::Mode;
 
 /// A camera sample taken again, in the units of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,7 +127,7 @@ pub fn trace_sample(
     }
     let scene = &scene.without_primary_hits();
     let mut tally = WorkTally::default();
-    let [begun, ..] = scene.camera_samples(&[(x, y)], sample, &mut tally);
+    let [begun, ..] = scene.camera_samples(&[(x, y)], sample, None, &mut tally);
     let begun = begun.expect("there is one pixel");
     let mut gathered = scene.gathered::<Watched>(&begun, &mut tally);
     if let Some(most) = scene.clamp() {
@@ -176,7 +175,7 @@ fn traced(scene: &PreparedScene, purpose: RayPurpose, noted: &NotedRay) -> Trace
     };
     let (passed, met) = match end {
         // False colours look through lights.
-        NotedEnd::Nearest(hit) if !matches!(scene.settings().mode, Mode::Direct | Mode::Path) => {
+        NotedEnd::Nearest(hit) if !scene.settings().mode.shows_light() => {
             let point = hit.map(|hit| scene.surface(&ray, &hit));
             let met = point.map_or(Met::Nothing, |point| Met::Surface(surface(&point)));
             (None, met)

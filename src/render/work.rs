@@ -29,13 +29,15 @@ impl Work {
     ) -> Self {
         let mut work = Self::default();
         for pixel in pixels {
+            let mut before = None;
             for sample in 0..samples {
                 let mut tally = WorkTally::default();
-                let begun = scene.camera_samples(&[pixel], sample, &mut tally);
+                let begun = scene.camera_samples(&[pixel], sample, before.as_ref(), &mut tally);
                 for begun in begun.iter().flatten() {
                     let _ = scene.gathered::<Watched>(begun, &mut tally);
                     work.samples += 1;
                 }
+                before = Some(begun);
                 work.rays.add(&tally.counts);
                 for (sum, draws) in work.draws.iter_mut().zip(tally.draws) {
                     *sum += draws;

@@ -7,6 +7,8 @@ pub struct RadianceMap {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 3]>,
+    /// Whether all values are 0.
+    is_black: bool,
 }
 
 impl RadianceMap {
@@ -46,6 +48,7 @@ impl RadianceMap {
         let map = Self {
             width,
             height,
+            is_black: pixels.iter().all(|pixel| *pixel == [0.0; 3]),
             pixels,
         };
         (map, count)
@@ -61,6 +64,12 @@ impl RadianceMap {
     #[must_use]
     pub fn height(&self) -> u32 {
         self.height
+    }
+
+    /// Whether no pixel gives light.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        self.is_black
     }
 
     /// All pixels, row by row from the top left.
@@ -102,6 +111,9 @@ mod tests {
         assert_eq!(count, 2);
         assert_eq!(map.row(0), [[1.0, 2.0, 3.0], [0.0, 2.0, 0.0]]);
         assert_eq!(map.row(1), [[0.0, 0.0, 0.5], [0.0, 0.0, 0.0]]);
+        assert!(!map.is_black());
+        let (map, _) = RadianceMap::cleaned(1, 1, vec![[f32::NAN, -1.0, -0.0]]);
+        assert!(map.is_black());
     }
 
     #[test]

@@ -206,6 +206,14 @@ pub enum Mode {
     Object,
 }
 
+impl Mode {
+    /// Whether a pixel holds light, rather than a false colour.
+    #[must_use]
+    pub const fn shows_light(self) -> bool {
+        matches!(self, Self::Direct | Self::Path)
+    }
+}
+
 impl Choice for Mode {
     const ALL: &'static [(Self, &'static str)] = &[
         (Self::Direct, "direct"),

@@ -34,7 +34,7 @@ pub fn examine(
     prepared: &PreparedScene,
     cancel: &CancelToken,
 ) -> Result<Option<Vec<Hazard>>, SceneError> {
-    if !matches!(scene.render.mode, Mode::Direct | Mode::Path) {
+    if !scene.render.mode.shows_light() {
         return Ok(Some(Vec::new()));
     }
     let bounces = pilot_scene.render.max_bounces;

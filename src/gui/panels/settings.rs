@@ -252,7 +252,7 @@ pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
         Mode::Ao => occlusion_rays_ui(ui, settings),
         _ => {}
     }
-    if matches!(settings.mode, Mode::Direct | Mode::Path) {
+    if settings.mode.shows_light() {
         switch_row_ui(
             ui,
             "Mirror",
@@ -274,7 +274,7 @@ pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             0.1,
         );
     }
-    if matches!(settings.mode, Mode::Direct | Mode::Path) {
+    if settings.mode.shows_light() {
         clamp_ui(ui, settings);
     }
     switch_row_ui(

@@ -4,9 +4,7 @@ use std::sync::{Arc, LazyLock};
 use super::StructureChoice;
 use crate::geometry::TriangleMesh;
 use crate::math::Degrees;
-use crate::scene::{
-    Copies, Material, Mode, Object, Placement, RenderSettings, Rgb, Scene, SceneError,
-};
+use crate::scene::{Copies, Material, Object, Placement, RenderSettings, Rgb, Scene, SceneError};
 
 /// Everything geometry is made from, kept to tell whether a changed scene needs new geometry.
 #[derive(Debug, PartialEq)]
@@ -50,7 +48,7 @@ pub fn is_nothing(material: &Material, settings: &RenderSettings) -> bool {
         ior: 1.0,
         attenuation: Rgb::ZERO,
     };
-    *material == clear && settings.glass && matches!(settings.mode, Mode::Direct | Mode::Path)
+    *material == clear && settings.glass && settings.mode.shows_light()
 }
 
 impl GeometryOrigin {
