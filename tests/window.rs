@@ -10,6 +10,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raymini::control::{CancelToken, Progress};
+use raymini::gui::costs::CostState;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::messages::Severity;
 use raymini::gui::picture::Outcome;
@@ -438,6 +439,36 @@ fn the_plan_is_shown_and_another_light_keeps_the_rays_from_the_eye() {
     assert_eq!(window.scene().lights.len(), 2);
     assert_eq!(camera_rays(&window), 0);
     assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+/// Costs are measured beside the window, given up for a render, and told to be old when the scene has changed.
+#[test]
+fn costs_are_measured_and_give_way_to_a_render() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.operate("Plan");
+    window.operate("Measure costs");
+    assert!(matches!(window.app().costs(), CostState::Measuring(_)));
+    assert!(window.has("Cancel measuring"));
+    window.render();
+    assert!(matches!(window.app().costs(), CostState::Unknown));
+    window.press(Modifiers::NONE, Key::F7);
+    window.operate("Cancel measuring");
+    assert!(matches!(window.app().costs(), CostState::Unknown));
+
+    window.operate("Measure costs");
+    window.until("costs are known", |app| {
+        matches!(app.costs(), CostState::Known { .. })
+    });
+    let CostState::Known { costs, .. } = window.app().costs() else {
+        unreachable!("as was waited for");
+    };
+    let mut effects = costs.effects.iter();
+    assert!(effects.any(|(effect, _)| effect.name() == "shadows"));
+    assert!(window.says("Part of the time") && window.says("What is left out would add"));
+    assert!(!window.says("before the last changes"));
+    window.operate("Anti-aliasing");
+    assert!(window.says("before the last changes"));
 }
 
 /// Exposure changes what is shown and saved, at once and without rendering again.

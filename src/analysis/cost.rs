@@ -157,21 +157,34 @@ pub struct Costs {
     pub pairs: usize,
 }
 
+impl Costs {
+    /// Everything that is left out, in words, and what it would add.
+    pub fn left_out(&self) -> impl Iterator<Item = (&'static str, Share)> {
+        let savings = self
+            .savings
+            .iter()
+            .map(|(feature, share)| (feature.name(), *share));
+        let layers = self.layers.map(|share| ("layers", share));
+        let again = "rays from the eye, after an edit in the window";
+        let primary_rays = self.primary_rays.map(|share| (again, share));
+        savings.chain(layers).chain(primary_rays)
+    }
+}
+
 /// A scene whose renders are short enough to be timed often, and long enough to be timed.
 #[derive(Debug)]
 pub struct Trial {
     scene: Scene,
     prepared: PreparedScene,
-    /// What the whole picture takes at this rate on one thread.
-    pub estimated_seconds: f64,
+    cancel: CancelToken,
 }
 
 impl Trial {
-    /// Finds a size at which a render takes as long as it must.
+    /// Finds a size at which a render takes as long as it must. `None` when cancelled, as everything that it is asked for then.
     ///
     /// # Errors
     /// What about the description cannot be rendered.
-    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+    pub fn new(scene: &Scene, cancel: &CancelToken) -> Result<Option<Self>, SceneError> {
         let mut small = scene.clone();
         small.render.stop = Stop::default();
         let samples = scene.render.samples_per_pixel;
@@ -181,18 +194,62 @@ impl Trial {
         loop {
             small.render.width = scene.render.width.div_ceil(divisor);
             small.render.height = scene.render.height.div_ceil(divisor);
-            let prepared = prepare(&small, previous.as_ref())?;
-            let seconds = seconds_of(&prepared, &alone());
+            let prepared = PreparedScene::prepare(&small, previous.as_ref(), cancel)?;
+            let Some(prepared) = prepared else {
+                return Ok(None);
+            };
+            let trial = Self {
+                scene: small.clone(),
+                prepared,
+                cancel: cancel.clone(),
+            };
+            let Some(seconds) = Self::seconds_of(&trial.prepared, &trial.alone()) else {
+                return Ok(None);
+            };
             if seconds >= LEAST_SECONDS || divisor == 1 {
-                return Ok(Self {
-                    estimated_seconds: estimated_seconds(scene, &prepared)?,
-                    scene: small,
-                    prepared,
-                });
+                return Ok(Some(trial));
             }
             divisor /= 2;
-            previous = Some(prepared);
+            previous = Some(trial.prepared);
         }
+    }
+
+    /// What the whole picture of `scene`, whose trial this is, takes on one thread, by some of its tiles spread over it: rays that are
+    /// as near each other as in the whole.
+    ///
+    /// # Errors
+    /// What about the description cannot be rendered.
+    pub fn estimated_seconds(&self, scene: &Scene) -> Result<Option<f64>, SceneError> {
+        let mut scene = scene.clone();
+        scene.render.stop = Stop::default();
+        let samples = scene.render.samples_per_pixel;
+        scene.render.samples_per_pixel = samples.min(MOST_SAMPLES);
+        let (width, height) = (scene.render.width, scene.render.height);
+        let Some(prepared) = self.prepare(&scene)? else {
+            return Ok(None);
+        };
+        let place = |number: u32, size: u32| (2 * number + 1) * (size / (2 * TILES)).min(size);
+        let (mut seconds, mut pixels) = (0.0, 0);
+        for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column)))
+        {
+            let (x, y) = (place(column, width), place(row, height));
+            let region = Region {
+                x,
+                y,
+                width: TILE_SIDE.min(width - x),
+                height: TILE_SIDE.min(height - y),
+            };
+            let progress = RenderProgress::default();
+            let Some(outcome) = render(&prepared, Some(region), &self.alone(), &progress, None)
+            else {
+                return Ok(None);
+            };
+            seconds += outcome.stats.cpu_seconds;
+            pixels += region.pixel_count();
+        }
+        let all = scene.render.pixel_count() as f64 * f64::from(samples);
+        let taken = pixels as f64 * f64::from(scene.render.samples_per_pixel);
+        Ok(Some(seconds * all / taken))
     }
 
     /// Measures everything in `pairs` pairs. `is_done` is told how many of how many measurements are done.
@@ -206,7 +263,7 @@ impl Trial {
         &self,
         pairs: usize,
         mut is_done: impl FnMut(usize, usize),
-    ) -> Result<Costs, SceneError> {
+    ) -> Result<Option<Costs>, SceneError> {
         let effects: Vec<_> = Effect::ALL
             .into_iter()
             .filter(|effect| effect.is_in(&self.scene))
@@ -217,7 +274,11 @@ impl Trial {
             .filter(|feature| !plan.needs(*feature) && feature.is_of(self.scene.render.mode))
             .collect();
         let has_layers = !self.prepared.layers().is_empty();
-        let all = effects.len() + left_out.len() + usize::from(has_layers);
+        let store = PrimaryHitStore::default();
+        let known = self.prepared.clone().with_primary_hits(&store);
+        let keeps_hits = known.keeps_primary_hits();
+        let all =
+            effects.len() + left_out.len() + usize::from(has_layers) + usize::from(keeps_hits);
         let mut done = 0;
         let mut tell = || {
             done += 1;
@@ -230,79 +291,94 @@ impl Trial {
             primary_rays: None,
             pairs,
         };
+        let plain = &self.prepared;
+        let added = |plain: f64, with: f64| with / plain - 1.0;
         for effect in effects {
-            let without = prepare(&effect.removed_from(&self.scene), Some(&self.prepared))?;
-            let share = compare(
-                &self.prepared,
-                &without,
-                &alone(),
-                pairs,
-                |plain, without| 1.0 - without / plain,
-            );
+            let Some(without) = self.prepare(&effect.removed_from(&self.scene))? else {
+                return Ok(None);
+            };
+            let part = |plain: f64, without: f64| 1.0 - without / plain;
+            let Some(share) = self.compare(plain, &without, &self.alone(), pairs, part) else {
+                return Ok(None);
+            };
             costs.effects.push((effect, share));
             tell();
         }
-        let added = |plain: f64, with: f64| with / plain - 1.0;
         for feature in left_out {
-            let with = self.prepared.clone().with_plan(plan.forcing(feature));
-            let hash = |scene: &PreparedScene| picture_hash(scene);
-            assert_eq!(
-                hash(&with),
-                hash(&self.prepared),
-                "{feature:?} changes the picture"
-            );
-            costs.savings.push((
-                feature,
-                compare(&self.prepared, &with, &alone(), pairs, added),
-            ));
+            let with = plain.clone().with_plan(plan.forcing(feature));
+            let hashes = [&with, plain].map(|scene| self.picture_hash(scene));
+            let [Some(hash), Some(expected)] = hashes else {
+                return Ok(None);
+            };
+            assert_eq!(hash, expected, "{feature:?} changes the picture");
+            let Some(share) = self.compare(plain, &with, &self.alone(), pairs, added) else {
+                return Ok(None);
+            };
+            costs.savings.push((feature, share));
             tell();
         }
         if has_layers {
             let with_layers = RunConfig {
                 layers: true,
-                ..alone()
+                ..self.alone()
             };
-            costs.layers = Some(compare(
-                &self.prepared,
-                &self.prepared,
-                &with_layers,
-                pairs,
-                added,
-            ));
+            costs.layers = self.compare(plain, plain, &with_layers, pairs, added);
             tell();
         }
-        let store = PrimaryHitStore::default();
-        let known = self.prepared.clone().with_primary_hits(&store);
-        if known.keeps_primary_hits() {
-            let _ = seconds_of(&known, &alone());
-            let again = compare(&known, &self.prepared, &alone(), pairs, added);
-            costs.primary_rays = Some(again);
+        if keeps_hits {
+            let _ = Self::seconds_of(&known, &self.alone());
+            costs.primary_rays = self.compare(&known, plain, &self.alone(), pairs, added);
+            tell();
         }
-        Ok(costs)
+        Ok((!self.cancel.is_cancelled()).then_some(costs))
     }
-}
 
-/// Renders `plain` and `other` in turns.
-fn compare(
-    plain: &PreparedScene,
-    other: &PreparedScene,
-    run: &RunConfig,
-    pairs: usize,
-    share: impl Fn(f64, f64) -> f64,
-) -> Share {
-    let pair = |number: usize| {
-        let plain = || seconds_of(plain, &alone());
-        let changed = || seconds_of(other, run);
-        // Either is first as often.
-        if number.is_multiple_of(2) {
-            let first = plain();
-            share(first, changed())
-        } else {
-            let first = changed();
-            share(plain(), first)
+    /// Renders `plain` and `other` in turns. `None` when cancelled.
+    fn compare(
+        &self,
+        plain: &PreparedScene,
+        other: &PreparedScene,
+        run: &RunConfig,
+        pairs: usize,
+        share: impl Fn(f64, f64) -> f64,
+    ) -> Option<Share> {
+        let plain = || Self::seconds_of(plain, &self.alone());
+        let changed = || Self::seconds_of(other, run);
+        let pair = |number: usize| {
+            // Either is first as often.
+            if number.is_multiple_of(2) {
+                let first = plain()?;
+                Some(share(first, changed()?))
+            } else {
+                let first = changed()?;
+                Some(share(plain()?, first))
+            }
+        };
+        (0..pairs).map(pair).collect::<Option<_>>().map(Share::of)
+    }
+
+    fn alone(&self) -> RunConfig {
+        RunConfig {
+            threads: 1,
+            cancel: self.cancel.clone(),
+            ..RunConfig::default()
         }
-    };
-    Share::of((0..pairs).map(pair).collect())
+    }
+
+    fn prepare(&self, scene: &Scene) -> Result<Option<PreparedScene>, SceneError> {
+        PreparedScene::prepare(scene, Some(&self.prepared), &self.cancel)
+    }
+
+    /// Processor time of a render.
+    fn seconds_of(scene: &PreparedScene, run: &RunConfig) -> Option<f64> {
+        let outcome = render(scene, None, run, &RenderProgress::default(), None)?;
+        Some(outcome.stats.cpu_seconds)
+    }
+
+    fn picture_hash(&self, scene: &PreparedScene) -> Option<String> {
+        let outcome = render(scene, None, &self.alone(), &RenderProgress::default(), None)?;
+        Some(outcome.image.hash())
+    }
 }
 
 impl Share {
@@ -337,62 +413,6 @@ fn ranks_outside(count: usize) -> usize {
         probability *= (count - rank) as f64 / (rank + 1) as f64;
     }
     (count / 2).saturating_sub(1)
-}
-
-/// What the whole picture takes, by some of its tiles spread over it: rays that are as near each other as in the whole.
-fn estimated_seconds(scene: &Scene, previous: &PreparedScene) -> Result<f64, SceneError> {
-    let mut scene = scene.clone();
-    scene.render.stop = Stop::default();
-    let samples = scene.render.samples_per_pixel;
-    scene.render.samples_per_pixel = samples.min(MOST_SAMPLES);
-    let (width, height) = (scene.render.width, scene.render.height);
-    let prepared = prepare(&scene, Some(previous))?;
-    let place = |number: u32, size: u32| (2 * number + 1) * (size / (2 * TILES)).min(size);
-    let (mut seconds, mut pixels) = (0.0, 0);
-    for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {
-        let (x, y) = (place(column, width), place(row, height));
-        let region = Region {
-            x,
-            y,
-            width: TILE_SIDE.min(width - x),
-            height: TILE_SIDE.min(height - y),
-        };
-        let outcome = render(
-            &prepared,
-            Some(region),
-            &alone(),
-            &RenderProgress::default(),
-            None,
-        );
-        seconds += outcome.expect("nobody cancels").stats.cpu_seconds;
-        pixels += region.pixel_count();
-    }
-    let all = scene.render.pixel_count() as f64 * f64::from(samples);
-    let taken = pixels as f64 * f64::from(scene.render.samples_per_pixel);
-    Ok(seconds * all / taken)
-}
-
-fn alone() -> RunConfig {
-    RunConfig {
-        threads: 1,
-        ..RunConfig::default()
-    }
-}
-
-fn prepare(scene: &Scene, previous: Option<&PreparedScene>) -> Result<PreparedScene, SceneError> {
-    let prepared = PreparedScene::prepare(scene, previous, &CancelToken::new())?;
-    Ok(prepared.expect("nobody cancels"))
-}
-
-/// Processor time of a render.
-fn seconds_of(scene: &PreparedScene, run: &RunConfig) -> f64 {
-    let outcome = render(scene, None, run, &RenderProgress::default(), None);
-    outcome.expect("nobody cancels").stats.cpu_seconds
-}
-
-fn picture_hash(scene: &PreparedScene) -> String {
-    let outcome = render(scene, None, &alone(), &RenderProgress::default(), None);
-    outcome.expect("nobody cancels").image.hash()
 }
 
 #[cfg(test)]

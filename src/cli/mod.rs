@@ -6,6 +6,7 @@ mod bench;
 mod check;
 mod checkpoint;
 mod compare;
+mod costs;
 mod info;
 mod plan;
 mod render;

@@ -5,14 +5,18 @@ use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
 use clap::Args;
+use clap::builder::RangedI64ValueParser;
 use serde::Serialize;
 
-use crate::analysis::cost::{Costs, Share, Trial};
+use super::costs::{LEAST_PAIRS, MeasuredCosts};
+use crate::analysis::cost::Trial;
 use crate::control::CancelToken;
 use crate::io;
 use crate::render::{Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, reasons};
 use crate::scene::{Choice, Scene};
 
+/// Pairs of renders for an estimate of what effects cost.
+const ROUGH_PAIRS: u16 = 3;
 /// Along each side of the picture so many pixels are looked at.
 const LOOKS: u32 = 24;
 
@@ -35,9 +39,10 @@ pub struct PlanArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     assignments: Vec<String>,
 
-    /// Measure what each effect costs and what leaving out saves, by so many pairs of small renders
+    /// Measure what each effect costs and what leaving out saves by so many pairs of small renders, with intervals, in place of a
+    /// rough estimate
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
-          value_parser = clap::value_parser!(u16).range(6..=1000))]
+          value_parser = pairs_parser())]
     measure: Option<u16>,
 
     /// Print the facts as JSON
@@ -76,8 +81,7 @@ struct Facts {
     bytes: Bytes,
     /// On one thread.
     estimated_cpu_seconds: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    measured: Option<Measured>,
+    costs: MeasuredCosts,
 }
 
 /// Means over samples spread over the picture.
@@ -98,23 +102,6 @@ struct Bytes {
     picture: u64,
 }
 
-#[derive(Debug, Serialize)]
-struct Measured {
-    pairs: usize,
-    /// Of the time of a render.
-    effects: Vec<MeasuredShare>,
-    /// What it would add to that time.
-    left_out: Vec<MeasuredShare>,
-}
-
-#[derive(Debug, Serialize)]
-struct MeasuredShare {
-    name: &'static str,
-    share: f64,
-    /// 95 % confidence.
-    interval: [f64; 2],
-}
-
 pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let cancel = CancelToken::new();
     let mut loaded = super::load(arguments.scene.as_deref())?;
@@ -125,18 +112,11 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let scene = &loaded.scene;
     let prepared = PreparedScene::prepare(scene, None, &cancel)?
         .ok_or_else(|| anyhow!("preparing was cancelled"))?;
-    let trial = Trial::new(scene)?;
-    let measured = match arguments.measure {
-        Some(pairs) => {
-            let costs = trial.costs(pairs.into(), |done, all| {
-                if !arguments.json {
-                    eprintln!("measured {done} of {all}");
-                }
-            })?;
-            Some(Measured::from(costs))
-        }
-        None => None,
-    };
+    let trial = Trial::new(scene, &cancel)?;
+    let trial = trial.ok_or_else(|| anyhow!("measuring was cancelled"))?;
+    let pairs = arguments.measure.unwrap_or(ROUGH_PAIRS);
+    let costs = MeasuredCosts::of(&trial, pairs)?;
+    let seconds = trial.estimated_seconds(scene)?;
     let facts = Facts {
         mode: scene.render.mode.name(),
         width: scene.render.width,
@@ -149,14 +129,19 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             normals: prepared.geometry().normal_bytes(),
             picture: PictureMemory::of_render(&prepared, None, &RunConfig::default()).bytes(),
         },
-        estimated_cpu_seconds: trial.estimated_seconds,
-        measured,
+        estimated_cpu_seconds: seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?,
+        costs: costs.ok_or_else(|| anyhow!("measuring was cancelled"))?,
     };
     if arguments.json {
         super::say(&serde_json::to_string_pretty(&facts)?)
     } else {
         super::say(describe(&facts).trim_end())
     }
+}
+
+/// Reads a number of pairs to measure.
+pub(super) fn pairs_parser() -> RangedI64ValueParser<u16> {
+    clap::value_parser!(u16).range(i64::from(LEAST_PAIRS)..=1000)
 }
 
 impl PlanArguments {
@@ -200,31 +185,6 @@ impl PerSample {
                 .into_iter()
                 .filter(|(_, draws)| *draws > 0.0)
                 .collect(),
-        }
-    }
-}
-
-impl From<Costs> for Measured {
-    fn from(costs: Costs) -> Self {
-        let measured = |name: &'static str, share: Share| MeasuredShare {
-            name,
-            share: share.value,
-            interval: share.interval,
-        };
-        let effects = costs.effects.into_iter();
-        let savings = costs.savings.into_iter();
-        let mut left_out: Vec<_> = savings
-            .map(|(feature, share)| measured(feature.name(), share))
-            .collect();
-        left_out.extend(costs.layers.map(|share| measured("layers", share)));
-        let again = |share| measured("rays from the eye, after an edit in the window", share);
-        left_out.extend(costs.primary_rays.map(again));
-        Self {
-            pairs: costs.pairs,
-            effects: effects
-                .map(|(effect, share)| measured(effect.name(), share))
-                .collect(),
-            left_out,
         }
     }
 }
@@ -273,24 +233,6 @@ fn describe(facts: &Facts) -> String {
         "processor time: about {:.2} s",
         facts.estimated_cpu_seconds
     );
-    if let Some(measured) = &facts.measured {
-        let percent = |share: f64| format!("{:+.1} %", 100.0 * share);
-        let line = |share: &MeasuredShare| {
-            let [low, high] = share.interval.map(percent);
-            format!(
-                "{:>9}  ({low} to {high})  {}\n",
-                percent(share.share),
-                share.name
-            )
-        };
-        let _ = writeln!(
-            text,
-            "\npart of the time, medians of {} pairs (95 %):",
-            measured.pairs
-        );
-        text.extend(measured.effects.iter().map(line));
-        text += "\nwhat leaving out saves: it would add\n";
-        text.extend(measured.left_out.iter().map(line));
-    }
+    let _ = write!(text, "\n{}", facts.costs.describe());
     text
 }

@@ -11,8 +11,10 @@ use serde::{Serialize, Serializer};
 
 use super::Signals;
 use super::checkpoint::{CheckpointArguments, CheckpointFile};
+use super::costs::MeasuredCosts;
 use super::plan::PlannedFeature;
 use super::trace::TraceArguments;
+use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
 use crate::io;
 use crate::render::{
@@ -72,6 +74,11 @@ pub struct RenderArguments {
     /// Write times, counts and the picture's hash to this file as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
+
+    /// Measure afterwards what each effect of the render cost and what leaving out saved, by so many pairs of small renders
+    #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
+          value_parser = super::plan::pairs_parser())]
+    costs: Option<u16>,
 
     #[command(flatten)]
     checkpoint: CheckpointArguments,
@@ -149,6 +156,9 @@ struct Stats {
     clamped: Clamped,
     image_hash: String,
     plan: Vec<PlannedFeature>,
+    /// Where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    costs: Option<MeasuredCosts>,
 }
 
 impl Stats {
@@ -159,6 +169,7 @@ impl Stats {
         [load_seconds, build_seconds]: [f64; 2],
         hash: &str,
         plan: Vec<PlannedFeature>,
+        costs: Option<MeasuredCosts>,
     ) -> Self {
         let accelerator = scene.geometry().accelerator();
         Self {
@@ -183,6 +194,7 @@ impl Stats {
             clamped: stats.clamped,
             image_hash: hash.to_owned(),
             plan,
+            costs,
         }
     }
 }
@@ -281,6 +293,7 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
         region: None,
         assignments: Vec::new(),
         stats: None,
+        costs: None,
         checkpoint: CheckpointArguments::default(),
         trace: TraceArguments::default(),
     };
@@ -368,15 +381,26 @@ fn render_scene(
 
     let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
+    say_what_it_took(&place, image, &hash, stats, settings)?;
+    let costs = match arguments.costs.filter(|_| !is_interrupted) {
+        Some(pairs) => match Trial::new(scene, &run.interrupt)? {
+            Some(trial) => MeasuredCosts::of(&trial, pairs)?,
+            None => None,
+        },
+        None => None,
+    };
+    if let Some(costs) = &costs {
+        super::say(costs.describe().trim_end())?;
+    }
     let recorded = match &arguments.stats {
         Some(path) => {
             let plan = super::plan::facts(scene)?;
-            let facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
+            let seconds = [load_seconds, build_seconds];
+            let facts = Stats::new(stats, &prepared, seconds, &hash, plan, costs);
             write_stats(&facts, path)
         }
         None => Ok(()),
     };
-    say_what_it_took(&place, image, &hash, stats, settings)?;
     if is_interrupted {
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
     }

@@ -39,13 +39,15 @@ pub enum Command {
     Cancel,
     /// Describe, watch or look at a report of error against run time.
     Report,
+    /// Measure what effects cost and what leaving out saves.
+    MeasureCosts,
     /// Show the sheet of shortcuts.
     ShowShortcuts,
 }
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -56,6 +58,7 @@ impl Command {
         Self::Render,
         Self::Cancel,
         Self::Report,
+        Self::MeasureCosts,
         Self::FrameAll,
         Self::FrameSelected,
         Self::ResetCamera,
@@ -87,6 +90,7 @@ impl Command {
             Self::Render => "Render",
             Self::Cancel => "Cancel",
             Self::Report => "Report…",
+            Self::MeasureCosts => "Measure costs",
             Self::ShowShortcuts => "Keyboard and mouse",
         }
     }
@@ -110,7 +114,10 @@ impl Command {
             Self::TogglePanel => "Show or hide the side panel",
             Self::ToggleErrorPlot => "Plot the noise of renders against time",
             Self::Render => "Render the picture; restarts a running render",
-            Self::Cancel => "Stop the running render, report or load",
+            Self::Cancel => "Stop the running render, report, measurement or load",
+            Self::MeasureCosts => {
+                "Measure what each effect costs and what leaving out saves, for the panel Plan"
+            }
             Self::Report => "Measure how the error falls with time, over several renders",
             Self::ShowShortcuts => "Show this sheet",
         }
@@ -146,6 +153,7 @@ impl Command {
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
             Self::Report => const { &[command_shift(Key::R)] },
+            Self::MeasureCosts => const { &[plain(Key::F7)] },
             Self::ShowShortcuts => const { &[plain(Key::F1), plain(Key::Questionmark)] },
         }
     }
@@ -179,8 +187,10 @@ impl Command {
             .into_iter()
             .flat_map(|command| command.shortcuts().iter().map(move |&keys| (keys, command)))
             .filter(|(keys, _)| {
-                let is_function_key =
-                    matches!(keys.logical_key, Key::F1 | Key::F5 | Key::F8 | Key::F9);
+                let is_function_key = matches!(
+                    keys.logical_key,
+                    Key::F1 | Key::F5 | Key::F7 | Key::F8 | Key::F9
+                );
                 !typing || keys.modifiers.command || is_function_key
             })
             .collect();

@@ -41,11 +41,13 @@ pub enum Lane {
     List,
     /// Measuring error against run time.
     Report,
+    /// Measuring what effects cost.
+    Costs,
     /// Waiting for the desktop to show a folder.
     ShowFolder,
 }
 
-const LANES: usize = 10;
+const LANES: usize = 11;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

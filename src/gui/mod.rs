@@ -10,6 +10,7 @@
 //! - [`picture`]: the render as it fills in
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
+//! - [`costs`]: what effects cost
 //! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
@@ -17,6 +18,7 @@
 
 pub mod app;
 pub mod commands;
+pub mod costs;
 pub mod dialogs;
 pub mod document;
 pub mod error_colors;

@@ -62,6 +62,7 @@ impl TopBarState {
             Command::Cancel => matches!(self.phase, Phase::Rendering | Phase::Reporting),
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
             Command::Report => self.phase != Phase::Empty,
+            Command::MeasureCosts => self.phase == Phase::Ready,
             _ => true,
         }
     }
@@ -71,6 +72,9 @@ impl TopBarState {
         match command {
             Command::SavePicture | Command::ShowPicture => "There is no picture yet: press Render",
             Command::Cancel => "Nothing is rendered now",
+            Command::MeasureCosts if self.phase == Phase::Rendering => {
+                "A render is going on, and the times would spoil each other"
+            }
             _ if self.phase == Phase::Reporting => {
                 "A report is being made, and a render would spoil its times"
             }
@@ -155,6 +159,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
             }
             ui.separator();
             menu_item_ui(ui, state, Command::Report, asked);
+            menu_item_ui(ui, state, Command::MeasureCosts, asked);
         });
         // The button that renders is called Render too.
         menu.response.accessible_name("Render menu");

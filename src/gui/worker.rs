@@ -12,12 +12,14 @@ use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
+use super::costs::PAIRS;
 use super::jobs::Job;
 use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::GpuGeometry;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
 use super::report::Findings;
+use crate::analysis::cost::{Costs, Trial};
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
@@ -26,7 +28,7 @@ use crate::render::{
     self, Image, Layer, OnRound, PictureMemory, PreparedScene, PrimaryHitStore, RenderOutcome,
     RenderProgress, Round, RunConfig, TilePixels, Watch,
 };
-use crate::scene::{Object, Output, Scene};
+use crate::scene::{Object, Output, Scene, SceneError};
 
 /// What a job tells the window. Failures are sentences for the user.
 #[derive(Debug)]
@@ -78,6 +80,13 @@ pub enum Event {
         path: PathBuf,
         /// Nothing, or why not.
         result: Result<(), String>,
+    },
+    /// What effects cost was measured, or why not.
+    CostsMeasured {
+        /// Of this scene.
+        scene: Box<Scene>,
+        /// The costs.
+        result: Result<Box<Costs>, String>,
     },
     /// The desktop's file dialog is closed.
     PathsChosen(super::dialogs::files::Answer),
@@ -388,6 +397,26 @@ fn measure(job: &Job<Event>, request: ReportRequest) -> Result<Option<()>, Repor
         job.send(Event::ReportGrew(Box::new(findings)));
     })?;
     Ok(study.map(drop))
+}
+
+/// Measures what the effects of `scene` cost.
+pub fn measure_costs(job: &Job<Event>, scene: Scene, progress: &Progress) {
+    let measure = || {
+        let Some(trial) = Trial::new(&scene, &job.cancel)? else {
+            return Ok(None);
+        };
+        trial.costs(PAIRS, |done, all| {
+            progress.set_total(all as u64);
+            progress.advance(done as u64 - progress.done());
+        })
+    };
+    let measured: Result<Option<Costs>, SceneError> = measure();
+    if let Some(result) = unless_cancelled(measured) {
+        job.send(Event::CostsMeasured {
+            scene: Box::new(scene),
+            result: result.map(Box::new),
+        });
+    }
 }
 
 /// Has the desktop show `folder`.

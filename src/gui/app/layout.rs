@@ -25,6 +25,8 @@ use crate::math::DBounds;
 
 /// Time between two frames while a report is made and the user does nothing: rarely, as each frame takes time from what is measured.
 const REPORT_REFRESH: Duration = Duration::from_millis(500);
+/// The same while costs are measured, which is over sooner.
+const MEASURING_REFRESH: Duration = Duration::from_millis(250);
 
 impl App {
     /// Draws the window; returns what was asked for.
@@ -93,6 +95,9 @@ impl App {
             // Times and shares move also while nothing else happens.
             ui.ctx().request_repaint_after(self.refresh_interval());
         }
+        if self.is_measuring_costs() {
+            ui.ctx().request_repaint_after(MEASURING_REFRESH);
+        }
         if self.report.is_running() {
             ui.ctx().request_repaint_after(REPORT_REFRESH);
         }
@@ -120,6 +125,7 @@ impl App {
                                 bytes: accelerator.bytes(),
                             }
                         });
+                        let can_measure_costs = self.top_bar_state().allows(Command::MeasureCosts);
                         let mut state = PanelState {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
@@ -127,6 +133,8 @@ impl App {
                             shown_layer: &mut self.shown_layer,
                             layers: self.picture.as_ref().map_or(&[], |p| p.buffer.layers()),
                             structure,
+                            costs: &self.costs,
+                            can_measure_costs,
                             commands,
                         };
                         panels::panels_ui(ui, &mut state);

@@ -9,9 +9,11 @@
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `rendering`: preparing, rendering, showing the picture
 //! - `reporting`: error against run time
+//! - `measuring`: what effects cost
 //! - `layout`: where everything is drawn
 
 mod layout;
+mod measuring;
 mod opening;
 mod rendering;
 mod reporting;
@@ -21,6 +23,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::commands::Command;
+use super::costs::CostState;
 use super::dialogs::{Dialog, Intent};
 use super::document::Document;
 use super::error_plot::ErrorPlot;
@@ -85,6 +88,7 @@ pub struct App {
     shown_layer: Option<Layer>,
     /// A render was asked for at this time and waits for its geometry.
     waiting_render: Option<Instant>,
+    costs: CostState,
     report: ReportWindow,
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
@@ -136,6 +140,7 @@ impl App {
             error_plot: ErrorPlot::default(),
             shown_layer: None,
             waiting_render: None,
+            costs: CostState::default(),
             report: ReportWindow::default(),
             waiting_report: None,
             loading: None,
@@ -162,6 +167,12 @@ impl App {
     /// The scene being edited, for whoever edits it from outside.
     pub fn document_mut(&mut self) -> &mut Document {
         &mut self.document
+    }
+
+    /// What is known of what effects cost.
+    #[must_use]
+    pub fn costs(&self) -> &CostState {
+        &self.costs
     }
 
     /// The last render, running or ended.
@@ -271,6 +282,7 @@ impl App {
             Event::PathsChosen(answer) => self.paths_chosen(answer),
             Event::ReportGrew(findings) => self.report.set_findings(findings),
             Event::Reported(result) => self.reported(&result),
+            Event::CostsMeasured { scene, result } => self.costs_measured(scene, result),
             Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
             Event::Listed(listing) => {
                 if let Some(Dialog::Path(field)) = &mut self.dialog {
@@ -287,6 +299,7 @@ impl App {
             Lane::Render => self.end_picture(super::picture::Outcome::Failed),
             Lane::SaveScene => self.after_saving = None,
             Lane::Report => self.report.fail_by_fault(),
+            Lane::Costs => self.costs = CostState::Unknown,
             _ => {}
         }
         let text =
@@ -326,6 +339,7 @@ impl App {
             Command::Render => self.ask_for_render(),
             Command::Cancel => self.cancel(),
             Command::Report => self.show_report(ctx),
+            Command::MeasureCosts => self.measure_costs(),
             Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
         }
     }
@@ -338,12 +352,14 @@ impl App {
         self.view = View::Preview;
     }
 
-    /// Stops what runs: a render first, else a report, else loading. Where nothing runs, the window of the report closes.
+    /// Stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
     fn cancel(&mut self) {
         if self.is_rendering() {
             self.cancel_render();
         } else if self.report.is_running() {
             self.cancel_report();
+        } else if self.is_measuring_costs() {
+            self.cancel_measuring_costs();
         } else if self.loading.take().is_some() {
             self.jobs.cancel(Lane::Load);
             self.messages.news("Loading cancelled");

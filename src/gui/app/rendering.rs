@@ -86,6 +86,7 @@ impl App {
         if self.picture.as_ref().is_some_and(Picture::is_running) {
             self.cancel_render();
         }
+        self.cancel_measuring_costs();
         self.messages.news("");
         self.waiting_render = Some(Instant::now());
         self.update_background_work();

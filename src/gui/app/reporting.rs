@@ -35,6 +35,7 @@ impl App {
             None => {}
             Some(Asked::Start { folder, options }) => {
                 self.cancel_render();
+                self.cancel_measuring_costs();
                 self.waiting_report = Some(ReportRequest {
                     scene: self.document.scene.clone(),
                     scene_name: self.document.name().to_owned(),

@@ -16,6 +16,7 @@ pub(super) use background::with_image;
 pub(super) use settings::StructureInUse;
 
 use super::commands::Command;
+use super::costs::CostState;
 use super::selection::Selection;
 use super::widgets::section_ui;
 use crate::render::Layer;
@@ -36,6 +37,10 @@ pub struct PanelState<'a> {
     pub layers: &'a [Layer],
     /// What rays look for triangles in, once it is there.
     pub structure: Option<StructureInUse>,
+    /// What effects cost.
+    pub costs: &'a CostState,
+    /// Whether that can be measured now.
+    pub can_measure_costs: bool,
     /// What is asked for beside edits.
     pub commands: &'a mut Vec<Command>,
 }
@@ -70,7 +75,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     section_ui(ui, "Effects", true, |ui| {
         settings::effects_ui(ui, &mut state.scene.render);
     });
-    section_ui(ui, "Plan", false, |ui| plan::plan_ui(ui, state.scene));
+    section_ui(ui, "Plan", false, |ui| plan::plan_ui(ui, state));
     section_ui(ui, "Display", true, |ui| {
         settings::layers_ui(ui, state);
         settings::display_ui(ui, state.scene);

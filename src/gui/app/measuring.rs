@@ -1,0 +1,39 @@
+//! What effects cost, measured on the scene as it is. Only times are measured, so a render goes before it.
+
+use super::App;
+use crate::analysis::cost::Costs;
+use crate::control::Progress;
+use crate::gui::costs::CostState;
+use crate::gui::jobs::Lane;
+use crate::gui::worker;
+use crate::scene::Scene;
+
+impl App {
+    pub(super) fn is_measuring_costs(&self) -> bool {
+        matches!(self.costs, CostState::Measuring(_))
+    }
+
+    pub(super) fn measure_costs(&mut self) {
+        let progress = Progress::new();
+        self.costs = CostState::Measuring(progress.clone());
+        let scene = self.document.scene.clone();
+        self.jobs.start(Lane::Costs, move |job| {
+            worker::measure_costs(job, scene, &progress);
+        });
+    }
+
+    /// Gives up measuring, where that goes on.
+    pub(super) fn cancel_measuring_costs(&mut self) {
+        if self.is_measuring_costs() {
+            self.jobs.cancel(Lane::Costs);
+            self.costs = CostState::Unknown;
+        }
+    }
+
+    pub(super) fn costs_measured(&mut self, scene: Box<Scene>, result: Result<Box<Costs>, String>) {
+        self.costs = match result {
+            Ok(costs) => CostState::Known { scene, costs },
+            Err(problem) => CostState::Failed(problem),
+        };
+    }
+}
