@@ -11,7 +11,7 @@ use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees, Ray, Vec3};
 use raymini::render::{
     Decision, Feature, Plan, PreparedScene, PrimaryHitStore, RenderProgress, RunConfig, Work,
-    reasons, render,
+    even_passes, reasons, render,
 };
 use raymini::scene::{
     AmbientOcclusion, Background, Camera, Facing, Light, LightSampling, Material, Mode, PhongModel,
@@ -187,6 +187,11 @@ fn changes() -> BTreeMap<&'static str, Edit> {
         s.lights
             .retain(|light| matches!(light, Light::Point { .. }));
     });
+    changes.insert("one point", |s| {
+        s.lights.truncate(1);
+        let clay = diffuse(0.5);
+        s.materials.insert("lamp".into(), clay);
+    });
     changes.insert("many lights", |s| {
         let lights = s.lights.clone();
         s.lights = std::iter::repeat_with(|| lights.clone())
@@ -194,6 +199,7 @@ fn changes() -> BTreeMap<&'static str, Edit> {
             .flatten()
             .collect();
     });
+    changes.insert("no bounce", |s| s.render.max_bounces = 0);
     changes.insert("one bounce", |s| s.render.max_bounces = 1);
     changes.insert("three bounces", |s| s.render.max_bounces = 3);
     changes.insert("no roulette", |s| s.render.roulette = false);
@@ -266,6 +272,7 @@ fn numbers_that_decide_nothing_are_not_drawn() {
         (Decision::Light, Mode::Direct, "hard shadows"),
         (Decision::Light, Mode::Direct, "points only"),
         (Decision::Light, Mode::Path, "nothing shines"),
+        (Decision::Light, Mode::Path, "one point"),
         (Decision::AmbientOcclusion, Mode::Direct, "no occlusion"),
         (Decision::AmbientOcclusion, Mode::Direct, "black background"),
         (Decision::Boundary, Mode::Direct, "no glass"),
@@ -330,10 +337,12 @@ fn samples_that_look_along_one_line_share_a_ray() {
         (pixels, u64::from(passes) * pixels),
         "{passes} passes"
     );
-    assert!(passes < 16, "{passes}");
+    assert_eq!(passes, even_passes(64));
     let scene = prepare(&scene);
-    let again = scene.plan().forcing(Feature::EyeRays);
-    assert_eq!(work(&scene.with_plan(again)).rays.camera, 64 * pixels);
+    for feature in [Feature::EyeRays, Feature::PixelPoints, Feature::Lens] {
+        let again = scene.clone().with_plan(scene.plan().forcing(feature));
+        assert_eq!(work(&again).rays.camera, 64 * pixels, "{feature:?}");
+    }
 }
 
 type Count<'a> = &'a dyn Fn(&Work) -> u64;
@@ -374,6 +383,122 @@ fn rays_that_bring_nothing_are_not_traced() {
     scene.render.mirror = false;
     scene.render.glass = false;
     assert_eq!(work(&prepare(&scene)).rays.bounce, 0);
+}
+
+/// A mirror's last ray is there for what shines alone; a black emitter does not.
+#[test]
+fn the_last_ray_of_a_mirror_looks_for_light_only() {
+    let mut scene = Scene::default();
+    let floor = rectangle(DVec3::ZERO, DVec3::X * 50.0, DVec3::Y * 50.0);
+    let reflectance = Rgb::splat(0.8);
+    add(&mut scene, "floor", floor, Material::Mirror { reflectance });
+    let lamp = rectangle(DVec3::Z * 20.0, DVec3::X, DVec3::Y);
+    let radiance = Rgb::ZERO;
+    add(&mut scene, "lamp", lamp, Material::Emitter { radiance });
+    scene.lights = vec![Light::Point {
+        position: DVec3::Z * 3.0,
+        intensity: Rgb::ONE,
+    }];
+    scene.camera = Camera {
+        eye: DVec3::new(0.1, -3.0, 8.0),
+        target: DVec3::ZERO,
+        vertical_fov: Degrees(30.0),
+        ..Camera::default()
+    };
+    (scene.render.width, scene.render.height) = (10, 8);
+    scene.render.samples_per_pixel = 2;
+    scene.render.max_bounces = 1;
+    for mode in [Mode::Direct, Mode::Path] {
+        scene.render.mode = mode;
+        let prepared = prepare(&scene);
+        assert_eq!(work(&prepared).rays.bounce, 0, "{mode:?}");
+        let plan = prepared.plan().forcing(Feature::DarkRays);
+        let forced = prepared.clone().with_plan(plan);
+        assert_eq!(work(&forced).rays.bounce, 160, "{mode:?}");
+        assert_eq!(hash(&forced, false), hash(&prepared, false), "{mode:?}");
+        let mut lit = scene.clone();
+        let radiance = Rgb::ONE;
+        lit.materials
+            .insert("lamp".into(), Material::Emitter { radiance });
+        assert_eq!(work(&prepare(&lit)).rays.bounce, 160, "{mode:?}");
+    }
+}
+
+/// Reasons name what holds of the scene: each by the settings that make it so.
+#[test]
+fn reasons_are_those_of_the_scene() {
+    let reason = |scene: &Scene, wanted: Feature| {
+        let all = reasons(scene).expect("all is loaded");
+        let found = all.into_iter().find(|(feature, _)| *feature == wanted);
+        found.expect("every feature has its place").1
+    };
+    let changed = |mode: Mode, edit: Edit| {
+        let mut scene = showroom();
+        scene.render.mode = mode;
+        edit(&mut scene);
+        scene
+    };
+    let only_glass: Edit = |s| s.objects.retain(|object| object.name == "ball");
+    let cases: [(Mode, Edit, Feature, Option<&str>); 9] = [
+        (
+            Mode::Normals,
+            |_| {},
+            Feature::ShadowRays,
+            Some("the mode shows no light"),
+        ),
+        (
+            Mode::Depth,
+            |_| {},
+            Feature::Roulette,
+            Some("the mode shows no light"),
+        ),
+        (
+            Mode::Ao,
+            |s| s.objects.clear(),
+            Feature::Occlusion,
+            Some("nothing is there"),
+        ),
+        (
+            Mode::Direct,
+            only_glass,
+            Feature::Aiming,
+            Some("nothing scatters light"),
+        ),
+        (
+            Mode::Direct,
+            only_glass,
+            Feature::ShadowRays,
+            Some("nothing is aimed at"),
+        ),
+        (
+            Mode::Path,
+            only_glass,
+            Feature::LastRays,
+            Some("nothing scatters light"),
+        ),
+        (Mode::Path, only_glass, Feature::Roulette, None),
+        (
+            Mode::Direct,
+            |s| s.render.max_bounces = 0,
+            Feature::Occlusion,
+            Some("render.max_bounces is 0"),
+        ),
+        (
+            Mode::Path,
+            |s| s.objects.clear(),
+            Feature::Roulette,
+            Some("nothing reflects light"),
+        ),
+    ];
+    for (mode, edit, feature, expected) in cases {
+        let scene = changed(mode, edit);
+        assert_eq!(reason(&scene, feature), expected, "{mode:?}, {feature:?}");
+        // What the plan leaves out for it, the picture does without.
+        let prepared = prepare(&scene);
+        let everything = prepared.plan().forcing_everything();
+        let forced = prepared.clone().with_plan(everything);
+        assert_eq!(hash(&forced, false), hash(&prepared, false), "{mode:?}");
+    }
 }
 
 /// Shadow rays, counted by hand: of a floor that faces one point light and lies behind another, one each for the first only.

@@ -2,7 +2,8 @@
 
 use crate::control::CancelToken;
 use crate::render::{
-    Feature, Plan, PreparedScene, PrimaryHitStore, Region, RenderProgress, RunConfig, render,
+    Feature, Plan, PreparedScene, PrimaryHitStore, Region, RenderProgress, RunConfig, is_nothing,
+    render,
 };
 use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
 
@@ -15,6 +16,9 @@ const TILES: u32 = 4;
 const TILE_SIDE: u32 = 32;
 /// The first picture that is tried has one of so many pixels along each side.
 const COARSEST: u32 = 16;
+
+/// What keeping parts of the picture is called.
+pub const LAYERS: &str = "layers";
 
 /// An effect that a scene may have, and that can be switched off. The picture is another one then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,9 +33,9 @@ pub enum Effect {
     SoftShadows,
     /// Ambient occlusion.
     AmbientOcclusion,
-    /// Mirrors.
+    /// Mirrors, which are grey without.
     Mirrors,
-    /// Glass.
+    /// Glass, which is grey without.
     Glass,
     /// Light that met several surfaces.
     IndirectLight,
@@ -62,8 +66,8 @@ impl Effect {
             Self::Shadows => "shadows",
             Self::SoftShadows => "soft in place of hard shadows",
             Self::AmbientOcclusion => "ambient occlusion",
-            Self::Mirrors => "mirrors",
-            Self::Glass => "glass",
+            Self::Mirrors => "mirrors in place of grey",
+            Self::Glass => "glass in place of grey",
             Self::IndirectLight => "indirect light",
             Self::ErrorEstimate => "estimate of the error",
         }
@@ -103,7 +107,7 @@ impl Effect {
                 .iter()
                 .filter(|object| scene.has_triangles(object));
             used.filter_map(|object| scene.material_of(object).ok())
-                .any(|material| is(&material))
+                .any(|material| is(&material) && !is_nothing(&material, settings))
         };
         let shows_light = settings.mode.shows_light();
         match self {
@@ -164,7 +168,7 @@ impl Costs {
             .savings
             .iter()
             .map(|(feature, share)| (feature.name(), *share));
-        let layers = self.layers.map(|share| ("layers", share));
+        let layers = self.layers.map(|share| (LAYERS, share));
         let again = "rays from the eye, after an edit in the window";
         let primary_rays = self.primary_rays.map(|share| (again, share));
         savings.chain(layers).chain(primary_rays)
@@ -181,16 +185,21 @@ pub struct Trial {
 
 impl Trial {
     /// Finds a size at which a render takes as long as it must. `None` when cancelled, as everything that it is asked for then.
+    /// `prepared`: what was prepared of the scene, if anything was; its triangles and tree are used.
     ///
     /// # Errors
     /// What about the description cannot be rendered.
-    pub fn new(scene: &Scene, cancel: &CancelToken) -> Result<Option<Self>, SceneError> {
+    pub fn new(
+        scene: &Scene,
+        prepared: Option<&PreparedScene>,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, SceneError> {
         let mut small = scene.clone();
         small.render.stop = Stop::default();
         let samples = scene.render.samples_per_pixel;
         small.render.samples_per_pixel = samples.min(MOST_SAMPLES);
         let mut divisor = COARSEST;
-        let mut previous = None;
+        let mut previous = prepared.cloned();
         loop {
             small.render.width = scene.render.width.div_ceil(divisor);
             small.render.height = scene.render.height.div_ceil(divisor);
@@ -228,7 +237,7 @@ impl Trial {
         let Some(prepared) = self.prepare(&scene)? else {
             return Ok(None);
         };
-        let place = |number: u32, size: u32| (2 * number + 1) * (size / (2 * TILES)).min(size);
+        let place = |number: u32, size: u32| (2 * number + 1) * (size / (2 * TILES));
         let (mut seconds, mut pixels) = (0.0, 0);
         for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column)))
         {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::analysis::cost::{Costs, Share, Trial};
+use crate::analysis::cost::{Costs, LAYERS, Share, Trial};
 use crate::control::Progress;
 use crate::scene::SceneError;
 
@@ -61,6 +61,11 @@ impl MeasuredCosts {
                 .collect(),
             left_out: costs.left_out().map(measured).collect(),
         }
+    }
+
+    /// Takes out what layers would add, for a render that keeps them.
+    pub(super) fn forget_layers(&mut self) {
+        self.left_out.retain(|share| share.name != LAYERS);
     }
 
     /// In words, line by line.

@@ -12,8 +12,10 @@ use super::costs::{LEAST_PAIRS, MeasuredCosts};
 use crate::analysis::cost::Trial;
 use crate::control::CancelToken;
 use crate::io;
-use crate::render::{Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, reasons};
-use crate::scene::{Choice, Scene};
+use crate::render::{
+    Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, even_passes, reasons,
+};
+use crate::scene::{Choice, Scene, Stop};
 
 /// Pairs of renders for an estimate of what effects cost.
 const ROUGH_PAIRS: u16 = 3;
@@ -39,8 +41,8 @@ pub struct PlanArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     assignments: Vec<String>,
 
-    /// Measure what each effect costs and what leaving out saves by so many pairs of small renders, with intervals, in place of a
-    /// rough estimate
+    /// Measure what each effect costs and what leaving out saves by so many pairs of small renders, 6 to 1000, with intervals, in
+    /// place of a rough estimate
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
           value_parser = pairs_parser())]
     measure: Option<u16>,
@@ -79,8 +81,10 @@ struct Facts {
     features: Vec<PlannedFeature>,
     per_sample: PerSample,
     bytes: Bytes,
-    /// On one thread.
+    /// On one thread, for all samples.
     estimated_cpu_seconds: f64,
+    /// Whether the error or the clock may end it before.
+    may_stop_sooner: bool,
     costs: MeasuredCosts,
 }
 
@@ -112,7 +116,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let scene = &loaded.scene;
     let prepared = PreparedScene::prepare(scene, None, &cancel)?
         .ok_or_else(|| anyhow!("preparing was cancelled"))?;
-    let trial = Trial::new(scene, &cancel)?;
+    let trial = Trial::new(scene, Some(&prepared), &cancel)?;
     let trial = trial.ok_or_else(|| anyhow!("measuring was cancelled"))?;
     let pairs = arguments.measure.unwrap_or(ROUGH_PAIRS);
     let costs = MeasuredCosts::of(&trial, pairs)?;
@@ -130,6 +134,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             picture: PictureMemory::of_render(&prepared, None, &RunConfig::default()).bytes(),
         },
         estimated_cpu_seconds: seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?,
+        may_stop_sooner: scene.render.stop != Stop::default(),
         costs: costs.ok_or_else(|| anyhow!("measuring was cancelled"))?,
     };
     if arguments.json {
@@ -176,8 +181,13 @@ impl PerSample {
         let per_sample = |count: u64| count as f64 / work.samples as f64;
         let draws =
             Decision::ALL.map(|decision| (decision.name(), per_sample(work.draws(decision))));
+        let passes = even_passes(settings.samples_per_pixel);
         Self {
-            camera_rays: per_sample(work.rays.camera),
+            camera_rays: if scene.plan().needs(Feature::EyeRays) {
+                per_sample(work.rays.camera)
+            } else {
+                f64::from(passes) / f64::from(settings.samples_per_pixel)
+            },
             shadow_rays: per_sample(work.rays.shadow),
             ambient_occlusion_rays: per_sample(work.rays.ambient_occlusion),
             bounce_rays: per_sample(work.rays.bounce),
@@ -228,9 +238,14 @@ fn describe(facts: &Facts) -> String {
         "bytes: triangles and structure {}, normals {}, picture {}",
         facts.bytes.triangles_and_structure, facts.bytes.normals, facts.bytes.picture
     );
+    let sooner = if facts.may_stop_sooner {
+        ", unless render.stop ends it sooner"
+    } else {
+        ""
+    };
     let _ = writeln!(
         text,
-        "processor time: about {:.2} s",
+        "processor time: about {:.2} s{sooner}",
         facts.estimated_cpu_seconds
     );
     let _ = write!(text, "\n{}", facts.costs.describe());

@@ -75,7 +75,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
 
-    /// Measure afterwards what each effect of the render cost and what leaving out saved, by so many pairs of small renders
+    /// Measure afterwards what each effect of the render cost and what leaving out saved, by so many pairs of small renders, 6 to 1000
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
           value_parser = super::plan::pairs_parser())]
     costs: Option<u16>,
@@ -169,7 +169,6 @@ impl Stats {
         [load_seconds, build_seconds]: [f64; 2],
         hash: &str,
         plan: Vec<PlannedFeature>,
-        costs: Option<MeasuredCosts>,
     ) -> Self {
         let accelerator = scene.geometry().accelerator();
         Self {
@@ -194,7 +193,7 @@ impl Stats {
             clamped: stats.clamped,
             image_hash: hash.to_owned(),
             plan,
-            costs,
+            costs: None,
         }
     }
 }
@@ -382,31 +381,44 @@ fn render_scene(
     let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
     say_what_it_took(&place, image, &hash, stats, settings)?;
-    let costs = match arguments.costs.filter(|_| !is_interrupted) {
-        Some(pairs) => match Trial::new(scene, &run.interrupt)? {
-            Some(trial) => MeasuredCosts::of(&trial, pairs)?,
-            None => None,
-        },
-        None => None,
-    };
-    if let Some(costs) = &costs {
-        super::say(costs.describe().trim_end())?;
-    }
-    let recorded = match &arguments.stats {
-        Some(path) => {
-            let plan = super::plan::facts(scene)?;
-            let seconds = [load_seconds, build_seconds];
-            let facts = Stats::new(stats, &prepared, seconds, &hash, plan, costs);
-            write_stats(&facts, path)
-        }
-        None => Ok(()),
-    };
+    let plan = super::plan::facts(scene)?;
+    let mut facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
+    let stats_path = arguments.stats.as_deref();
+    let mut recorded = stats_path.map_or(Ok(()), |path| write_stats(&facts, path));
     if is_interrupted {
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
+    } else if let Some(pairs) = arguments.costs {
+        facts.costs = measure_costs(scene, &prepared, pairs, &run)?;
+        if recorded.is_ok() && facts.costs.is_some() {
+            recorded = stats_path.map_or(Ok(()), |path| write_stats(&facts, path));
+        }
     }
     failure.map_or(Ok(()), Err)?;
     recorded?;
     Ok(exit_code(signals))
+}
+
+/// What the effects of the render cost, which is said; `None` when interrupted.
+fn measure_costs(
+    scene: &Scene,
+    prepared: &PreparedScene,
+    pairs: u16,
+    run: &RunConfig,
+) -> Result<Option<MeasuredCosts>> {
+    let trial = Trial::new(scene, Some(prepared), &run.interrupt)?;
+    let costs = match &trial {
+        Some(trial) => MeasuredCosts::of(trial, pairs)?,
+        None => None,
+    };
+    let Some(mut costs) = costs else {
+        eprintln!("interrupted while costs were measured: they are not known");
+        return Ok(None);
+    };
+    if run.layers {
+        costs.forget_layers();
+    }
+    super::say(costs.describe().trim_end())?;
+    Ok(Some(costs))
 }
 
 /// What is said and returned where there is no picture yet.

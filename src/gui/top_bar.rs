@@ -43,6 +43,8 @@ pub struct TopBarState {
     pub view: View,
     /// What Render would do.
     pub phase: Phase,
+    /// Whether costs are being measured.
+    pub is_measuring: bool,
     /// Whether there is a picture to look at and save.
     pub has_picture: bool,
     /// Whether the side panel shows.
@@ -59,7 +61,9 @@ impl TopBarState {
     pub fn allows(self, command: Command) -> bool {
         match command {
             Command::SavePicture | Command::ShowPicture => self.has_picture,
-            Command::Cancel => matches!(self.phase, Phase::Rendering | Phase::Reporting),
+            Command::Cancel => {
+                self.is_measuring || matches!(self.phase, Phase::Rendering | Phase::Reporting)
+            }
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
             Command::Report => self.phase != Phase::Empty,
             Command::MeasureCosts => self.phase == Phase::Ready,

@@ -399,10 +399,15 @@ fn measure(job: &Job<Event>, request: ReportRequest) -> Result<Option<()>, Repor
     Ok(study.map(drop))
 }
 
-/// Measures what the effects of `scene` cost.
-pub fn measure_costs(job: &Job<Event>, scene: Scene, progress: &Progress) {
+/// Measures what the effects of `scene` cost; `prepared`: what was prepared last.
+pub fn measure_costs(
+    job: &Job<Event>,
+    scene: Scene,
+    prepared: Option<&PreparedScene>,
+    progress: &Progress,
+) {
     let measure = || {
-        let Some(trial) = Trial::new(&scene, &job.cancel)? else {
+        let Some(trial) = Trial::new(&scene, prepared, &job.cancel)? else {
             return Ok(None);
         };
         trial.costs(PAIRS, |done, all| {

@@ -67,7 +67,10 @@ impl PreparedBackground {
             },
             Background::Image { .. } => {
                 let known = ImageBackground::known(scene, previous)?;
-                if known.is_none() && !scene.render.mode.shows_light() {
+                let is_black = scene.background.is_black()
+                    || scene.background_image()?.is_some_and(|map| map.is_black());
+                let is_seen = scene.render.mode.shows_light() && !is_black;
+                if known.is_none() && !is_seen {
                     return Ok(Some(Self::Constant(Vec3::ZERO)));
                 }
                 let image = ImageBackground::new(scene, known, cancel)?;

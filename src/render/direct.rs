@@ -92,6 +92,14 @@ pub fn gather<K: Kernel>(
         if throughput == Vec3::ZERO && !scene.does(Feature::DarkRays) {
             break;
         }
+        // The last ray is there for what shines alone.
+        if bounce + 1 == scene.settings().max_bounces
+            && !scene.may_meet_light(&ray)
+            && !scene.does(Feature::DarkRays)
+        {
+            gathered.is_depth_limited = true;
+            break;
+        }
         start = 0.0;
         hit = scene.hit(&ray);
         tally.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));

@@ -84,7 +84,7 @@ pub struct Aim {
 }
 
 impl Emitters {
-    /// All of `lights`, which are none where they are not chosen from, and the emitting triangles.
+    /// All of `lights`, which are none where they are not chosen from, and the triangles that shine.
     pub fn new(
         lights: &[PreparedLight],
         geometry: &PreparedGeometry,
@@ -97,7 +97,7 @@ impl Emitters {
         let mut first = Vec::new();
         for (object, material) in geometry.objects().iter().zip(materials) {
             first.push((object.triangles.start, items.len()));
-            let PreparedMaterial::Emitter { radiance } = *material else {
+            let Some(radiance) = material.emission().filter(|&light| light != Vec3::ZERO) else {
                 continue;
             };
             items.extend(object.triangles.clone().map(|index| {

@@ -16,7 +16,7 @@ use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, TriangleMesh, corner_normals};
 use crate::math::{DVec3, SceneFrame, Vec3};
 use crate::scene::{AcceleratorBuild, AcceleratorChoice, Placement, Scene, SceneError};
-pub(super) use origin::is_nothing;
+pub(crate) use origin::is_nothing;
 use origin::{GeometryOrigin, ObjectShape};
 pub use shading::ShadingNormals;
 use shading::{SmoothNormals, TrueNormals};

@@ -56,6 +56,7 @@ pub use checkpoint::Checkpoint;
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
 pub use fault::{RenderFault, keep_panics_quiet, panic_message};
 pub(crate) use fresnel::fresnel;
+pub(crate) use geometry::is_nothing;
 pub use geometry::{
     PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
 };
@@ -66,6 +67,7 @@ pub use plan::{Feature, Plan, reasons};
 pub use prepare::PreparedScene;
 pub use primary_hits::PrimaryHitStore;
 pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
+pub use renderer::even_passes;
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
     Round, RunConfig, Watch, render, render_watched, resume,

@@ -18,7 +18,7 @@ use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::accel::Hit;
-use crate::math::Vec3;
+use crate::math::{Vec2, Vec3};
 use crate::scene::{LightSampling, RenderSettings};
 use std::hint::black_box;
 
@@ -69,6 +69,9 @@ pub fn gather<K: Kernel>(
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
+            if radiance == Vec3::ZERO {
+                break;
+            }
             let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &ray, &point);
             let weight = met_weight(settings, scattered.as_ref(), aimed);
             gathered.add_light(beginning, throughput * radiance * weight);
@@ -222,7 +225,12 @@ impl Aiming<'_> {
             point,
             mirror,
         } = *self;
-        let u = tally.draw_2d(&sampler, Dimension::at(Decision::Light, bounce));
+        let u = if scene.does(Feature::LightPoints) {
+            tally.draw_2d(&sampler, Dimension::at(Decision::Light, bounce))
+        } else {
+            // It decides nothing.
+            Vec2::splat(0.5)
+        };
         let choice = || tally.draw_2d(&sampler, Dimension::at(Decision::LightChoice, bounce));
         let aimed = Aimed::choose(scene, point, choice, u)?;
         if aimed.irradiance == Vec3::ZERO {

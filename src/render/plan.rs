@@ -20,7 +20,7 @@ pub enum Feature {
     Aiming,
     /// Rays that ask what is in the way to a light.
     ShadowRays,
-    /// A point on each light for every ray, in mode `direct`.
+    /// A point on a light for every ray to it.
     LightPoints,
     /// Shadow rays that go through glass, and so must look for what is nearest.
     GlassShadows,
@@ -58,8 +58,8 @@ impl Feature {
         let is_path = mode == Mode::Path;
         match self {
             Self::PixelPoints | Self::Lens | Self::EyeRays => true,
-            Self::Light | Self::Aiming | Self::DarkRays => is_direct || is_path,
-            Self::ShadowRays | Self::LightPoints | Self::GlassShadows => is_direct,
+            Self::Light | Self::Aiming | Self::LightPoints | Self::DarkRays => is_direct || is_path,
+            Self::ShadowRays | Self::GlassShadows => is_direct,
             Self::Occlusion => is_direct || mode == Mode::Ao,
             Self::LastRays | Self::Roulette => is_path,
         }
@@ -68,7 +68,9 @@ impl Feature {
     /// What is done wherever it is.
     fn takes(self) -> &'static [Self] {
         match self {
-            Self::PixelPoints | Self::Lens | Self::EyeRays | Self::Light => &[],
+            Self::EyeRays | Self::Light => &[],
+            // Of its own for every sample.
+            Self::PixelPoints | Self::Lens => &[Self::EyeRays],
             Self::Aiming | Self::Occlusion | Self::LastRays | Self::Roulette => &[Self::Light],
             Self::ShadowRays | Self::LightPoints => &[Self::Light, Self::Aiming],
             Self::GlassShadows => &[Self::Light, Self::Aiming, Self::ShadowRays],
@@ -267,6 +269,11 @@ impl<'a> Facts<'a> {
                     settings.mode != Mode::Ao && !self.is_direct(),
                     "the mode has no ambient light",
                 ),
+                (self.materials.is_empty(), "nothing is there"),
+                (
+                    self.is_direct() && settings.max_bounces == 0,
+                    "render.max_bounces is 0",
+                ),
                 (
                     self.is_direct() && self.is_background_black,
                     "the background is black",
@@ -287,21 +294,25 @@ impl<'a> Facts<'a> {
 
     fn reason_against_aiming(&self, feature: Feature) -> Option<&'static str> {
         let settings = self.settings;
+        if !settings.mode.shows_light() {
+            return Some("the mode shows no light");
+        }
         if feature != Feature::Aiming && self.reason_against(Feature::Aiming).is_some() {
-            return Some("there is nothing to aim at");
+            return Some("nothing is aimed at");
         }
         match feature {
             Feature::Aiming => first_of(&[
-                (!settings.mode.shows_light(), "the mode shows no light"),
+                (
+                    !(self.has_source() || self.is_path() && self.has_sky_image),
+                    "no light or emitter shines",
+                ),
+                (!self.has_scatterer(), "nothing scatters light"),
+                (settings.max_bounces == 0, "render.max_bounces is 0"),
                 (
                     self.is_path()
                         && settings.light_sampling == LightSampling::Bsdf
                         && self.lights.iter().all(|light| light.is_visible()),
                     "render.light_sampling is bsdf",
-                ),
-                (
-                    !(self.has_source() || self.is_path() && self.has_sky_image),
-                    "no light or emitter shines",
                 ),
             ]),
             Feature::ShadowRays => first_of(&[(
@@ -309,11 +320,18 @@ impl<'a> Facts<'a> {
                 "render.shadows is off",
             )]),
             Feature::LightPoints => first_of(&[
-                (!self.is_direct(), "paths have them where they aim"),
-                (settings.shadows == Shadows::Hard, "render.shadows is hard"),
                 (
-                    !self.lights.iter().any(|light| light.has_area()),
+                    self.is_direct() && settings.shadows == Shadows::Hard,
+                    "render.shadows is hard",
+                ),
+                (
+                    self.is_direct() && !self.lights.iter().any(|light| light.has_area()),
                     "no light has an area",
+                ),
+                // The number that finds the point chooses among lights too.
+                (
+                    self.is_path() && self.aims_at_one_point(),
+                    "there is one light, and it is a point",
                 ),
             ]),
             _ => first_of(&[
@@ -332,8 +350,14 @@ impl<'a> Facts<'a> {
 
     fn reason_against_in_paths(&self, feature: Feature) -> Option<&'static str> {
         let settings = self.settings;
+        if !settings.mode.shows_light() {
+            return Some("the mode shows no light");
+        }
         if !self.is_path() {
             return Some("there are no paths but those of mirrors and glass");
+        }
+        if settings.max_bounces == 0 {
+            return Some("render.max_bounces is 0");
         }
         match feature {
             Feature::LastRays => first_of(&[
@@ -343,6 +367,7 @@ impl<'a> Facts<'a> {
                         && self.is_background_black,
                     "nothing that shines can be met",
                 ),
+                (!self.has_scatterer(), "nothing scatters light"),
                 // A background that is no image is not aimed at.
                 (
                     settings.light_sampling == LightSampling::Nee
@@ -355,6 +380,7 @@ impl<'a> Facts<'a> {
                     self.reason_against(Feature::Light).is_some(),
                     "there are no paths",
                 ),
+                (!self.has_reflector(), "nothing reflects light"),
                 (!settings.roulette, "render.roulette is off"),
                 (
                     settings.max_bounces < super::path::ROULETTE_FROM,
@@ -375,6 +401,38 @@ impl<'a> Facts<'a> {
     /// Whether a light or an object shines.
     fn has_source(&self) -> bool {
         !self.lights.is_empty() || self.has_emitter()
+    }
+
+    /// Whether all that is aimed at is one point.
+    fn aims_at_one_point(&self) -> bool {
+        !self.has_emitter()
+            && !self.has_sky_image
+            && self.lights.len() == 1
+            && !self.lights.iter().any(|light| light.has_area())
+    }
+
+    /// Whether a surface scatters light in many directions.
+    fn has_scatterer(&self) -> bool {
+        let settings = self.settings;
+        self.materials.iter().any(|material| match material {
+            Material::Phong {
+                diffuse, specular, ..
+            } => *diffuse != Rgb::ZERO || *specular != Rgb::ZERO,
+            // Grey, where they are switched off.
+            Material::Mirror { .. } => !settings.mirror,
+            Material::Glass { .. } => !settings.glass,
+            Material::Emitter { .. } => false,
+        })
+    }
+
+    /// Whether a surface sends light on in any way.
+    fn has_reflector(&self) -> bool {
+        self.has_scatterer()
+            || self.materials.iter().any(|material| match material {
+                Material::Mirror { reflectance } => *reflectance != Rgb::ZERO,
+                Material::Glass { .. } => true,
+                Material::Phong { .. } | Material::Emitter { .. } => false,
+            })
     }
 
     fn has_emitter(&self) -> bool {

@@ -177,7 +177,12 @@ impl PreparedScene {
         let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
-        let emitters = emitters_of(scene, previous, &geometry, &lights, &materials);
+        let plan = Plan::of(scene)?;
+        let emitters = if plan.needs(Feature::Aiming) {
+            emitters_of(scene, previous, &geometry, &lights, &materials)
+        } else {
+            Arc::default()
+        };
         let radius = bounds.diagonal() / 2.0;
         Ok(Some(Self {
             camera,
@@ -185,9 +190,10 @@ impl PreparedScene {
             has_shining_surroundings: !background.is_black()
                 || materials
                     .iter()
-                    .any(|m| matches!(m, PreparedMaterial::Emitter { .. })),
+                    .filter_map(PreparedMaterial::emission)
+                    .any(|radiance| radiance != Vec3::ZERO),
             background,
-            plan: Plan::of(scene)?,
+            plan,
             primary_hits: None,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
@@ -586,7 +592,8 @@ fn emitters_of(
         materials.iter().map(PreparedMaterial::emission).collect()
     };
     let lit_alike = previous.filter(|previous| {
-        previous.settings.mode == scene.render.mode
+        previous.plan.needs(Feature::Aiming)
+            && previous.settings.mode == scene.render.mode
             && Arc::ptr_eq(&previous.geometry, geometry)
             && previous.lights == lights
             && emission(&previous.materials) == emission(materials)
@@ -625,6 +632,11 @@ mod tests {
         scene.objects.push(Object {
             mesh: "ball".into(),
             material: Some("lamp".into()),
+            ..Object::default()
+        });
+        // What they light.
+        scene.objects.push(Object {
+            mesh: "ball".into(),
             ..Object::default()
         });
         scene.lights.push(Light::default());

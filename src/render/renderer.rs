@@ -35,6 +35,17 @@ const MOST_SAMPLES_PER_PASS: u32 = 16;
 /// The same where only some pixels get samples: there, the picture is already there, and short passes make threads wait.
 const MOST_SAMPLES_PER_ROUND_PASS: u32 = 64;
 
+/// How many passes give every pixel that many samples, where nothing ends the render before.
+#[must_use]
+pub fn even_passes(samples: u32) -> u32 {
+    let (mut passes, mut taken) = (0, 0);
+    while taken < samples {
+        taken += block_after(taken).min(MOST_SAMPLES_PER_PASS);
+        passes += 1;
+    }
+    passes
+}
+
 /// What every pixel gets before a render stops for its noise, or gives some pixels more than others: from fewer, what is rare
 /// would be taken for absent.
 const LEAST_SAMPLES: u32 = 16;

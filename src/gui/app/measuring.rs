@@ -17,8 +17,10 @@ impl App {
         let progress = Progress::new();
         self.costs = CostState::Measuring(progress.clone());
         let scene = self.document.scene.clone();
+        let prepared = self.prepared.as_ref();
+        let prepared = prepared.map(|state| state.prepared.scene.clone());
         self.jobs.start(Lane::Costs, move |job| {
-            worker::measure_costs(job, scene, &progress);
+            worker::measure_costs(job, scene, prepared.as_ref(), &progress);
         });
     }
 

@@ -236,6 +236,7 @@ impl App {
             } else {
                 Phase::Ready
             },
+            is_measuring: self.is_measuring_costs(),
             has_picture: self.picture.as_ref().is_some_and(|p| p.texture().is_some()),
             panel_open: self.panel_open,
             error_plot_open: self.error_plot.open,

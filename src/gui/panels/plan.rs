@@ -40,7 +40,7 @@ pub fn plan_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     let button = button
         .on_hover_text(command.tooltip(ui.ctx()))
         .on_disabled_hover_text(
-            "A render or a report is going on, and the times would spoil each other",
+            "Not while anything is rendered or loaded, as times would spoil each other",
         );
     if button.clicked() {
         state.commands.push(command);
