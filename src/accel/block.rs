@@ -1,6 +1,6 @@
 //! Eight triangles side by side, and the `f32` filter that spares most of them the full test.
 
-use super::simd::{LANES, LaneSet, Lanes, Simd, splat_all};
+use super::simd::{Half, LANES, LaneSet, Lanes, Simd, splat_all};
 use crate::geometry::{RayKernel, Triangle};
 use crate::math::{Ray, Vec3};
 
@@ -47,6 +47,64 @@ impl TriangleBlock {
         simd.less_or_equal(x, x)
     }
 
+    /// The corners of the triangles, a triangle per lane, their coordinates in the order of `axes`.
+    #[inline(always)]
+    pub fn eight<S: Simd>(&self, simd: S, axes: [usize; 3]) -> [[S::F32x8; 3]; 3] {
+        let mut corners = [[simd.splat(0.0); 3]; 3];
+        for (corner, from) in corners.iter_mut().zip(&self.corners) {
+            for (coordinates, axis) in corner.iter_mut().zip(axes) {
+                *coordinates = simd.load(&from[axis]);
+            }
+        }
+        corners
+    }
+
+    /// Half of [`Self::eight`], in `f64`.
+    #[inline(always)]
+    pub fn four<S: Simd>(&self, simd: S, axes: [usize; 3], half: Half) -> [[S::F64x4; 3]; 3] {
+        let mut corners = [[simd.splat_double(0.0); 3]; 3];
+        for (corner, from) in corners.iter_mut().zip(&self.corners) {
+            for (coordinates, axis) in corner.iter_mut().zip(axes) {
+                *coordinates = simd.load_half(&from[axis], half);
+            }
+        }
+        corners
+    }
+
+    /// The corners of the triangle in `lane`, eight times, their coordinates in the order of `axes`.
+    #[inline(always)]
+    pub fn one_in_eight<S: Simd>(
+        &self,
+        simd: S,
+        axes: [usize; 3],
+        lane: usize,
+    ) -> [[S::F32x8; 3]; 3] {
+        let mut corners = [[simd.splat(0.0); 3]; 3];
+        for (corner, from) in corners.iter_mut().zip(&self.corners) {
+            for (coordinates, axis) in corner.iter_mut().zip(axes) {
+                *coordinates = simd.splat(from[axis].0[lane]);
+            }
+        }
+        corners
+    }
+
+    /// Half of [`Self::one_in_eight`], in `f64`.
+    #[inline(always)]
+    pub fn one_in_four<S: Simd>(
+        &self,
+        simd: S,
+        axes: [usize; 3],
+        lane: usize,
+    ) -> [[S::F64x4; 3]; 3] {
+        let mut corners = [[simd.splat_double(0.0); 3]; 3];
+        for (corner, from) in corners.iter_mut().zip(&self.corners) {
+            for (coordinates, axis) in corner.iter_mut().zip(axes) {
+                *coordinates = simd.splat_double(from[axis].0[lane].into());
+            }
+        }
+        corners
+    }
+
     /// The triangle in `lane`.
     #[inline]
     pub fn triangle(&self, lane: usize) -> Triangle {
@@ -60,20 +118,68 @@ impl TriangleBlock {
     }
 }
 
-/// [`RayKernel`] in `f32`, for many triangles at once. It may pass a triangle the ray misses, but never rejects a hit before its
-/// limit.
-#[derive(Clone, Copy, Debug)]
+/// The [`Filter`] of one ray, for the triangles of blocks.
+#[derive(Clone, Copy)]
 pub(super) struct BlockFilter<S: Simd> {
-    simd: S,
     /// As the ray's [`RayKernel`] renames them.
     pub axes: [usize; 3],
-    origin: [S::F32x8; 3],
-    /// Its negative, so that shearing is one multiplication with addition.
-    unshear: [S::F32x8; 2],
-    direction_z: f32,
+    filter: Filter<S>,
 }
 
-/// What the filter computes of eight triangles, and bounds on its errors.
+impl<S: Simd> BlockFilter<S> {
+    #[inline(always)]
+    pub fn new(simd: S, ray: &Ray) -> Self {
+        let axes = RayKernel::axes_of(ray);
+        Self::with_shear(simd, ray, axes, Self::unshear_of(ray, axes))
+    }
+
+    /// The filter of a ray with these [`RayKernel::axes_of`] and [`Self::unshear_of`].
+    #[inline(always)]
+    pub fn with_shear(simd: S, ray: &Ray, axes: [usize; 3], unshear: [f32; 2]) -> Self {
+        let origin = ray.origin.to_array();
+        Self {
+            axes,
+            filter: Filter {
+                simd,
+                origin: splat_all(simd, [origin[axes[0]], origin[axes[1]], origin[axes[2]]]),
+                unshear: [simd.splat(unshear[0]), simd.splat(unshear[1])],
+                direction_z: simd.splat(ray.direction.to_array()[axes[2]]),
+            },
+        }
+    }
+
+    /// What moves the ray's x and y per z to 0, by its axes.
+    #[inline(always)]
+    pub fn unshear_of(ray: &Ray, axes: [usize; 3]) -> [f32; 2] {
+        let direction = ray.direction.to_array();
+        let [x, y, z] = axes;
+        [-direction[x] / direction[z], -direction[y] / direction[z]]
+    }
+
+    /// [`Filter::may_hit`] of the block's triangles; never a lane without one.
+    #[inline(always)]
+    pub fn may_hit(&self, block: &TriangleBlock, limit: f32) -> LaneSet {
+        let Filter { simd, .. } = self.filter;
+        let corners = block.eight(simd, self.axes);
+        let limit = simd.splat(limit);
+        self.filter.may_hit(block.occupied(simd), &corners, limit)
+    }
+}
+
+/// [`RayKernel`] in `f32`, for eight pairs of a ray and a triangle at once. It may pass a triangle the ray misses, but never
+/// rejects a hit before its limit.
+///
+/// A pair per lane: one ray may be in all of them, or one triangle. Coordinates are in the order of the rays' axes.
+#[derive(Clone, Copy)]
+pub(super) struct Filter<S: Simd> {
+    pub simd: S,
+    pub origin: [S::F32x8; 3],
+    /// The negative of the shear, so that shearing is one multiplication with addition.
+    pub unshear: [S::F32x8; 2],
+    pub direction_z: S::F32x8,
+}
+
+/// What the filter computes of eight pairs, and bounds on its errors.
 struct Edges<S: Simd> {
     /// Edge functions.
     u: S::F32x8,
@@ -92,44 +198,20 @@ struct Edges<S: Simd> {
 #[expect(clippy::cast_possible_truncation, reason = "a constant")]
 const EDGE_ERROR: f32 = RayKernel::EDGE_ERROR_PER_ROUNDOFF as f32 * (f32::EPSILON * 0.5);
 
-impl<S: Simd> BlockFilter<S> {
-    #[inline(always)]
-    pub fn new(simd: S, ray: &Ray) -> Self {
-        let axes = RayKernel::axes_of(ray);
-        Self::with_shear(simd, ray, axes, Self::unshear_of(ray, axes))
-    }
-
-    /// The filter of a ray with these [`RayKernel::axes_of`] and [`Self::unshear_of`].
-    #[inline(always)]
-    pub fn with_shear(simd: S, ray: &Ray, axes: [usize; 3], unshear: [f32; 2]) -> Self {
-        let origin = ray.origin.to_array();
-        Self {
-            simd,
-            axes,
-            origin: splat_all(simd, [origin[axes[0]], origin[axes[1]], origin[axes[2]]]),
-            unshear: [simd.splat(unshear[0]), simd.splat(unshear[1])],
-            direction_z: ray.direction.to_array()[axes[2]],
-        }
-    }
-
-    /// What moves the ray's x and y per z to 0, by its axes.
-    #[inline(always)]
-    pub fn unshear_of(ray: &Ray, axes: [usize; 3]) -> [f32; 2] {
-        let direction = ray.direction.to_array();
-        let [x, y, z] = axes;
-        [-direction[x] / direction[z], -direction[y] / direction[z]]
-    }
-
-    /// The lanes whose triangle may be hit before `limit`, a distance moved outwards by [`later`](super::slabs::later); never one
-    /// without a triangle.
+impl<S: Simd> Filter<S> {
+    /// Which of `pairs` may be a hit before the ray's `limit`, a distance moved outwards by [`later`](super::slabs::later).
     ///
     /// Most rays pass beside all triangles, so only where one does not is asked how far away it is: in a room, a line through a
     /// point meets walls on both sides.
     #[inline(always)]
-    pub fn may_hit(&self, block: &TriangleBlock, limit: f32) -> LaneSet {
-        let edges = self.edges(block);
-        let beside = self.is_beside(&edges);
-        let met = block.occupied(self.simd).and_not(beside);
+    pub fn may_hit(
+        &self,
+        pairs: LaneSet,
+        corners: &[[S::F32x8; 3]; 3],
+        limit: S::F32x8,
+    ) -> LaneSet {
+        let edges = self.edges(corners);
+        let met = pairs.and_not(self.is_beside(&edges));
         if met.is_empty() {
             return met;
         }
@@ -137,11 +219,11 @@ impl<S: Simd> BlockFilter<S> {
     }
 
     #[inline(always)]
-    fn edges(&self, block: &TriangleBlock) -> Edges<S> {
+    fn edges(&self, corners: &[[S::F32x8; 3]; 3]) -> Edges<S> {
         let simd = self.simd;
-        let [ax, ay, az] = self.sheared(&block.corners[0]);
-        let [bx, by, bz] = self.sheared(&block.corners[1]);
-        let [cx, cy, cz] = self.sheared(&block.corners[2]);
+        let [ax, ay, az] = self.sheared(corners[0]);
+        let [bx, by, bz] = self.sheared(corners[1]);
+        let [cx, cy, cz] = self.sheared(corners[2]);
         let extent_of_two = simd.larger(self.largest(ax, ay), self.largest(bx, by));
         let extent = simd.larger(extent_of_two, self.largest(cx, cy));
         let depth = simd.larger(self.largest(az, bz), simd.abs(cz));
@@ -186,7 +268,7 @@ impl<S: Simd> BlockFilter<S> {
     /// Where numbers are too large for `f32`, z along the ray or its bound is infinite or NaN, and nothing is certain. The
     /// smallest normal number covers underflow again.
     #[inline(always)]
-    fn is_out_of_reach(&self, edges: &Edges<S>, limit: f32) -> LaneSet {
+    fn is_out_of_reach(&self, edges: &Edges<S>, limit: S::F32x8) -> LaneSet {
         let simd = self.simd;
         let &Edges { u, v, w, error, .. } = edges;
         let [az, bz, cz] = edges.z;
@@ -203,19 +285,16 @@ impl<S: Simd> BlockFilter<S> {
         );
         let certain_z = simd.sub(simd.abs(weighted_z), z_error);
 
-        let denominator = simd.mul(determinant, simd.splat(self.direction_z));
+        let denominator = simd.mul(determinant, self.direction_z);
         let is_behind = simd
             .less(simd.mul(weighted_z, denominator), simd.splat(0.0))
             .and(simd.less(four_errors, size))
             .and(simd.less(simd.splat(0.0), certain_z));
-        let depth_limit = limit * self.direction_z.abs();
-        let depth_limit = if depth_limit < f32::MIN_POSITIVE {
-            f32::INFINITY
-        } else {
-            depth_limit
-        };
-        let farthest = simd.mul_add(simd.splat(depth_limit), simd.add(size, four_errors), least);
-        let is_beyond = simd.less(farthest, certain_z);
+        let depth_limit = simd.mul(limit, simd.abs(self.direction_z));
+        let farthest = simd.mul_add(depth_limit, simd.add(size, four_errors), least);
+        let is_beyond = simd
+            .less(farthest, certain_z)
+            .and(simd.less_or_equal(least, depth_limit));
         let is_finite = simd.less(certain_z, simd.splat(f32::INFINITY));
         is_behind.or(is_beyond).and(is_finite)
     }
@@ -226,21 +305,13 @@ impl<S: Simd> BlockFilter<S> {
         self.simd.larger(self.simd.abs(a), self.simd.abs(b))
     }
 
-    /// The corner's coordinate number `i` as renamed, from the origin.
     #[inline(always)]
-    fn moved(&self, corner: &[Lanes; 3], i: usize) -> S::F32x8 {
-        let lanes = self.simd.load(&corner[self.axes[i]]);
-        self.simd.sub(lanes, self.origin[i])
-    }
-
-    #[inline(always)]
-    fn sheared(&self, corner: &[Lanes; 3]) -> [S::F32x8; 3] {
+    fn sheared(&self, [x, y, z]: [S::F32x8; 3]) -> [S::F32x8; 3] {
         let simd = self.simd;
-        let (x, y) = (self.moved(corner, 0), self.moved(corner, 1));
-        let z = self.moved(corner, 2);
+        let z = simd.sub(z, self.origin[2]);
         [
-            simd.mul_add(self.unshear[0], z, x),
-            simd.mul_add(self.unshear[1], z, y),
+            simd.mul_add(self.unshear[0], z, simd.sub(x, self.origin[0])),
+            simd.mul_add(self.unshear[1], z, simd.sub(y, self.origin[1])),
             z,
         ]
     }

@@ -1,17 +1,55 @@
-//! The full test of four triangles side by side.
+//! The full test of four pairs of a ray and a triangle side by side.
 
-use super::block::TriangleBlock;
-use super::simd::{Half, LaneSet, Lanes, Simd};
+use super::simd::{LANES, LaneSet, Simd};
 use crate::geometry::{RayKernel, TriangleHit};
 
-/// What [`RayKernel::intersect`] says of four triangles, for any `t_max`.
+/// What [`RayKernel`] holds of four rays, a ray per lane.
+#[derive(Clone, Copy)]
+pub(super) struct FourRays<S: Simd> {
+    pub origin: [S::F64x4; 3],
+    pub shear: [S::F64x4; 2],
+    pub direction_z: S::F64x4,
+}
+
+impl<S: Simd> FourRays<S> {
+    /// One ray four times.
+    #[inline(always)]
+    pub fn one(simd: S, kernel: &RayKernel) -> Self {
+        let [x, y, z] = kernel.origin;
+        let [shear_x, shear_y] = kernel.shear;
+        Self {
+            origin: [
+                simd.splat_double(x),
+                simd.splat_double(y),
+                simd.splat_double(z),
+            ],
+            shear: [simd.splat_double(shear_x), simd.splat_double(shear_y)],
+            direction_z: simd.splat_double(kernel.direction_z),
+        }
+    }
+
+    /// Corners, an axis each as renamed, as [`RayKernel`] sees them: moved and sheared.
+    #[inline(always)]
+    fn sheared(&self, simd: S, [x, y, z]: [S::F64x4; 3]) -> [S::F64x4; 3] {
+        let x = simd.sub(x, self.origin[0]);
+        let y = simd.sub(y, self.origin[1]);
+        let z = simd.sub(z, self.origin[2]);
+        [
+            simd.sub(x, simd.mul(self.shear[0], z)),
+            simd.sub(y, simd.mul(self.shear[1], z)),
+            z,
+        ]
+    }
+}
+
+/// What [`RayKernel::intersect`] says of four pairs, for any `t_max`.
 ///
-/// Lane by lane the same arithmetic, so the same bits, but for triangles that need exact sums: those are told to ask the kernel.
+/// Lane by lane the same arithmetic, so the same bits, but for pairs that need exact sums: those are told to ask the kernel.
 pub(super) struct FourTests<S: Simd> {
     simd: S,
-    /// Lanes of triangles that the ray, or the line it is part of, meets for certain.
+    /// Lanes where the ray, or the line it is part of, meets the triangle for certain.
     pub met: LaneSet,
-    /// Lanes of triangles that it may meet.
+    /// Lanes where it may.
     pub undecided: LaneSet,
     t: S::F64x4,
     edges: [S::F64x4; 3],
@@ -19,18 +57,12 @@ pub(super) struct FourTests<S: Simd> {
 }
 
 impl<S: Simd> FourTests<S> {
-    /// Tests half of a block, of which `lanes` count.
+    /// Tests four pairs, of which `lanes` count. `corners`: their coordinates in the order of the rays' axes.
     #[inline(always)]
-    pub fn new(
-        simd: S,
-        kernel: &RayKernel,
-        block: &TriangleBlock,
-        half: Half,
-        lanes: LaneSet,
-    ) -> Self {
-        let [ax, ay, az] = sheared(simd, kernel, &block.corners[0], half);
-        let [bx, by, bz] = sheared(simd, kernel, &block.corners[1], half);
-        let [cx, cy, cz] = sheared(simd, kernel, &block.corners[2], half);
+    pub fn new(simd: S, rays: &FourRays<S>, corners: &[[S::F64x4; 3]; 3], lanes: LaneSet) -> Self {
+        let [ax, ay, az] = rays.sheared(simd, corners[0]);
+        let [bx, by, bz] = rays.sheared(simd, corners[1]);
+        let [cx, cy, cz] = rays.sheared(simd, corners[2]);
         let u = simd.sub(simd.mul(cx, by), simd.mul(cy, bx));
         let v = simd.sub(simd.mul(ax, cy), simd.mul(ay, cx));
         let w = simd.sub(simd.mul(bx, ay), simd.mul(by, ax));
@@ -66,7 +98,7 @@ impl<S: Simd> FourTests<S> {
                 simd.mul(simd.splat_double(4.0 * f64::EPSILON), size),
             ),
         );
-        let denominator = simd.mul(determinant, simd.splat_double(kernel.direction_z));
+        let denominator = simd.mul(determinant, rays.direction_z);
         let size_of_z = simd.abs(weighted_z);
         let is_behind = simd
             .less(simd.mul(weighted_z, denominator), zero)
@@ -89,44 +121,36 @@ impl<S: Simd> FourTests<S> {
         }
     }
 
-    /// The hit in a lane of those in [`Self::met`], if it lies on the ray.
+    /// The hits in the lanes of [`Self::met`], by lane.
     #[inline(always)]
-    pub fn hit(&self, lane: usize) -> Option<TriangleHit> {
+    pub fn hits(&self) -> FourHits {
         let simd = self.simd;
-        let share = simd.store_double(self.determinant)[lane].recip();
+        let share = simd.div(simd.splat_double(1.0), self.determinant);
         let [u, v, w] = self.edges;
-        let weights = [
-            simd.store_double(u)[lane] * share,
-            simd.store_double(v)[lane] * share,
-            simd.store_double(w)[lane] * share,
-        ];
-        TriangleHit::rounded(simd.store_double(self.t)[lane], weights)
+        FourHits {
+            t: simd.store_rounded(self.t),
+            weights: [
+                simd.store_rounded(simd.mul(u, share)),
+                simd.store_rounded(simd.mul(v, share)),
+                simd.store_rounded(simd.mul(w, share)),
+            ],
+        }
     }
 }
 
-/// Four corners as [`RayKernel`] sees them: axes renamed, moved and sheared.
-#[inline(always)]
-fn sheared<S: Simd>(simd: S, kernel: &RayKernel, corner: &[Lanes; 3], half: Half) -> [S::F64x4; 3] {
-    let [x, y, z] = kernel.axes;
-    let [origin_x, origin_y, origin_z] = kernel.origin;
-    let [shear_x, shear_y] = kernel.shear;
-    let x = simd.sub(
-        simd.load_half(&corner[x], half),
-        simd.splat_double(origin_x),
-    );
-    let y = simd.sub(
-        simd.load_half(&corner[y], half),
-        simd.splat_double(origin_y),
-    );
-    let z = simd.sub(
-        simd.load_half(&corner[z], half),
-        simd.splat_double(origin_z),
-    );
-    [
-        simd.sub(x, simd.mul(simd.splat_double(shear_x), z)),
-        simd.sub(y, simd.mul(simd.splat_double(shear_y), z)),
-        z,
-    ]
+/// The hits of four pairs, every number rounded once.
+pub(super) struct FourHits {
+    t: [f32; LANES / 2],
+    weights: [[f32; LANES / 2]; 3],
+}
+
+impl FourHits {
+    /// The hit in a lane, if it lies on the ray.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Option<TriangleHit> {
+        let [u, v, w] = &self.weights;
+        TriangleHit::on_ray(self.t[lane], [u[lane], v[lane], w[lane]])
+    }
 }
 
 /// The larger magnitude.
@@ -138,7 +162,8 @@ fn larger<S: Simd>(simd: S, a: S::F64x4, b: S::F64x4) -> S::F64x4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::simd::{self, LANES, Query};
+    use crate::accel::block::TriangleBlock;
+    use crate::accel::simd::{self, Query};
     use crate::accel::tests::{rays, scenes};
     use crate::geometry::Triangle;
     use crate::math::Ray;
@@ -159,9 +184,11 @@ mod tests {
             let mut hits = vec![None; LANES];
             let mut decided = 0;
             for (half, lanes) in self.block.occupied(simd).halves() {
-                let four = FourTests::new(simd, &kernel, self.block, half, lanes);
+                let corners = self.block.four(simd, kernel.axes, half);
+                let four = FourTests::new(simd, &FourRays::one(simd, &kernel), &corners, lanes);
+                let four_hits = four.hits();
                 for lane in four.met {
-                    hits[half.first() + lane] = four.hit(lane);
+                    hits[half.first() + lane] = four_hits.get(lane);
                 }
                 for lane in four.undecided {
                     let lane = half.first() + lane;

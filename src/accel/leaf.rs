@@ -1,7 +1,7 @@
 //! What rays do with the leaves of a tree: look for the nearest hit, or for any.
 
 use super::block::{BlockFilter, TriangleBlock};
-use super::four::FourTests;
+use super::four::{FourRays, FourTests};
 use super::simd::{Half, LaneSet, Simd};
 use super::slabs::later;
 use super::{Hit, Visits};
@@ -58,7 +58,13 @@ impl<'a, S: Simd> LeafTest<'a, S> {
             None => RayKernel::with_axes(self.ray, self.filter.axes),
         };
         self.kernel = Some(kernel);
-        FourTests::new(self.simd, &kernel, block, half, lanes)
+        let corners = block.four(self.simd, kernel.axes, half);
+        FourTests::new(
+            self.simd,
+            &FourRays::one(self.simd, &kernel),
+            &corners,
+            lanes,
+        )
     }
 
     /// Whether one of the triangles in these lanes is hit.
@@ -66,8 +72,9 @@ impl<'a, S: Simd> LeafTest<'a, S> {
     pub fn is_hit(&mut self, block: &TriangleBlock, lanes: LaneSet) -> bool {
         for (half, lanes) in lanes.halves() {
             let four = self.four(block, half, lanes);
+            let hits = four.hits();
             for lane in four.met {
-                if four.hit(lane).is_some_and(|hit| hit.t < self.t_max) {
+                if hits.get(lane).is_some_and(|hit| hit.t < self.t_max) {
                     return true;
                 }
             }
@@ -83,7 +90,12 @@ impl<'a, S: Simd> LeafTest<'a, S> {
 
 /// The test of a triangle that [`FourTests`] do not decide.
 #[cold]
-fn decide(ray: &Ray, t_max: f32, block: &TriangleBlock, lane: usize) -> Option<TriangleHit> {
+pub(super) fn decide(
+    ray: &Ray,
+    t_max: f32,
+    block: &TriangleBlock,
+    lane: usize,
+) -> Option<TriangleHit> {
     RayKernel::new(ray).intersect(&block.triangle(lane), t_max)
 }
 
@@ -125,8 +137,9 @@ impl<S: Simd> Visitor for Nearest<'_, S> {
         for block in blocks {
             for (half, lanes) in self.test.filter.may_hit(block, self.limit()).halves() {
                 let four = self.test.four(block, half, lanes);
+                let hits = four.hits();
                 for lane in four.met {
-                    self.consider(block.ids[half.first() + lane], four.hit(lane));
+                    self.consider(block.ids[half.first() + lane], hits.get(lane));
                 }
                 for lane in four.undecided {
                     let lane = half.first() + lane;

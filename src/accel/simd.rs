@@ -49,10 +49,19 @@ pub(super) trait Simd: Arithmetic<Self::F32x8> + Arithmetic<Self::F64x4> {
     fn mul_add(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
     /// `a · b − c`, the product rounded or not.
     fn mul_sub(self, a: Self::F32x8, b: Self::F32x8, c: Self::F32x8) -> Self::F32x8;
+    /// The least of the numbers, any of them if one is NaN; of zeros, either.
+    fn least(self, x: Self::F32x8) -> f32;
+    /// The greatest of the numbers, any of them if one is NaN; of zeros, either.
+    fn greatest(self, x: Self::F32x8) -> f32;
 
+    /// Asks memory for what is going to be needed soon.
+    fn prefetch<T>(self, what: &T);
     /// The lanes of one half.
     fn load_half(self, lanes: &Lanes, half: Half) -> Self::F64x4;
+    #[cfg(test)]
     fn store_double(self, x: Self::F64x4) -> [f64; LANES / 2];
+    /// Rounded to nearest.
+    fn store_rounded(self, x: Self::F64x4) -> [f32; LANES / 2];
     fn splat_double(self, x: f64) -> Self::F64x4;
 }
 
@@ -105,6 +114,12 @@ pub(super) struct LaneSet(u32);
 impl LaneSet {
     pub const NONE: Self = Self(0);
 
+    /// The first so many lanes.
+    #[inline(always)]
+    pub fn first(count: usize) -> Self {
+        Self((1 << count) - 1)
+    }
+
     #[inline(always)]
     pub fn is_empty(self) -> bool {
         self.0 == 0
@@ -135,6 +150,23 @@ impl LaneSet {
     #[inline(always)]
     pub fn beyond(self, others: usize) -> Self {
         Self(self.0 << others)
+    }
+
+    /// How many lanes it holds.
+    #[inline(always)]
+    pub fn count(self) -> usize {
+        self.0.count_ones() as usize
+    }
+
+    /// The lanes of the register with that number, counted from its first.
+    #[inline(always)]
+    pub fn of_register(self, index: usize) -> Self {
+        Self(self.0 >> (index * LANES) & ((1 << LANES) - 1))
+    }
+
+    #[inline(always)]
+    pub fn insert(&mut self, lane: usize) {
+        self.0 |= 1 << lane;
     }
 
     /// The halves that hold any of these lanes, with them, counted from the half's first.
@@ -313,6 +345,19 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn prefetch<T>(self, _what: &T) {}
+
+    #[inline(always)]
+    fn least(self, x: [f32; LANES]) -> f32 {
+        x.into_iter().fold(f32::INFINITY, f32::min)
+    }
+
+    #[inline(always)]
+    fn greatest(self, x: [f32; LANES]) -> f32 {
+        x.into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    #[inline(always)]
     fn load_half(self, lanes: &Lanes, half: Half) -> [f64; LANES / 2] {
         let mut result = [0.0; LANES / 2];
         for (result, &lane) in result.iter_mut().zip(&lanes.0[half.first()..]) {
@@ -321,9 +366,23 @@ impl Simd for Portable {
         result
     }
 
-    #[inline(always)]
+    #[cfg(test)]
     fn store_double(self, x: [f64; LANES / 2]) -> [f64; LANES / 2] {
         x
+    }
+
+    #[inline(always)]
+    fn store_rounded(self, x: [f64; LANES / 2]) -> [f32; LANES / 2] {
+        let mut numbers = [0.0; LANES / 2];
+        for (number, x) in numbers.iter_mut().zip(x) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "the rounding is the purpose"
+            )]
+            let rounded = x as f32;
+            *number = rounded;
+        }
+        numbers
     }
 
     #[inline(always)]
@@ -342,12 +401,14 @@ impl Simd for Portable {
 mod avx2 {
     use super::{Arithmetic, Half, LANES, LaneSet, Lanes, Query, Simd};
     use std::arch::x86_64::{
-        __m256, __m256d, _CMP_LE_OQ, _CMP_LT_OQ, _mm_load_ps, _mm256_add_pd, _mm256_add_ps,
-        _mm256_andnot_pd, _mm256_andnot_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtps_pd,
-        _mm256_div_pd, _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_load_ps,
-        _mm256_max_pd, _mm256_max_ps, _mm256_min_pd, _mm256_min_ps, _mm256_movemask_pd,
-        _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps, _mm256_set1_pd, _mm256_set1_ps,
-        _mm256_store_ps, _mm256_storeu_pd, _mm256_sub_pd, _mm256_sub_ps,
+        __m256, __m256d, _CMP_LE_OQ, _CMP_LT_OQ, _MM_HINT_T0, _mm_cvtss_f32, _mm_load_ps,
+        _mm_max_ps, _mm_max_ss, _mm_min_ps, _mm_min_ss, _mm_movehdup_ps, _mm_movehl_ps,
+        _mm_prefetch, _mm_storeu_ps, _mm256_add_pd, _mm256_add_ps, _mm256_andnot_pd,
+        _mm256_andnot_ps, _mm256_castps256_ps128, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtpd_ps,
+        _mm256_cvtps_pd, _mm256_div_pd, _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps,
+        _mm256_fmsub_ps, _mm256_load_ps, _mm256_max_pd, _mm256_max_ps, _mm256_min_pd,
+        _mm256_min_ps, _mm256_movemask_pd, _mm256_movemask_ps, _mm256_mul_pd, _mm256_mul_ps,
+        _mm256_set1_pd, _mm256_set1_ps, _mm256_store_ps, _mm256_sub_pd, _mm256_sub_ps,
     };
 
     /// Proof that the machine has the instructions: [`Avx2::detect`] alone makes one.
@@ -361,7 +422,8 @@ mod avx2 {
             let has_all = is_x86_feature_detected!("avx2")
                 && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("bmi2");
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("popcnt");
             has_all.then_some(Self(()))
         }
 
@@ -373,7 +435,7 @@ mod avx2 {
         }
     }
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     fn with_avx2<Q: Query>(proof: Avx2, query: &Q) -> Q::Answer {
         query.answer(proof)
     }
@@ -500,15 +562,49 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn prefetch<T>(self, what: &T) {
+            const LINE_BYTES: usize = 64;
+            let first = std::ptr::from_ref(what).cast::<i8>();
+            for line in 0..size_of::<T>().div_ceil(LINE_BYTES) {
+                instruction!(_mm_prefetch::<_MM_HINT_T0>(first.add(line * LINE_BYTES)));
+            }
+        }
+
+        #[inline(always)]
+        fn least(self, x: __m256) -> f32 {
+            instruction!({
+                let four = _mm_min_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+                let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+                _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)))
+            })
+        }
+
+        #[inline(always)]
+        fn greatest(self, x: __m256) -> f32 {
+            instruction!({
+                let four = _mm_max_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+                let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+                _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+            })
+        }
+
+        #[inline(always)]
         fn load_half(self, lanes: &Lanes, half: Half) -> __m256d {
             let lanes = &lanes.0[half.first()..][..LANES / 2];
             instruction!(_mm256_cvtps_pd(_mm_load_ps(lanes.as_ptr())))
         }
 
-        #[inline(always)]
+        #[cfg(test)]
         fn store_double(self, x: __m256d) -> [f64; LANES / 2] {
             let mut numbers = [0.0; LANES / 2];
-            instruction!(_mm256_storeu_pd(numbers.as_mut_ptr(), x));
+            instruction!(std::arch::x86_64::_mm256_storeu_pd(numbers.as_mut_ptr(), x));
+            numbers
+        }
+
+        #[inline(always)]
+        fn store_rounded(self, x: __m256d) -> [f32; LANES / 2] {
+            let mut numbers = [0.0; LANES / 2];
+            instruction!(_mm_storeu_ps(numbers.as_mut_ptr(), _mm256_cvtpd_ps(x)));
             numbers
         }
 
@@ -536,6 +632,8 @@ mod tests {
         /// Numbers that must agree in every bit, `f32` as the `f64` that they are.
         exact: Vec<f64>,
         sets: Vec<LaneSet>,
+        /// The least and the greatest of numbers without NaN, where of two zeros either will do.
+        extremes: Vec<f32>,
         /// Products with sums that may be rounded once or twice.
         fused: Vec<[f32; LANES]>,
     }
@@ -560,6 +658,9 @@ mod tests {
                 results.exact.extend(simd.store(register).0.map(f64::from));
             }
             results.sets = vec![simd.less(a, b), simd.less_or_equal(a, b)];
+            if !self.a.0.iter().any(|x| x.is_nan()) {
+                results.extremes = vec![simd.least(a), simd.greatest(a)];
+            }
             let fused = [simd.mul_add(a, b, c), simd.mul_sub(a, b, c)];
             results.fused = fused.map(|x| simd.store(x).0).to_vec();
             for half in [Half::Lower, Half::Upper] {
@@ -576,6 +677,8 @@ mod tests {
                 ];
                 for register in exact {
                     results.exact.extend(simd.store_double(register));
+                    let rounded = simd.store_rounded(register);
+                    results.exact.extend(rounded.map(f64::from));
                 }
                 results
                     .sets
@@ -618,6 +721,7 @@ mod tests {
             };
             assert_eq!(bits(&wide.exact), bits(&portable.exact));
             assert_eq!(wide.sets, portable.sets);
+            assert_eq!(wide.extremes, portable.extremes);
             // The product is rounded, or not, and the sum is rounded.
             let product = Portable.mul(query.a.0, query.b.0);
             for (wide, portable) in wide.fused.iter().zip(&portable.fused) {

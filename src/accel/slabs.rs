@@ -43,11 +43,22 @@ pub(super) fn reciprocals(direction: Vec3) -> [f32; 3] {
 /// Whether all numbers are so far within the range of `f32` that nothing can go wrong with their reciprocals.
 #[inline]
 pub(super) fn are_ordinary(direction: Vec3) -> bool {
-    const LEAST: f32 = 1e-30;
-    const MOST: f32 = 1e30;
     let [x, y, z] = direction.abs().to_array();
-    x >= LEAST && y >= LEAST && z >= LEAST && x <= MOST && y <= MOST && z <= MOST
+    let [least, most] = ORDINARY;
+    x >= least && y >= least && z >= least && x <= most && y <= most && z <= most
 }
+
+/// Which of the numbers, as in [`are_ordinary`], are.
+#[inline(always)]
+pub(super) fn ordinary<S: Simd>(simd: S, numbers: S::F32x8) -> LaneSet {
+    let [least, most] = ORDINARY;
+    let size = simd.abs(numbers);
+    let large = simd.less_or_equal(simd.splat(least), size);
+    large.and(simd.less_or_equal(size, simd.splat(most)))
+}
+
+/// The least and the greatest magnitude of [`are_ordinary`].
+const ORDINARY: [f32; 2] = [1e-30, 1e30];
 
 /// `1 / d`; infinite for zeros. NaN, which bounds nothing, where the result would lack digits or have no room for the margin.
 #[cold]

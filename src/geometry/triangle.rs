@@ -67,12 +67,14 @@ pub struct TriangleHit {
 impl TriangleHit {
     /// Every number rounded once; none where `t` rounds to 0 or is negative.
     #[inline]
-    pub(crate) fn rounded(t: f64, weights: [f64; 3]) -> Option<Self> {
-        let t = narrowed(t);
-        (0.0 < t).then(|| Self {
-            t,
-            barycentrics: weights.map(narrowed),
-        })
+    fn rounded(t: f64, weights: [f64; 3]) -> Option<Self> {
+        Self::on_ray(narrowed(t), weights.map(narrowed))
+    }
+
+    /// None where `t` is 0 or negative.
+    #[inline]
+    pub(crate) fn on_ray(t: f32, barycentrics: [f32; 3]) -> Option<Self> {
+        (0.0 < t).then_some(Self { t, barycentrics })
     }
 }
 
@@ -189,8 +191,6 @@ impl RayKernel {
     /// Which axis of space the kernel of `ray` calls x, y and z; z is the one its direction is longest along.
     #[inline]
     pub(crate) fn axes_of(ray: &Ray) -> [usize; 3] {
-        // A table, as branches on random directions cannot be foreseen.
-        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
         let length = ray.direction.abs();
         let x_or_y = usize::from(length.y > length.x);
         let longer = if length.y > length.x {
@@ -199,7 +199,15 @@ impl RayKernel {
             length.x
         };
         let is_z = length.z > longer;
-        AXES[if is_z { 2 } else { x_or_y }]
+        Self::axes_along(if is_z { 2 } else { x_or_y })
+    }
+
+    /// [`Self::axes_of`] rays that are longest along this axis.
+    #[inline]
+    pub(crate) fn axes_along(longest: usize) -> [usize; 3] {
+        // A table, as branches on random directions cannot be foreseen.
+        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+        AXES[longest]
     }
 
     fn sheared(&self, corner: Vec3) -> [f64; 3] {
