@@ -380,11 +380,11 @@ fn render_scene(
 
     let RenderOutcome { image, stats, .. } = &outcome;
     let hash = image.hash();
-    say_what_it_took(&place, image, &hash, stats, settings)?;
     let plan = super::plan::facts(scene)?;
     let mut facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
     let stats_path = arguments.stats.as_deref();
     let mut recorded = stats_path.map_or(Ok(()), |path| write_stats(&facts, path));
+    say_what_it_took(&place, image, &hash, stats, settings)?;
     if is_interrupted {
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
     } else if let Some(pairs) = arguments.costs {

@@ -8,6 +8,7 @@ mod shared;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::memory::require_structure;
 use crate::accel::{
     Accelerator, Assembly, BruteForce, BuildQuality, KdParameters, KdTree, Part, PlacedTriangle,
     WideTree,
@@ -66,6 +67,7 @@ impl PreparedGeometry {
         if count > u64::from(u32::MAX / 2) {
             return Err(SceneError::TooManyTriangles { count });
         }
+        require_structure(origin.stored_triangles())?;
         let frame = SceneFrame::around(&scene.measured_bounds()?);
         let previous = previous.map(|previous| &previous.shared);
         let Some(shared) = SharedMeshes::prepare(&origin, previous, cancel, progress) else {

@@ -221,6 +221,19 @@ pub enum SceneError {
         /// Triangles of all objects with all their copies.
         count: u64,
     },
+    /// Less memory than the triangles' structure takes while it is built.
+    #[error(
+        "the structure over {triangles} triangles takes about {needed} of memory while it is built, {why}; give simpler \
+         meshes, or the same mesh to several objects, which share it"
+    )]
+    TooLittleMemory {
+        /// Triangles that are stored.
+        triangles: u64,
+        /// How much it takes.
+        needed: String,
+        /// What is in the way.
+        why: String,
+    },
     /// Objects so large, so small or so far out that distances cannot be squared.
     #[error(
         "the objects are {extent:e} across and reach {farthest:e} from the origin; \

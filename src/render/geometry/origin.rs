@@ -1,3 +1,4 @@
+use std::collections::HashSet;
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, LazyLock};
 
@@ -52,6 +53,14 @@ pub fn is_nothing(material: &Material, settings: &RenderSettings) -> bool {
 }
 
 impl GeometryOrigin {
+    /// The triangles that are stored: those of each mesh once, however often it is placed.
+    pub fn stored_triangles(&self) -> u64 {
+        let mut seen = HashSet::new();
+        let meshes = self.objects.iter().map(|(mesh, _)| &mesh.0);
+        let once = meshes.filter(|mesh| seen.insert(Arc::as_ptr(mesh)));
+        once.map(|mesh| mesh.triangles.len() as u64).sum()
+    }
+
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
         let object_origin = |object: &Object| {
             let shape = ObjectShape {
