@@ -162,6 +162,10 @@ pub fn pdf_of_object(
     ray: &Ray,
     point: &SurfacePoint,
 ) -> f32 {
+    // What is black is not aimed at.
+    if scene.material(point.object).emission() == Some(Vec3::ZERO) {
+        return 0.0;
+    }
     let pdf = scene.emitters().pdf_of_object(
         from,
         (point.object, point.triangle),

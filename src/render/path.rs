@@ -69,9 +69,6 @@ pub fn gather<K: Kernel>(
         };
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
-            if radiance == Vec3::ZERO {
-                break;
-            }
             let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &ray, &point);
             let weight = met_weight(settings, scattered.as_ref(), aimed);
             gathered.add_light(beginning, throughput * radiance * weight);
