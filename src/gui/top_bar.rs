@@ -61,14 +61,17 @@ impl TopBarState {
     pub fn allows(self, command: Command) -> bool {
         match command {
             Command::SavePicture | Command::ShowPicture => self.has_picture,
-            Command::Cancel => {
-                self.is_measuring || matches!(self.phase, Phase::Rendering | Phase::Reporting)
-            }
+            Command::Cancel => self.is_measuring || self.is_busy(),
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
             Command::Report => self.phase != Phase::Empty,
             Command::MeasureCosts => self.phase == Phase::Ready,
             _ => true,
         }
+    }
+
+    /// Whether a render or a report goes on.
+    fn is_busy(self) -> bool {
+        matches!(self.phase, Phase::Rendering | Phase::Reporting)
     }
 
     /// Why `command` cannot be asked for now, where it cannot.
@@ -246,7 +249,8 @@ fn error_plot_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command
 /// Render, or Cancel while rendering or making a report.
 fn render_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     let size = Vec2::new(116.0, theme::BAR_BUTTON_HEIGHT);
-    let (command, button) = if state.allows(Command::Cancel) {
+    // Costs that are measured give way to a render.
+    let (command, button) = if state.is_busy() {
         let text = RichText::new("Cancel").strong().color(theme::ON_ACCENT);
         (Command::Cancel, Button::new(text).fill(theme::STOP))
     } else {
