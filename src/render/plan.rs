@@ -84,7 +84,7 @@ impl Feature {
         match self {
             Self::PixelPoints => "points within a pixel",
             Self::Lens => "points on a lens",
-            Self::EyeRays => "rays from the eye, again",
+            Self::EyeRays => "an eye ray for every sample",
             Self::Light => "looking for light",
             Self::Aiming => "aiming at lights",
             Self::ShadowRays => "shadow rays",
