@@ -97,6 +97,14 @@ fn read_png(bytes: &[u8]) -> Result<RawImage, String> {
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(in_words)?;
     let info = reader.info();
+    // The decoder counts on whole colours.
+    if info
+        .palette
+        .as_ref()
+        .is_some_and(|palette| palette.len() % 3 != 0)
+    {
+        return Err("the palette has a colour of less than three bytes".to_owned());
+    }
     let length = bytes.len() as u64;
     let (width, height) = refuse_size(info.width.into(), info.height.into(), length)?;
     let stored = info.raw_row_length() as u64 * u64::from(height);
