@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use common::{add, diffuse, rectangle};
+use common::{add, diffuse, rectangle, run};
 use raymini::control::CancelToken;
 use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees, Ray, Vec3};
@@ -317,14 +317,7 @@ fn samples_that_look_along_one_line_share_a_ray() {
     let pixels = scene.render.pixel_count();
     let taken = |scene: &Scene| {
         let prepared = prepare(scene);
-        let outcome = render(
-            &prepared,
-            None,
-            &RunConfig::default(),
-            &RenderProgress::default(),
-            None,
-        );
-        let stats = outcome.expect("nobody cancels").stats;
+        let stats = run(scene).stats;
         assert_eq!(stats.samples, 64 * pixels);
         (work(&prepared).rays.camera, stats.rays.camera, stats.passes)
     };
