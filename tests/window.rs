@@ -469,6 +469,14 @@ fn costs_are_measured_and_give_way_to_a_render() {
     assert!(!window.says("before the last changes"));
     window.operate("Anti-aliasing");
     assert!(window.says("before the last changes"));
+
+    // Another scene has costs of its own.
+    window.operate("Anti-aliasing");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    window.settle();
+    assert_eq!(window.scene().objects.len(), 1);
+    assert!(matches!(window.app().costs(), CostState::Unknown));
 }
 
 /// Exposure changes what is shown and saved, at once and without rendering again.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{App, Loading};
 use crate::control::Progress;
 use crate::gui::app::FileDialogs;
+use crate::gui::costs::CostState;
 use crate::gui::dialogs::files::{self, Answer, FilePurpose};
 use crate::gui::dialogs::path_field::PathField;
 use crate::gui::dialogs::{Dialog, Intent};
@@ -96,6 +97,8 @@ impl App {
         self.view = View::Preview;
         self.prepared = None;
         self.primary_hits.clear();
+        self.cancel_measuring_costs();
+        self.costs = CostState::Unknown;
         self.preparing = None;
         self.problem = None;
         self.put_picture_away();
