@@ -17,7 +17,7 @@
 //! - [`render`]: the prepared scene, samplers, shading, tiles and passes, film
 //! - [`analysis`]: measuring structures and rays, and how far a picture is from another
 //! - [`cli`], `gui`: the program's two faces, which do not know each other
-//! - [`control`]: cancelling and progress as values
+//! - [`control`], [`memory`]: cancelling and progress as values, and what memory there is; for all of them
 
 pub mod accel;
 pub mod analysis;
@@ -28,5 +28,6 @@ pub mod geometry;
 pub mod gui;
 pub mod io;
 pub mod math;
+pub mod memory;
 pub mod render;
 pub mod scene;

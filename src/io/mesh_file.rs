@@ -3,7 +3,7 @@
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
 use super::off;
-use super::whole_file::read_file;
+use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use std::path::Path;
@@ -81,6 +81,10 @@ pub const READABLE_FORMATS: &str = "OFF";
 /// File name extensions, in lower case, of the formats that have a reader.
 pub const READABLE_EXTENSIONS: &[&str] = &["off"];
 
+/// So many bytes are foreseen for each byte of a file: itself, and a mesh that is at most three times as large, as that of short
+/// numbers is. (Corners of large polygons may take six; files of such alone are small.)
+const MEMORY_PER_BYTE: u64 = 4;
+
 /// Loads the mesh file at `path`.
 ///
 /// `progress` advances by bytes, each once when it is read and once when it is understood; setting its total is the
@@ -94,7 +98,8 @@ pub fn load_mesh(
     progress: &Progress,
 ) -> Result<Option<MeshFile>, MeshError> {
     let name = path.display().to_string();
-    let bytes = read_file(path, "a mesh file", cancel, progress);
+    let bytes = require_memory(path, MEMORY_PER_BYTE)
+        .and_then(|()| read_file(path, "a mesh file", cancel, progress));
     let unreadable = |reason| MeshError::Unreadable {
         name: name.clone(),
         reason,

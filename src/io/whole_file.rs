@@ -3,6 +3,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use crate::control::{CancelToken, Progress};
+use crate::memory::require;
 
 /// All bytes of a regular file, read in pieces so that cancelling answers; `progress` advances by each byte. `None` when
 /// cancelled. `expected`: what the file should be, in words: "a mesh file".
@@ -15,7 +16,19 @@ pub fn read_file(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<Vec<u8>>, String> {
+    require_memory(path, 1)?;
     read_bounded_file(path, expected, u64::MAX, cancel, progress)
+}
+
+/// Says whether there is memory for a file `times` over, as it is needed for it and for what comes of it. Of a file that cannot be
+/// found it says nothing.
+///
+/// # Errors
+/// That there is not, in a plain sentence that does not name the file.
+pub fn require_memory(path: &Path, times: u64) -> Result<(), String> {
+    let length = std::fs::metadata(path).map_or(0, |file| file.len());
+    require(length.saturating_mul(times))
+        .map_err(|short| format!("reading this file takes about {short}"))
 }
 
 /// [`read_file`] of at most `most_bytes`; of a file that is larger, no more is read.
@@ -31,7 +44,8 @@ pub fn read_bounded_file(
 ) -> Result<Option<Vec<u8>>, String> {
     const PIECE: u64 = 1 << 20;
     let mut file = open_file(path, expected)?;
-    let mut bytes = Vec::new();
+    let length = file.metadata().map_or(0, |file| file.len());
+    let mut bytes = Vec::with_capacity(usize::try_from(length.min(most_bytes)).unwrap_or(0));
     while !cancel.is_cancelled() {
         // The length that the system tells is no promise: a file can grow while it is read.
         match file.by_ref().take(PIECE).read_to_end(&mut bytes) {

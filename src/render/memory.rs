@@ -1,10 +1,10 @@
-//! How much memory a picture takes, and whether it is there: told in words before any of it is asked for, as an allocation that
-//! fails ends the program.
+//! How much memory a picture takes, and whether it is there: told in words before any of it is asked for.
 
 use super::film::Film;
 use super::prepare::PreparedScene;
 use super::run::RunConfig;
 use super::tiles::Region;
+use crate::memory::{ShortOfMemory, require};
 use crate::scene::SceneError;
 
 /// What is kept of a picture while it is rendered.
@@ -87,9 +87,9 @@ impl PictureMemory {
     /// Says whether there is as much, and a sixteenth more for what goes beside it.
     ///
     /// # Errors
-    /// [`ShortOfMemory`].
-    pub fn require(self) -> Result<(), ShortOfMemory> {
-        require(self.bytes() + self.bytes() / 16)
+    /// [`PictureTooLarge`].
+    pub fn require(self) -> Result<(), PictureTooLarge> {
+        require(self.bytes() + self.bytes() / 16).map_err(PictureTooLarge)
     }
 }
 
@@ -101,23 +101,8 @@ const BUILDING: u64 = 130;
 pub(super) fn require_structure(triangles: u64) -> Result<(), SceneError> {
     require(triangles * BUILDING).map_err(|short| SceneError::TooLittleMemory {
         triangles,
-        needed: in_words(short.needed),
+        needed: short.needed_in_words(),
         why: short.why(),
-    })
-}
-
-fn require(needed: u64) -> Result<(), ShortOfMemory> {
-    let available = available_bytes();
-    let is_there = available.is_none_or(|available| needed <= available);
-    // What the system refuses to promise, as a limit on the process does, is not to be had either.
-    let is_granted = usize::try_from(needed)
-        .is_ok_and(|needed| Vec::<u8>::new().try_reserve_exact(needed).is_ok());
-    if is_there && is_granted {
-        return Ok(());
-    }
-    Err(ShortOfMemory {
-        needed,
-        available: available.filter(|_| !is_there),
     })
 }
 
@@ -126,38 +111,10 @@ fn require(needed: u64) -> Result<(), ShortOfMemory> {
 #[error(
     "the picture needs {} of memory while it is rendered, {}; make it smaller, render it part by part (--region), or switch \
      render.error_estimate or output.layers off",
-    in_words(*needed),
-    self.why()
+    self.0.needed_in_words(),
+    self.0.why()
 )]
-pub struct ShortOfMemory {
-    /// Bytes.
-    pub needed: u64,
-    /// Bytes; `None` where they are not what is in the way.
-    pub available: Option<u64>,
-}
-
-impl ShortOfMemory {
-    fn why(self) -> String {
-        self.available.map_or_else(
-            || "which the system does not grant".to_owned(),
-            |bytes| format!("but {} are free", in_words(bytes)),
-        )
-    }
-}
-
-fn in_words(bytes: u64) -> String {
-    format!("{:.1} GB", bytes as f64 / 1e9)
-}
-
-/// What the system could give without pushing other memory out to a disk, where it tells (Linux).
-fn available_bytes() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1024)
-}
+pub struct PictureTooLarge(pub ShortOfMemory);
 
 #[cfg(test)]
 mod tests {

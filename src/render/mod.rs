@@ -62,7 +62,7 @@ pub use geometry::{
 };
 pub use image::Image;
 pub use layers::Layer;
-pub use memory::{PictureMemory, ShortOfMemory};
+pub use memory::{PictureMemory, PictureTooLarge};
 pub use plan::{Feature, Plan, reasons};
 pub use prepare::PreparedScene;
 pub use primary_hits::PrimaryHitStore;

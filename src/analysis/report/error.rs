@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::io::{LoadError, PictureError};
-use crate::render::ShortOfMemory;
+use crate::render::PictureTooLarge;
 use crate::scene::SceneError;
 
 /// Why there is no report, or why it stopped.
@@ -57,7 +57,7 @@ pub enum ReportError {
     },
     /// The pictures do not fit.
     #[error(transparent)]
-    Memory(#[from] ShortOfMemory),
+    Memory(#[from] PictureTooLarge),
     /// A scene that cannot be rendered.
     #[error(transparent)]
     Render(#[from] SceneError),
