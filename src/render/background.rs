@@ -42,14 +42,15 @@ pub struct SkySample {
 }
 
 impl PreparedBackground {
-    /// Prepares the background of a validated `scene`; keeps the tables of `previous` where the image is the same, and makes none
-    /// for a picture that does not show it. `None` when cancelled.
+    /// Prepares the background of a validated `scene`; keeps the image of `previous` where it is the same, and makes none for a picture
+    /// that does not show it. `is_aimed_at`: whether directions are drawn by what it shows. `None` when cancelled.
     ///
     /// # Errors
     /// An image that is not loaded, or too bright for 32 bits.
     pub fn new(
         scene: &Scene,
         previous: Option<&Self>,
+        is_aimed_at: bool,
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
         Ok(Some(match scene.background {
@@ -66,14 +67,14 @@ impl PreparedBackground {
                 up: direction_of(up).unwrap_or(DVec3::Z).as_vec3(),
             },
             Background::Image { .. } => {
-                let known = ImageBackground::known(scene, previous)?;
+                let known = ImageBackground::known(scene, previous, is_aimed_at)?;
                 let is_black = scene.background.is_black()
                     || scene.background_image()?.is_some_and(|map| map.is_black());
                 let is_seen = scene.render.mode.shows_light() && !is_black;
                 if known.is_none() && !is_seen {
                     return Ok(Some(Self::Constant(Vec3::ZERO)));
                 }
-                let image = ImageBackground::new(scene, known, cancel)?;
+                let image = ImageBackground::new(scene, known, is_aimed_at, cancel)?;
                 return Ok(image.map(Self::Image));
             }
         }))
@@ -152,15 +153,17 @@ impl PreparedBackground {
 }
 
 impl ImageBackground {
-    /// The tables of the scene's image, where `previous` has them.
+    /// The scene's image, where `previous` has it with all that it takes.
     fn known(
         scene: &Scene,
         previous: Option<&PreparedBackground>,
+        is_aimed_at: bool,
     ) -> Result<Option<Arc<RadianceImage>>, SceneError> {
         let map = scene.background_image()?;
         Ok(match previous {
             Some(PreparedBackground::Image(known))
-                if map.is_some_and(|map| Arc::ptr_eq(known.image.map(), map)) =>
+                if map.is_some_and(|map| Arc::ptr_eq(known.image.map(), map))
+                    && (known.image.can_be_sampled() || !is_aimed_at) =>
             {
                 Some(Arc::clone(&known.image))
             }
@@ -171,6 +174,7 @@ impl ImageBackground {
     fn new(
         scene: &Scene,
         known: Option<Arc<RadianceImage>>,
+        is_aimed_at: bool,
         cancel: &CancelToken,
     ) -> Result<Option<Self>, SceneError> {
         let (
@@ -185,7 +189,8 @@ impl ImageBackground {
         else {
             unreachable!("only an image is prepared as one");
         };
-        let Some(image) = known.or_else(|| RadianceImage::new(map, cancel).map(Arc::new)) else {
+        let made = || RadianceImage::new(map, is_aimed_at, cancel).map(Arc::new);
+        let Some(image) = known.or_else(made) else {
             return Ok(None);
         };
         #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
@@ -234,6 +239,12 @@ impl ImageBackground {
         })
     }
 
+    /// Whether [`Self::sample`] finds anything.
+    #[cfg(test)]
+    pub fn can_be_sampled(&self) -> bool {
+        self.image.can_be_sampled()
+    }
+
     /// Luminance averaged over all directions.
     pub fn mean_luminance(&self) -> f64 {
         self.image.integral() * f64::from(self.scale) / (4.0 * std::f64::consts::PI)
@@ -260,7 +271,7 @@ mod tests {
             background,
             ..Scene::default()
         };
-        PreparedBackground::new(&scene, None, &CancelToken::new())
+        PreparedBackground::new(&scene, None, true, &CancelToken::new())
             .expect("can be rendered")
             .expect("nobody cancels")
     }

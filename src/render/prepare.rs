@@ -121,8 +121,13 @@ impl PreparedScene {
         let Some(geometry) = PreparedGeometry::prepare(scene, known, cancel, progress)? else {
             return Ok(None);
         };
+        let plan = Plan::of(scene)?;
         let known = previous.map(|previous| &previous.background);
-        let Some(background) = PreparedBackground::new(scene, known, cancel)? else {
+        let is_aimed_at = match scene.render.mode {
+            Mode::Path => plan.needs(Feature::Aiming),
+            _ => plan.needs(Feature::Occlusion),
+        };
+        let Some(background) = PreparedBackground::new(scene, known, is_aimed_at, cancel)? else {
             return Ok(None);
         };
         let frame = geometry.frame();
@@ -177,7 +182,6 @@ impl PreparedScene {
         let Some(camera) = PreparedCamera::new(&description, frame, &boxes, width, height) else {
             unreachable!("a validated camera has a direction");
         };
-        let plan = Plan::of(scene)?;
         let emitters = if plan.needs(Feature::Aiming) {
             emitters_of(scene, previous, &geometry, &lights, &materials)
         } else {
@@ -614,9 +618,50 @@ fn emitters_of(
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::scene::{Light, Material, Object, Rgb};
+    use crate::math::Degrees;
+    use crate::scene::{Background, Light, LightSampling, Material, Object, RadianceMap, Rgb};
 
     type Edit = fn(&mut Scene);
+
+    #[test]
+    fn a_sky_is_prepared_to_be_aimed_at_only_where_it_is() {
+        let mut scene = Scene::default();
+        let (map, _) = RadianceMap::cleaned(2, 1, vec![[1.0; 3]; 2]);
+        scene.images.insert("sky".into(), Arc::new(map));
+        scene.background = Background::Image {
+            image: "sky".into(),
+            up: DVec3::Z,
+            rotation: Degrees(0.0),
+            scale: 1.0,
+        };
+        scene
+            .meshes
+            .insert("ball".into(), Arc::new(shapes::icosphere(1)));
+        scene.objects.push(Object {
+            mesh: "ball".into(),
+            ..Object::default()
+        });
+        scene.render.mode = Mode::Path;
+        scene.render.light_sampling = LightSampling::Bsdf;
+        let prepare = |scene: &Scene, previous| {
+            let prepared = PreparedScene::prepare(scene, previous, &CancelToken::new());
+            prepared.expect("can be rendered").expect("nobody cancels")
+        };
+        let can_be_sampled = |prepared: &PreparedScene| {
+            let image = prepared.background.image().expect("it gives light");
+            image.can_be_sampled()
+        };
+        let met = prepare(&scene, None);
+        assert!(!can_be_sampled(&met));
+        scene.render.light_sampling = LightSampling::Mis;
+        let aimed_at = prepare(&scene, Some(&met));
+        assert!(can_be_sampled(&aimed_at));
+        scene.render.light_sampling = LightSampling::Bsdf;
+        let again = prepare(&scene, Some(&aimed_at));
+        assert!(can_be_sampled(&again), "what is there is kept");
+        scene.render.mode = Mode::Direct;
+        assert!(can_be_sampled(&prepare(&scene, None)));
+    }
 
     #[test]
     fn what_lights_are_chosen_from_is_kept_until_one_changes() {

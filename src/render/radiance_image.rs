@@ -25,10 +25,10 @@ pub struct RadianceImage {
     /// Cosines to the top at the edges of the rows of cells, from 1 to −1: row `r` of cells lies between the centres of the
     /// rows `r − 1` and `r` of texels.
     edges: Vec<f64>,
-    /// For each row of cells the share of the luminance in it and in those above it.
+    /// For each row of cells the share of the luminance in it and in those above it; empty where nothing is sampled.
     rows: Vec<f32>,
     /// For each cell the share of its row's luminance in it and in those left of it. Column `c` of cells lies between the
-    /// centres of the columns `c` and `c + 1` of texels.
+    /// centres of the columns `c` and `c + 1` of texels. Empty where nothing is sampled.
     columns: Vec<f32>,
     /// Luminance integrated over all directions.
     integral: f64,
@@ -47,8 +47,8 @@ struct Cell {
 }
 
 impl RadianceImage {
-    /// Prepares `map`; `None` when cancelled.
-    pub fn new(map: &Arc<RadianceMap>, cancel: &CancelToken) -> Option<Self> {
+    /// Prepares `map`, with the tables that [sampling](Self::sample) takes or without; `None` when cancelled.
+    pub fn new(map: &Arc<RadianceMap>, is_sampled: bool, cancel: &CancelToken) -> Option<Self> {
         let (width, height) = (map.width() as usize, map.height());
         let centers = (0..height).map(|y| libm::cos(map.polar_angle(y)));
         let edges: Vec<f64> = std::iter::once(1.0).chain(centers).chain([-1.0]).collect();
@@ -58,7 +58,8 @@ impl RadianceImage {
         };
 
         let mut powers = Vec::with_capacity(height as usize + 1);
-        let mut columns = Vec::with_capacity(width * (height as usize + 1));
+        let rows_kept = if is_sampled { height as usize + 1 } else { 1 };
+        let mut columns = Vec::with_capacity(width * rows_kept);
         let mut upper = luminances(0);
         for row in 0..=height {
             if cancel.is_cancelled() {
@@ -71,6 +72,9 @@ impl RadianceImage {
                 upper[c] + upper[next] + lower[c] + lower[next]
             };
             let cells: Vec<f64> = (0..width).map(corners).collect();
+            if !is_sampled {
+                columns.clear();
+            }
             let total = append_shares(&cells, &mut columns);
             let band = edges[row as usize] - edges[row as usize + 1];
             powers.push(total / 4.0 * band * (TAU / width as f64));
@@ -78,6 +82,9 @@ impl RadianceImage {
         }
         let mut rows = Vec::with_capacity(powers.len());
         let integral = append_shares(&powers, &mut rows);
+        if !is_sampled {
+            (rows, columns) = (Vec::new(), Vec::new());
+        }
         let values = map.pixels().iter().flatten();
         Some(Self {
             largest: values.fold(0.0, |a: f32, &b| a.max(b)),
@@ -87,6 +94,11 @@ impl RadianceImage {
             columns,
             integral,
         })
+    }
+
+    /// Whether it has what [sampling](Self::sample) takes.
+    pub fn can_be_sampled(&self) -> bool {
+        !self.rows.is_empty()
     }
 
     /// The image it was made of.
@@ -126,9 +138,10 @@ impl RadianceImage {
         pdf
     }
 
-    /// A direction in proportion to its luminance, by `u`, uniform over the unit square; unit. `None` for a black image.
+    /// A direction in proportion to its luminance, by `u`, uniform over the unit square; unit. `None` for a black image, and
+    /// without the tables.
     pub fn sample(&self, u: Vec2) -> Option<DVec3> {
-        if self.integral <= 0.0 {
+        if self.integral <= 0.0 || !self.can_be_sampled() {
             return None;
         }
         let width = self.map.width() as usize;
@@ -225,7 +238,7 @@ mod tests {
     fn prepared(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> RadianceImage {
         let (map, cleaned) = RadianceMap::cleaned(width, height, pixels);
         assert_eq!(cleaned, 0);
-        RadianceImage::new(&Arc::new(map), &CancelToken::new()).expect("nobody cancels")
+        RadianceImage::new(&Arc::new(map), true, &CancelToken::new()).expect("nobody cancels")
     }
 
     /// A dim sky with a sun a thousand times as bright in one texel, and a black quarter.
