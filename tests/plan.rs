@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use common::{add, diffuse, rectangle, run};
+use raymini::analysis::proofs::{Bench, cases};
 use raymini::control::CancelToken;
 use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees, Ray, Vec3};
@@ -693,4 +694,19 @@ fn a_plan_knows_what_it_forces() {
     assert!(!plan.does(Feature::Lens));
     let forced = plan.forcing(Feature::Lens);
     assert!(forced.does(Feature::Lens) && !forced.needs(Feature::Lens));
+}
+
+/// What `raymini plan --proofs` shows: whatever is left out is counted 0 times, more otherwise, and the picture is the same.
+#[test]
+fn every_proof_holds() {
+    let mut scene = raymini::io::demo_scene();
+    (scene.render.width, scene.render.height) = (96, 54);
+    let bench = Bench {
+        scene: &scene,
+        pairs: 1,
+    };
+    for case in cases() {
+        let finding = case.run(&bench).expect("can be rendered");
+        assert!(finding.holds(), "{case:?}: {finding:?}");
+    }
 }

@@ -5,7 +5,9 @@ use crate::render::{
     Feature, Plan, PreparedScene, PrimaryHitStore, Region, RenderProgress, RunConfig, is_nothing,
     render,
 };
-use crate::scene::{Material, Mode, Scene, SceneError, Shadows, Stop};
+use crate::scene::{
+    Background, LightSampling, Material, Mode, Rgb, Scene, SceneError, Shadows, Stop,
+};
 
 /// What a render takes at least, in seconds of processor time, for its time to mean anything.
 const LEAST_SECONDS: f64 = 0.05;
@@ -27,10 +29,18 @@ pub enum Effect {
     Antialiasing,
     /// A lens with an aperture.
     DepthOfField,
+    /// All light, in place of how surfaces face the camera.
+    Light,
+    /// Aiming at lights, emitters and an image of the sky, which are else met by chance, or not at all.
+    AimedLight,
+    /// Meeting emitters, lights and the background by chance beside aiming at them.
+    MetLight,
     /// Shadows.
     Shadows,
     /// Soft shadows in place of hard ones.
     SoftShadows,
+    /// The background's light on surfaces, in mode `direct`.
+    AmbientLight,
     /// Ambient occlusion.
     AmbientOcclusion,
     /// Mirrors, which are grey without.
@@ -39,21 +49,28 @@ pub enum Effect {
     Glass,
     /// Light that met several surfaces.
     IndirectLight,
+    /// Ending paths that carry little, in place of following them all.
+    Roulette,
     /// The estimate of the error.
     ErrorEstimate,
 }
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 14] = [
         Self::Antialiasing,
         Self::DepthOfField,
+        Self::Light,
+        Self::AimedLight,
+        Self::MetLight,
         Self::Shadows,
         Self::SoftShadows,
+        Self::AmbientLight,
         Self::AmbientOcclusion,
         Self::Mirrors,
         Self::Glass,
         Self::IndirectLight,
+        Self::Roulette,
         Self::ErrorEstimate,
     ];
 
@@ -63,12 +80,17 @@ impl Effect {
         match self {
             Self::Antialiasing => "antialiasing",
             Self::DepthOfField => "depth of field",
+            Self::Light => "all light",
+            Self::AimedLight => "light that is aimed at",
+            Self::MetLight => "light met by chance",
             Self::Shadows => "shadows",
             Self::SoftShadows => "soft in place of hard shadows",
+            Self::AmbientLight => "light of the background",
             Self::AmbientOcclusion => "ambient occlusion",
             Self::Mirrors => "mirrors in place of grey",
             Self::Glass => "glass in place of grey",
             Self::IndirectLight => "indirect light",
+            Self::Roulette => "roulette, which ends paths",
             Self::ErrorEstimate => "estimate of the error",
         }
     }
@@ -81,15 +103,31 @@ impl Effect {
         match self {
             Self::Antialiasing => settings.antialiasing = false,
             Self::DepthOfField => settings.depth_of_field = false,
+            Self::Light => settings.mode = Mode::Facing,
+            Self::AimedLight if settings.mode == Mode::Path => {
+                settings.light_sampling = LightSampling::Bsdf;
+            }
+            Self::AimedLight => {
+                scene.lights.clear();
+                let radiance = Rgb::ZERO;
+                let emitters = scene.materials.values_mut();
+                emitters
+                    .filter(|material| matches!(material, Material::Emitter { .. }))
+                    .for_each(|emitter| *emitter = Material::Emitter { radiance });
+            }
+            Self::MetLight => settings.light_sampling = LightSampling::Nee,
             Self::Shadows => settings.shadows = Shadows::Off,
             Self::SoftShadows if settings.shadows != Shadows::Off => {
                 settings.shadows = Shadows::Hard;
             }
             Self::SoftShadows => {}
+            Self::AmbientLight => scene.background = Background::default(),
+            Self::AmbientOcclusion if settings.mode == Mode::Ao => settings.mode = Mode::Facing,
             Self::AmbientOcclusion => settings.ambient_occlusion.enabled = false,
             Self::Mirrors => settings.mirror = false,
             Self::Glass => settings.glass = false,
             Self::IndirectLight => settings.max_bounces = settings.max_bounces.min(1),
+            Self::Roulette => settings.roulette = false,
             Self::ErrorEstimate => settings.error_estimate = false,
         }
         scene
@@ -113,10 +151,20 @@ impl Effect {
         match self {
             Self::Antialiasing => needs(Feature::PixelPoints),
             Self::DepthOfField => needs(Feature::Lens),
+            Self::Light => shows_light && needs(Feature::Light),
+            Self::AimedLight => shows_light && needs(Feature::Aiming),
+            Self::MetLight => {
+                settings.mode == Mode::Path
+                    && settings.light_sampling == LightSampling::Mis
+                    && needs(Feature::Aiming)
+                    && needs(Feature::LastRays)
+            }
             Self::Shadows => is_direct && needs(Feature::ShadowRays),
             Self::SoftShadows => {
                 is_direct && needs(Feature::LightPoints) && settings.shadows == Shadows::Soft
             }
+            Self::AmbientLight => is_direct && !scene.background.is_black() && !is_sky_black(scene),
+            Self::AmbientOcclusion if settings.mode == Mode::Ao => needs(Feature::Occlusion),
             Self::AmbientOcclusion => {
                 is_direct && settings.ambient_occlusion.enabled && needs(Feature::Occlusion)
             }
@@ -131,9 +179,16 @@ impl Effect {
                     && has_material(|material| matches!(material, Material::Glass { .. }))
             }
             Self::IndirectLight => settings.mode == Mode::Path && settings.max_bounces > 1,
+            Self::Roulette => needs(Feature::Roulette),
             Self::ErrorEstimate => settings.measures_error(),
         }
     }
+}
+
+/// Whether the background is an image that gives no light.
+fn is_sky_black(scene: &Scene) -> bool {
+    let image = scene.background_image().ok().flatten();
+    image.is_some_and(|image| image.is_black())
 }
 
 /// A part of the time of a render.
@@ -301,7 +356,6 @@ impl Trial {
             pairs,
         };
         let plain = &self.prepared;
-        let added = |plain: f64, with: f64| with / plain - 1.0;
         for effect in effects {
             let Some(without) = self.prepare(&effect.removed_from(&self.scene))? else {
                 return Ok(None);
@@ -320,26 +374,56 @@ impl Trial {
                 return Ok(None);
             };
             assert_eq!(hash, expected, "{feature:?} changes the picture");
-            let Some(share) = self.compare(plain, &with, &self.alone(), pairs, added) else {
+            let Some(share) = self.added_by(&with, pairs) else {
                 return Ok(None);
             };
             costs.savings.push((feature, share));
             tell();
         }
         if has_layers {
-            let with_layers = RunConfig {
-                layers: true,
-                ..self.alone()
-            };
-            costs.layers = self.compare(plain, plain, &with_layers, pairs, added);
+            costs.layers = self.added_by_layers(pairs);
             tell();
         }
         if keeps_hits {
             let _ = Self::seconds_of(&known, &self.alone());
-            costs.primary_rays = self.compare(&known, plain, &self.alone(), pairs, added);
+            costs.primary_rays = self.added_beside(&known, plain, pairs);
             tell();
         }
         Ok((!self.cancel.is_cancelled()).then_some(costs))
+    }
+
+    /// The scene, in the size at which it is timed.
+    pub(super) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The same, prepared.
+    pub(super) fn prepared(&self) -> &PreparedScene {
+        &self.prepared
+    }
+
+    /// What rendering `other` takes more than rendering the scene as it is.
+    pub(super) fn added_by(&self, other: &PreparedScene, pairs: usize) -> Option<Share> {
+        self.added_beside(&self.prepared, other, pairs)
+    }
+
+    /// What rendering `other` takes more than rendering `plain`.
+    pub(super) fn added_beside(
+        &self,
+        plain: &PreparedScene,
+        other: &PreparedScene,
+        pairs: usize,
+    ) -> Option<Share> {
+        self.compare(plain, other, &self.alone(), pairs, added)
+    }
+
+    /// What keeping layers takes more.
+    pub(super) fn added_by_layers(&self, pairs: usize) -> Option<Share> {
+        let with_layers = RunConfig {
+            layers: true,
+            ..self.alone()
+        };
+        self.compare(&self.prepared, &self.prepared, &with_layers, pairs, added)
     }
 
     /// Renders `plain` and `other` in turns. `None` when cancelled.
@@ -353,17 +437,7 @@ impl Trial {
     ) -> Option<Share> {
         let plain = || Self::seconds_of(plain, &self.alone());
         let changed = || Self::seconds_of(other, run);
-        let pair = |number: usize| {
-            // Either is first as often.
-            if number.is_multiple_of(2) {
-                let first = plain()?;
-                Some(share(first, changed()?))
-            } else {
-                let first = changed()?;
-                Some(share(plain()?, first))
-            }
-        };
-        (0..pairs).map(pair).collect::<Option<_>>().map(Share::of)
+        in_pairs(pairs, plain, changed, share)
     }
 
     fn alone(&self) -> RunConfig {
@@ -374,7 +448,8 @@ impl Trial {
         }
     }
 
-    fn prepare(&self, scene: &Scene) -> Result<Option<PreparedScene>, SceneError> {
+    /// `scene`, on what is prepared.
+    pub(super) fn prepare(&self, scene: &Scene) -> Result<Option<PreparedScene>, SceneError> {
         PreparedScene::prepare(scene, Some(&self.prepared), &self.cancel)
     }
 
@@ -384,10 +459,39 @@ impl Trial {
         Some(outcome.stats.cpu_seconds)
     }
 
-    fn picture_hash(&self, scene: &PreparedScene) -> Option<String> {
+    pub(super) fn picture_hash(&self, scene: &PreparedScene) -> Option<String> {
         let outcome = render(scene, None, &self.alone(), &RenderProgress::default(), None)?;
         Some(outcome.image.hash())
     }
+}
+
+/// What `other` takes more than `plain`, both in seconds, measured in turns.
+pub(super) fn paired(pairs: usize, plain: impl Fn() -> f64, other: impl Fn() -> f64) -> Share {
+    let share = in_pairs(pairs, || Some(plain()), || Some(other()), added);
+    share.expect("nothing is cancelled")
+}
+
+fn added(plain: f64, other: f64) -> f64 {
+    other / plain - 1.0
+}
+
+fn in_pairs(
+    pairs: usize,
+    plain: impl Fn() -> Option<f64>,
+    other: impl Fn() -> Option<f64>,
+    share: impl Fn(f64, f64) -> f64,
+) -> Option<Share> {
+    let pair = |number: usize| {
+        // Either is first as often.
+        if number.is_multiple_of(2) {
+            let first = plain()?;
+            Some(share(first, other()?))
+        } else {
+            let first = other()?;
+            Some(share(plain()?, first))
+        }
+    };
+    (0..pairs).map(pair).collect::<Option<_>>().map(Share::of)
 }
 
 impl Share {

@@ -9,6 +9,7 @@ mod compare;
 mod costs;
 mod info;
 mod plan;
+mod proofs;
 mod render;
 mod report;
 mod signals;

@@ -15,7 +15,7 @@ use crate::io;
 use crate::render::{
     Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, even_passes, reasons,
 };
-use crate::scene::{Choice, Scene, Stop};
+use crate::scene::{Choice, Mode, Scene, Stop};
 
 /// Pairs of renders for an estimate of what effects cost.
 const ROUGH_PAIRS: u16 = 3;
@@ -33,6 +33,10 @@ pub struct PlanArguments {
     #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
     size: Option<(u32, u32)>,
 
+    /// What a pixel holds
+    #[arg(long, value_parser = Mode::ALL.iter().map(|(_, name)| *name).collect::<Vec<_>>())]
+    mode: Option<String>,
+
     /// Samples per pixel
     #[arg(long, value_name = "N")]
     spp: Option<u32>,
@@ -46,6 +50,12 @@ pub struct PlanArguments {
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
           value_parser = pairs_parser())]
     measure: Option<u16>,
+
+    /// Show of all that is left out that it is: each counted where a scene does not need it, and done for nothing by so many pairs
+    /// of small renders, 6 to 1000; as a table in Markdown
+    #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
+          value_parser = pairs_parser(), conflicts_with = "measure")]
+    proofs: Option<u16>,
 
     /// Print the facts as JSON
     #[arg(long)]
@@ -114,6 +124,9 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         eprintln!("warning: {warning}");
     }
     let scene = &loaded.scene;
+    if let Some(pairs) = arguments.proofs {
+        return super::proofs::run(scene, pairs, arguments.json);
+    }
     let prepared = PreparedScene::prepare(scene, None, &cancel)?
         .ok_or_else(|| anyhow!("preparing was cancelled"))?;
     let trial = Trial::new(scene, Some(&prepared), &cancel)?;
@@ -157,6 +170,7 @@ impl PlanArguments {
             all.push(format!("render.width={width}"));
             all.push(format!("render.height={height}"));
         }
+        all.extend(self.mode.iter().map(|mode| format!("render.mode={mode}")));
         all.extend(
             self.spp
                 .map(|spp| format!("render.samples_per_pixel={spp}")),

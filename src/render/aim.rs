@@ -1,7 +1,7 @@
 //! What one surface point aims at in mode `path`, the background's image or one of the emitters, and how likely that was for
 //! what a path then meets.
 
-use super::background::PreparedBackground;
+use super::background::ImageBackground;
 use super::disks::DiskHit;
 use super::light_tree::Receiver;
 use super::prepare::PreparedScene;
@@ -29,11 +29,11 @@ enum Target {
 }
 
 impl AimShares {
-    /// Shares by power: of an image, what falls from it on the ball of this `radius` around the scene; of the emitters,
-    /// `emitters_power`, all that they emit.
-    pub fn new(background: &PreparedBackground, radius: f32, emitters_power: f64) -> Self {
+    /// Shares by power: of the background's image, where there is one to aim at, what falls from it on the ball of this `radius` around
+    /// the scene; of the emitters, `emitters_power`, all that they emit.
+    pub fn new(image: Option<&ImageBackground>, radius: f32, emitters_power: f64) -> Self {
         use std::f64::consts::PI;
-        let Some(image) = background.image() else {
+        let Some(image) = image else {
             return Self {
                 background: 0.0,
                 emitters: 1.0,

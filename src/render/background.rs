@@ -239,10 +239,9 @@ impl ImageBackground {
         })
     }
 
-    /// Whether [`Self::sample`] finds anything.
-    #[cfg(test)]
-    pub fn can_be_sampled(&self) -> bool {
-        self.image.can_be_sampled()
+    /// Bytes of the tables that [`Self::sample`] takes.
+    pub fn table_bytes(&self) -> usize {
+        self.image.table_bytes()
     }
 
     /// Luminance averaged over all directions.

@@ -18,7 +18,7 @@ use super::tiles::Region;
 pub struct Checkpoint {
     pub(super) shared: Shared,
     pub(super) course: Course,
-    /// Wall time so far, and that of all processors.
+    /// Wall time so far, and processor time of the threads that render.
     pub(super) seconds: f64,
     pub(super) cpu_seconds: f64,
     /// How the error fell.

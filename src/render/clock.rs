@@ -1,29 +1,47 @@
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use cpu_time::ProcessTime;
+use cpu_time::ThreadTime;
 
-/// Measures a render in wall time and in time of all processors of this process, and can be stopped for what is not rendering.
-#[derive(Clone, Copy, Debug)]
+/// Measures a render in wall time and in processor time of the threads that render, and can be stopped for what is not rendering.
+/// What else the process does, such as drawing a window, does not count.
+#[derive(Debug)]
 pub struct Clock {
     started: Instant,
-    cpu_started: ProcessTime,
     paused: Duration,
-    cpu_paused: Duration,
     /// What had passed when it was started.
     seconds_before: f64,
     cpu_seconds_before: f64,
+    /// Processor time of the thread that leads, when the clock was started.
+    lead_started: Duration,
+    lead_paused: Duration,
+    /// Nanoseconds of processor time: of the thread that leads, and of each other, as it [noted](Self::note) them last.
+    lead: AtomicU64,
+    others: Vec<AtomicU64>,
+}
+
+/// Processor time of this thread since it began.
+fn thread_time() -> Duration {
+    ThreadTime::now().as_duration()
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 impl Clock {
-    /// A clock that goes on from so many seconds of wall time and of all processors.
-    pub fn start_at(seconds: f64, cpu_seconds: f64) -> Self {
+    /// A clock that goes on from so many seconds of wall time and of processor time, for the thread that calls, which leads, and so many
+    /// others that begin now.
+    pub fn start_at(seconds: f64, cpu_seconds: f64, others: usize) -> Self {
         Self {
             started: Instant::now(),
-            cpu_started: ProcessTime::now(),
             paused: Duration::ZERO,
-            cpu_paused: Duration::ZERO,
             seconds_before: seconds,
             cpu_seconds_before: cpu_seconds,
+            lead_started: thread_time(),
+            lead_paused: Duration::ZERO,
+            lead: AtomicU64::new(0),
+            others: (0..others).map(|_| AtomicU64::new(0)).collect(),
         }
     }
 
@@ -33,17 +51,29 @@ impl Clock {
         self.seconds_before + here.as_secs_f64()
     }
 
-    /// Processor time since the start, in seconds.
-    pub fn cpu_seconds(&self) -> f64 {
-        let here = self.cpu_started.elapsed().saturating_sub(self.cpu_paused);
-        self.cpu_seconds_before + here.as_secs_f64()
+    /// Takes note of the processor time of the thread that calls, which is that number of the others.
+    pub fn note(&self, number: usize) {
+        self.others[number].store(nanoseconds(thread_time()), Ordering::Relaxed);
     }
 
-    /// Does `work`, whose time does not count.
+    /// The same for the thread that leads.
+    pub fn note_lead(&self) {
+        let here = thread_time().saturating_sub(self.lead_started + self.lead_paused);
+        self.lead.store(nanoseconds(here), Ordering::Relaxed);
+    }
+
+    /// Processor time since the start as far as it was noted, in seconds.
+    pub fn cpu_seconds(&self) -> f64 {
+        let all = self.others.iter().chain([&self.lead]);
+        let here: u64 = all.map(|time| time.load(Ordering::Relaxed)).sum();
+        self.cpu_seconds_before + Duration::from_nanos(here).as_secs_f64()
+    }
+
+    /// Does `work`, whose time does not count, on the thread that leads.
     pub fn pause(&mut self, work: impl FnOnce()) {
-        let (started, cpu_started) = (Instant::now(), ProcessTime::now());
+        let (started, lead_started) = (Instant::now(), thread_time());
         work();
         self.paused += started.elapsed();
-        self.cpu_paused += cpu_started.elapsed();
+        self.lead_paused += thread_time().saturating_sub(lead_started);
     }
 }

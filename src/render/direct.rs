@@ -519,6 +519,7 @@ impl<K: Kernel> Shading<'_, K> {
             return Vec3::ONE;
         }
         let passed = if scene.does(Feature::GlassShadows) {
+            self.tally.note_looking_for_glass();
             self.through_glass(*ray, light)
         } else if scene.occluded(ray, 1.0, light) {
             Vec3::ZERO

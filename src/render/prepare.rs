@@ -23,7 +23,7 @@ use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::accel::{Assembly, Fan, Hit, Packet};
 use crate::control::{CancelToken, Progress};
 use crate::math::{DVec3, Ray, Vec2, Vec3};
-use crate::scene::{Camera, Mode, RenderSettings, Scene, SceneError};
+use crate::scene::{Camera, LightSampling, Mode, RenderSettings, Scene, SceneError};
 
 /// A scene as rendering reads it: immutable, shared by all threads, cheap to clone.
 #[derive(Clone, Debug)]
@@ -124,7 +124,10 @@ impl PreparedScene {
         let plan = Plan::of(scene)?;
         let known = previous.map(|previous| &previous.background);
         let is_aimed_at = match scene.render.mode {
-            Mode::Path => plan.needs(Feature::Aiming),
+            // What is met by chance alone is not aimed at, even if lights are that cannot be met.
+            Mode::Path => {
+                plan.needs(Feature::Aiming) && scene.render.light_sampling != LightSampling::Bsdf
+            }
             _ => plan.needs(Feature::Occlusion),
         };
         let Some(background) = PreparedBackground::new(scene, known, is_aimed_at, cancel)? else {
@@ -188,9 +191,10 @@ impl PreparedScene {
             Arc::default()
         };
         let radius = bounds.diagonal() / 2.0;
+        let aimed_at = background.image().filter(|_| is_aimed_at);
         Ok(Some(Self {
             camera,
-            aim_shares: AimShares::new(&background, radius, emitters.power()),
+            aim_shares: AimShares::new(aimed_at, radius, emitters.power()),
             has_shining_surroundings: !background.is_black()
                 || materials
                     .iter()
@@ -225,6 +229,21 @@ impl PreparedScene {
     #[must_use]
     pub fn geometry(&self) -> &Arc<PreparedGeometry> {
         &self.geometry
+    }
+
+    /// Bytes of the tables by which an image of the sky is aimed at; 0 where it is not.
+    #[must_use]
+    pub fn sky_table_bytes(&self) -> usize {
+        match &self.background {
+            PreparedBackground::Image(image) => image.table_bytes(),
+            _ => 0,
+        }
+    }
+
+    /// Whether one light is chosen from many by what `other` chooses by, made once.
+    #[must_use]
+    pub fn shares_light_choice(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.emitters, &other.emitters)
     }
 
     /// The camera.
@@ -647,10 +666,7 @@ mod tests {
             let prepared = PreparedScene::prepare(scene, previous, &CancelToken::new());
             prepared.expect("can be rendered").expect("nobody cancels")
         };
-        let can_be_sampled = |prepared: &PreparedScene| {
-            let image = prepared.background.image().expect("it gives light");
-            image.can_be_sampled()
-        };
+        let can_be_sampled = |prepared: &PreparedScene| prepared.sky_table_bytes() > 0;
         let met = prepare(&scene, None);
         assert!(!can_be_sampled(&met));
         scene.render.light_sampling = LightSampling::Mis;
@@ -707,8 +723,7 @@ mod tests {
             let mut scene = scene.clone();
             edit(&mut scene);
             let after = prepare(&scene, Some(&before));
-            let found = Arc::ptr_eq(&after.emitters, &before.emitters);
-            assert_eq!(found, is_kept, "edit {number}");
+            assert_eq!(after.shares_light_choice(&before), is_kept, "edit {number}");
         }
     }
 }

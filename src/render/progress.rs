@@ -23,7 +23,7 @@ pub struct RenderProgress {
 pub struct ErrorPoint {
     /// Wall time since the start; that of a [`super::Watch`] does not count.
     pub seconds: f64,
-    /// Time of all processors.
+    /// Processor time of the threads that render.
     pub cpu_seconds: f64,
     /// How large it is.
     pub error: ErrorEstimate,

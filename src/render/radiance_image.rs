@@ -101,6 +101,11 @@ impl RadianceImage {
         !self.rows.is_empty()
     }
 
+    /// Bytes of those tables.
+    pub fn table_bytes(&self) -> usize {
+        (self.rows.len() + self.columns.len()) * size_of::<f32>()
+    }
+
     /// The image it was made of.
     pub fn map(&self) -> &Arc<RadianceMap> {
         &self.map

@@ -149,13 +149,13 @@ impl<'a> Renderer<'a> {
             errors,
             expected_samples,
         } = checkpoint;
-        let clock = Clock::start_at(seconds, cpu_seconds);
+        let threads = run.thread_count();
+        let clock = Clock::start_at(seconds, cpu_seconds, threads);
         progress.samples.set_total(expected_samples);
         progress.samples.advance(shared.film.total_samples());
         for point in errors {
             progress.note(point);
         }
-        let threads = run.thread_count();
         Self {
             scene,
             settings: scene.settings(),
@@ -218,6 +218,7 @@ impl<'a> Renderer<'a> {
 
     /// The picture and what it took.
     pub fn outcome(self, ending: Ending) -> RenderOutcome {
+        self.clock.note_lead();
         let (seconds, cpu_seconds) = (self.clock.seconds(), self.clock.cpu_seconds());
         let Shared {
             film,
@@ -421,7 +422,7 @@ impl<'a> Renderer<'a> {
         work: &(dyn Fn(usize, Region, &mut TileBlock) -> Option<()> + Sync),
     ) -> Result<(), Cut> {
         let next_tile = AtomicUsize::new(0);
-        self.pool.broadcast(|_| {
+        self.pool.broadcast(|thread| {
             let mut block = TileBlock::default();
             loop {
                 let number = next_tile.fetch_add(1, Ordering::Relaxed);
@@ -432,8 +433,10 @@ impl<'a> Renderer<'a> {
                 if is_cut || work(number, tile, &mut block).is_none() {
                     return;
                 }
+                self.clock.note(thread.index());
             }
         });
+        self.clock.note_lead();
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fault) = &*fault {
             return Err(Cut::Failed(fault.clone()));
@@ -561,6 +564,9 @@ impl<'a> Renderer<'a> {
             (is_adaptive && film.mean_samples() * 2.0 >= f64::from(LEAST_SAMPLES))
                 .then(|| Allotment::new(film, estimator))
         });
+        self.pool
+            .broadcast(|thread| self.clock.note(thread.index()));
+        self.clock.note_lead();
     }
 
     /// Tells whoever watches how wrong the picture is, and how much there is to do. After a round it always does, else where the

@@ -108,7 +108,7 @@ pub enum Ending {
 pub struct RenderStats {
     /// Wall time of all passes; that of a [`Watch`] does not count.
     pub render_seconds: f64,
-    /// Time of all processors.
+    /// Processor time of the threads that rendered.
     pub cpu_seconds: f64,
     /// From the call to the first delivered tile.
     pub first_tile_seconds: f64,
@@ -172,7 +172,7 @@ pub type OnRound<'a> = &'a (dyn Fn(&Round<'_>) + Sync);
 pub struct Round<'a> {
     /// Wall time since the start; that of the watch does not count.
     pub seconds: f64,
-    /// Time of all processors.
+    /// Processor time of the threads that render.
     pub cpu_seconds: f64,
     /// Mean samples of a pixel.
     pub samples_per_pixel: f64,

@@ -109,6 +109,9 @@ pub trait Tally: Default {
     /// Random numbers are drawn for so many turns of a decision.
     fn note_draws(&mut self, decision: Decision, turns: u32);
 
+    /// A ray to a light asks for the nearest hit, as it may be of glass.
+    fn note_looking_for_glass(&mut self);
+
     /// The rays so far.
     fn rays(&self) -> &RayCounts;
 
@@ -143,6 +146,9 @@ impl Tally for RayCounts {
     fn note_draws(&mut self, _: Decision, _: u32) {}
 
     #[inline]
+    fn note_looking_for_glass(&mut self) {}
+
+    #[inline]
     fn rays(&self) -> &RayCounts {
         self
     }
@@ -156,6 +162,8 @@ pub struct WorkTally {
     pub kept: Vec<(RayPurpose, NotedRay)>,
     /// Pairs of random numbers by decision.
     pub draws: [u64; Decision::ALL.len()],
+    /// Rays to lights that asked for the nearest hit.
+    pub for_glass: u64,
 }
 
 impl Tally for WorkTally {
@@ -172,6 +180,10 @@ impl Tally for WorkTally {
 
     fn note_draws(&mut self, decision: Decision, turns: u32) {
         self.draws[decision as usize] += u64::from(turns);
+    }
+
+    fn note_looking_for_glass(&mut self) {
+        self.for_glass += 1;
     }
 
     fn rays(&self) -> &RayCounts {

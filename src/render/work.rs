@@ -9,10 +9,14 @@ use super::tally::WorkTally;
 /// What some samples took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
+    /// Pixels they are of.
+    pub pixels: u64,
     /// How many they are.
     pub samples: u64,
     /// Their rays.
     pub rays: RayCounts,
+    /// Those to lights that asked for the nearest hit, as it may be of glass.
+    pub shadow_rays_for_glass: u64,
     draws: [u64; Decision::ALL.len()],
 }
 
@@ -30,6 +34,7 @@ impl Work {
         let mut work = Self::default();
         for pixel in pixels {
             let mut before = None;
+            work.pixels += 1;
             for sample in 0..samples {
                 let mut tally = WorkTally::default();
                 let begun = scene.camera_samples(&[pixel], sample, before.as_ref(), &mut tally);
@@ -39,6 +44,7 @@ impl Work {
                 }
                 before = Some(begun);
                 work.rays.add(&tally.counts);
+                work.shadow_rays_for_glass += tally.for_glass;
                 for (sum, draws) in work.draws.iter_mut().zip(tally.draws) {
                     *sum += draws;
                 }

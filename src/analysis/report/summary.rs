@@ -51,7 +51,7 @@ pub struct SummaryPoint {
     pub seconds: Spread,
     /// Wall time of preparing and rendering.
     pub seconds_with_build: Spread,
-    /// Time of all processors, of rendering.
+    /// Processor time of the threads that render.
     pub cpu_seconds: Spread,
     /// What the renders know by themselves; `None` before all of them can tell.
     pub estimated: Option<Estimated>,
@@ -96,7 +96,7 @@ pub struct Honesty {
 pub struct Efficiency {
     /// Of wall time.
     pub wall: f64,
-    /// Of the time of all processors.
+    /// Of the processor time.
     pub cpu: f64,
 }
 

@@ -31,7 +31,7 @@ pub struct Measurement {
     pub samples_per_pixel: f64,
     /// Wall time of rendering.
     pub seconds: f64,
-    /// Time of all processors.
+    /// Processor time of the threads that render.
     pub cpu_seconds: f64,
     /// What the render knows by itself; `None` before it can, and where it is not to.
     pub estimated: Option<ErrorEstimate>,
