@@ -6,7 +6,8 @@
 use std::collections::BTreeSet;
 use std::io::Cursor;
 
-use exr::block::reader::{ChunksReader, SequentialBlockDecompressor};
+use exr::block::chunk::{Chunk, CompressedBlock};
+use exr::block::reader::ChunksReader;
 use exr::block::{self, UncompressedBlock, lines::LineRef};
 use exr::compression::Compression;
 use exr::meta::BlockDescription;
@@ -21,6 +22,11 @@ use crate::io::shorten::shortened;
 /// Most bytes of one block of pixels: more than the largest image needs, less than a forged header may ask for.
 const MOST_BLOCK_BYTES: u64 = 1 << 30;
 
+/// A tile may be larger than the image, as those of small images are: by so many bytes, or so many times. The decoder makes room for
+/// what a tile may take, whatever the file holds.
+const LOOSE_TILE_BYTES: u64 = 16 << 20;
+const LOOSENESS: u64 = 16;
+
 /// Reads `bytes`; `progress` advances by as many, block by block. Alpha and other channels are not looked at.
 pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RawImage> {
     let in_words = |error: exr::error::Error| format!("not a whole OpenEXR file: {error}");
@@ -34,8 +40,9 @@ pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<
         roles,
         warnings,
     } = find_color(headers).ok_or_else(|| no_color(headers))?;
-    let channels = headers[layer].channels.clone();
-    let size = headers[layer].layer_size;
+    let meta = reader.meta_data().clone();
+    let header = &meta.headers[layer];
+    let size = header.layer_size;
     let (width, height) = refuse_size(size.x() as u64, size.y() as u64, bytes.len() as u64)?;
     let mut pixels = black(width, height)?;
 
@@ -45,17 +52,21 @@ pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<
         })
         .map_err(in_words)?;
     let count = chunks.expected_chunk_count() as u64;
-    let mut blocks: SequentialBlockDecompressor<_> = chunks.sequential_decompressor(false);
     let mut advanced = 0;
-    for done in 1..=count {
+    for (done, chunk) in (1..=count).zip(chunks) {
         if cancel.is_cancelled() {
             return Ok(None);
         }
-        let block = blocks
-            .decompress_next_block()
-            .ok_or("the file ends before the image does")?
-            .map_err(in_words)?;
-        take_block(&block, &channels, &roles, &mut pixels, width as usize)?;
+        let chunk = chunk.map_err(in_words)?;
+        check_counters(&chunk, header).map_err(in_words)?;
+        let block = UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(in_words)?;
+        take_block(
+            &block,
+            &header.channels,
+            &roles,
+            &mut pixels,
+            width as usize,
+        )?;
         let share = bytes.len() as u64 * done / count;
         progress.advance(share - advanced);
         advanced = share;
@@ -213,19 +224,68 @@ fn check_claims(header: &Header, length: u64) -> Result<(), String> {
     if !header.deep && all_bytes.is_none_or(|bytes| bytes > most_bytes) {
         return Err(too_short(length, width, height));
     }
-    let block_pixels = match header.blocks {
-        BlockDescription::Tiles(tiles) => {
-            // Blocks are cut off where the image ends.
-            let (x, y) = (tiles.tile_size.x() as u64, tiles.tile_size.y() as u64);
-            x.min(width.into()).checked_mul(y.min(height.into()))
+    let (block_width, block_height) = block_size(header);
+    let block_bytes = bytes_of(block_width.checked_mul(block_height));
+    let Some(block_bytes) = block_bytes.filter(|&bytes| bytes <= MOST_BLOCK_BYTES) else {
+        return Err("its blocks of pixels are larger than any image needs".to_owned());
+    };
+    if let BlockDescription::Tiles(tiles) = header.blocks {
+        let tile = (tiles.tile_size.x() as u64).checked_mul(tiles.tile_size.y() as u64);
+        let most = LOOSE_TILE_BYTES.max(LOOSENESS * block_bytes);
+        if bytes_of(tile).is_none_or(|bytes| bytes > most) {
+            return Err("its tiles are far larger than the image".to_owned());
         }
+    }
+    Ok(())
+}
+
+/// Width and height of a block of pixels, cut off where the image ends.
+fn block_size(header: &Header) -> (u64, u64) {
+    let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
+    match header.blocks {
+        BlockDescription::Tiles(tiles) => (
+            width.min(tiles.tile_size.x() as u64),
+            height.min(tiles.tile_size.y() as u64),
+        ),
         BlockDescription::ScanLines => {
             let lines = header.compression.scan_lines_per_block() as u64;
-            Some(lines.min(height.into()) * u64::from(width))
+            (width, height.min(lines))
         }
+    }
+}
+
+/// Refuses counters in a block of the compression DWA that its pixels do not explain: the decoder makes room for what they say.
+///
+/// Source: `internal_dwa_compressor.h` of OpenEXR, `DataSizesSingle`: eleven numbers, of which the 2nd, 7th and 8th are bytes of what is
+/// not compressed, and the 9th and 10th are values of 8 × 8 pixels.
+fn check_counters(chunk: &Chunk, header: &Header) -> exr::error::UnitResult {
+    const SIZES: [usize; 5] = [1, 6, 7, 8, 9];
+    /// Bytes of a value, and as much again for runs that compress badly.
+    const MOST_PER_VALUE: u64 = 8;
+    let is_dwa = matches!(
+        header.compression,
+        Compression::DWAA(_) | Compression::DWAB(_)
+    );
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
     };
-    if bytes_of(block_pixels).is_none_or(|bytes| bytes > MOST_BLOCK_BYTES) {
-        return Err("its blocks of pixels are larger than any image needs".to_owned());
+    let place = header.get_block_data_indices(&chunk.compressed_block)?;
+    let size = header.get_absolute_block_pixel_coordinates(place)?.size;
+    let (width, height) = (size.width() as u64, size.height() as u64);
+    let channels = &header.channels;
+    let is_stored = bytes.len() as u64 == width * height * channels.bytes_per_pixel as u64;
+    let values = width.next_multiple_of(8) * height.next_multiple_of(8);
+    let most = MOST_PER_VALUE * values * channels.list.len() as u64;
+    let (counters, _) = bytes.as_chunks();
+    let is_too_large = |&number: &usize| {
+        let counter = counters.get(number).map(|&bytes| u64::from_le_bytes(bytes));
+        counter.is_some_and(|counter| counter > most)
+    };
+    if is_dwa && !is_stored && SIZES.iter().any(is_too_large) {
+        let message = "a block of pixels says that it is larger than it can be";
+        return Err(exr::error::Error::Invalid(message.into()));
     }
     Ok(())
 }
