@@ -2,6 +2,7 @@
 //!
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
+use super::mesh_reading::{Malformed, Place};
 use super::off;
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
@@ -63,16 +64,23 @@ pub enum MeshError {
         /// What the file seems to be.
         what: String,
     },
-    /// The text breaks the rules of its format.
-    #[error("{name}:{line}: {message}")]
+    /// The bytes break the rules of their format.
+    #[error("{}", in_file(name, error))]
     Malformed {
         /// The file, as it was asked for.
         name: String,
-        /// The line, counted from 1.
-        line: u64,
-        /// What was expected there and what was found.
-        message: String,
+        /// What was expected where, and what was found.
+        error: Malformed,
     },
+}
+
+/// The error as compilers write it: `path:line: …`.
+fn in_file(name: &str, error: &Malformed) -> String {
+    let sentence = error.sentence();
+    match error.place {
+        Place::Line(line) => format!("{name}:{line}: {sentence}"),
+        place @ Place::Byte(_) => format!("{name}: {place}: {sentence}"),
+    }
 }
 
 /// The formats that have a reader, for messages and file dialogs.
@@ -141,8 +149,7 @@ fn read_mesh(
         Ok(Format::Off) => {
             off::parse(bytes, cancel, progress).map_err(|error| MeshError::Malformed {
                 name: name.to_owned(),
-                line: error.line,
-                message: error.sentence(),
+                error,
             })
         }
         Err(what) => Err(MeshError::UnknownFormat {

@@ -6,6 +6,7 @@ mod checkpoint_file;
 mod image_file;
 mod load;
 mod mesh_file;
+mod mesh_reading;
 pub mod npy;
 pub mod off;
 mod picture_file;
@@ -28,6 +29,7 @@ pub use load::{
     override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
+pub use mesh_reading::{Malformed, Place};
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};
 pub use radiance_file::{
     RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, parse_radiance,

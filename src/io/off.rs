@@ -30,21 +30,20 @@
 //! corners or without area are dropped and counted. A polygon's repeated corner is taken once; its larger remainder
 //! is cut into triangles, of which those without area are left out. Counts are never trusted: memory grows with the text.
 
-mod cursor;
-mod error;
 mod write;
 
 #[cfg(test)]
 mod tests;
 
-pub use error::OffError;
 pub use write::write;
 
-use super::mesh_file::{Dropped, MeshFile};
+use super::mesh_file::MeshFile;
+use super::mesh_reading::{
+    Cursor, Malformed, Place, Seen, Tally, Watch, capacity, number, numbers, whole,
+};
 use crate::control::{CancelToken, Progress};
-use crate::geometry::{TriangleMesh, face_normal, polygon};
+use crate::geometry::TriangleMesh;
 use crate::math::DVec3;
-use cursor::{Cursor, number, whole};
 
 /// Reads an OFF file from its bytes.
 ///
@@ -56,14 +55,14 @@ pub fn parse(
     bytes: &[u8],
     cancel: &CancelToken,
     progress: &Progress,
-) -> Result<Option<MeshFile>, OffError> {
+) -> Result<Option<MeshFile>, Malformed> {
     let mut reader = Reader::new(bytes, cancel, progress);
     let header = reader.header()?;
     if reader.vertices(&header)?.is_none() || reader.faces(&header)?.is_none() {
         return Ok(None);
     }
     reader.end(&header)?;
-    Ok(Some(reader.finish(&header)))
+    Ok(Some(reader.finish()))
 }
 
 /// Whether the text begins as an OFF file with keyword does.
@@ -132,49 +131,11 @@ impl Header {
     }
 }
 
-/// Where to report, and whom to ask whether to go on.
-struct Watch<'a> {
-    cancel: &'a CancelToken,
-    progress: &'a Progress,
-    reported: usize,
-}
-
-impl Watch<'_> {
-    /// Reports the bytes up to `position`; `None` when cancelled.
-    fn report(&mut self, position: usize) -> Option<()> {
-        self.progress.advance((position - self.reported) as u64);
-        self.reported = position;
-        (!self.cancel.is_cancelled()).then_some(())
-    }
-}
-
-/// Vertices or faces between two looks at the cancel token.
-const REPORT_EVERY: u64 = 4096;
-
-/// What a warning counts, and the line where it was seen first.
-#[derive(Clone, Copy, Debug, Default)]
-struct Seen {
-    count: u64,
-    first_line: u64,
-}
-
-impl Seen {
-    fn at(&mut self, line: u64) {
-        if self.count == 0 {
-            self.first_line = line;
-        }
-        self.count += 1;
-    }
-}
-
 /// What the file holds and the mesh will not.
 #[derive(Debug, Default)]
 struct Notes {
     colors: Seen,
     textures: Seen,
-    degenerate: Seen,
-    too_few_corners: Seen,
-    crossing: Seen,
     trailing: Seen,
 }
 
@@ -184,26 +145,22 @@ struct Reader<'a> {
     watch: Watch<'a>,
     notes: Notes,
     mesh: TriangleMesh,
-    polygons: u64,
+    tally: Tally,
 }
 
 impl<'a> Reader<'a> {
     fn new(bytes: &'a [u8], cancel: &'a CancelToken, progress: &'a Progress) -> Self {
         Self {
             cursor: Cursor::new(bytes),
-            watch: Watch {
-                cancel,
-                progress,
-                reported: 0,
-            },
+            watch: Watch::new(cancel, progress),
             notes: Notes::default(),
             mesh: TriangleMesh::default(),
-            polygons: 0,
+            tally: Tally::default(),
         }
     }
 
     /// Reads the keyword, if there is one, and the counts.
-    fn header(&mut self) -> Result<Header, OffError> {
+    fn header(&mut self) -> Result<Header, Malformed> {
         const EXPECTED: &str =
             "OFF (or COFF, NOFF, STOFF, 4OFF) or the numbers of vertices and faces";
         let mut keyword = Keyword::default();
@@ -217,21 +174,21 @@ impl<'a> Reader<'a> {
             (keyword, glued) = (found, rest);
             self.cursor = ahead;
         } else if whole(first).is_none() {
-            return Err(OffError::at_token(line, EXPECTED, first));
+            return Err(Malformed::at_token(line, EXPECTED, first));
         }
         self.dimension(keyword, &mut glued)?;
         self.counts(keyword, glued)
     }
 
     /// Reads the dimension where the keyword announces it, and refuses what cannot be shown.
-    fn dimension(&mut self, keyword: Keyword, glued: &mut &'a [u8]) -> Result<(), OffError> {
+    fn dimension(&mut self, keyword: Keyword, glued: &mut &'a [u8]) -> Result<(), Malformed> {
         const EXPECTED: &str = "the dimension 3 after nOFF";
         if !keyword.dimension {
             return Ok(());
         }
         if keyword.homogeneous {
             let line = self.cursor.line();
-            return Err(OffError::new(line, "OFF of three dimensions", "4nOFF"));
+            return Err(Malformed::in_line(line, "OFF of three dimensions", "4nOFF"));
         }
         let word = if glued.is_empty() {
             self.next_word(EXPECTED)?
@@ -240,12 +197,12 @@ impl<'a> Reader<'a> {
         };
         match whole(word) {
             Some(3) => Ok(()),
-            _ => Err(OffError::at_token(self.cursor.line(), EXPECTED, word)),
+            _ => Err(Malformed::at_token(self.cursor.line(), EXPECTED, word)),
         }
     }
 
     /// Reads the counts; `glued` is the first if it stuck to the keyword.
-    fn counts(&mut self, keyword: Keyword, glued: &'a [u8]) -> Result<Header, OffError> {
+    fn counts(&mut self, keyword: Keyword, glued: &'a [u8]) -> Result<Header, Malformed> {
         const VERTICES: &str = "the number of vertices";
         const FACES: &str = "the number of faces";
         const EDGES: &str = "the number of edges";
@@ -256,12 +213,12 @@ impl<'a> Reader<'a> {
         };
         if word.eq_ignore_ascii_case(b"BINARY") {
             let line = self.cursor.line();
-            return Err(OffError::at_token(line, "OFF as text", word));
+            return Err(Malformed::at_token(line, "OFF as text", word));
         }
         let vertices = self.count(word, VERTICES)?;
         if vertices > u64::from(u32::MAX) {
             let line = self.cursor.line();
-            return Err(OffError::at_token(line, "fewer than 2^32 vertices", word));
+            return Err(Malformed::at_token(line, "fewer than 2^32 vertices", word));
         }
         let on_one_line = self.cursor.line_has_word();
         let word = self.next_word(FACES)?;
@@ -269,7 +226,7 @@ impl<'a> Reader<'a> {
         if !on_one_line || self.cursor.line_has_word() {
             let word = self.next_word(EDGES)?;
             if number(word).is_none() {
-                return Err(OffError::at_token(self.cursor.line(), EDGES, word));
+                return Err(Malformed::at_token(self.cursor.line(), EDGES, word));
             }
         }
         self.expect_end_of_line("the end of the line after the counts")?;
@@ -280,12 +237,12 @@ impl<'a> Reader<'a> {
         })
     }
 
-    fn count(&self, word: &[u8], expected: &str) -> Result<u64, OffError> {
-        whole(word).ok_or_else(|| OffError::at_token(self.cursor.line(), expected, word))
+    fn count(&self, word: &[u8], expected: &str) -> Result<u64, Malformed> {
+        whole(word).ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
     }
 
     /// Reads all vertices; `None` when cancelled.
-    fn vertices(&mut self, header: &Header) -> Result<Option<()>, OffError> {
+    fn vertices(&mut self, header: &Header) -> Result<Option<()>, Malformed> {
         let shortest = 2 * header.numbers_per_vertex();
         let capacity = capacity(header.vertices, self.cursor.remaining() / shortest);
         self.mesh.positions.reserve_exact(capacity);
@@ -295,9 +252,8 @@ impl<'a> Reader<'a> {
         // The line that holds several vertices, once there is one.
         let mut shared_line = 0;
         for index in 0..header.vertices {
-            if index.is_multiple_of(REPORT_EVERY)
-                && self.watch.report(self.cursor.position()).is_none()
-            {
+            let position = self.cursor.position();
+            if self.watch.report_item(index, position).is_none() {
                 return Ok(None);
             }
             self.vertex(header, index, &mut shared_line)?;
@@ -312,7 +268,7 @@ impl<'a> Reader<'a> {
         header: &Header,
         index: u64,
         shared_line: &mut u64,
-    ) -> Result<(), OffError> {
+    ) -> Result<(), Malformed> {
         if !self.cursor.find_word() {
             return Err(self.at_end(format!("vertex {} of {}", index + 1, header.vertices)));
         }
@@ -345,19 +301,19 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads the next word as a finite number.
-    fn coordinate(&mut self) -> Result<f64, OffError> {
+    fn coordinate(&mut self) -> Result<f64, Malformed> {
         let word = self.cursor.word().unwrap_or_default();
         let value = number(word).filter(|value| value.is_finite());
-        value.ok_or_else(|| OffError::at_token(self.cursor.line(), "a finite coordinate", word))
+        value.ok_or_else(|| Malformed::at_token(self.cursor.line(), "a finite coordinate", word))
     }
 
-    fn add_vertex(&mut self, header: &Header, values: &[f64]) -> Result<(), OffError> {
+    fn add_vertex(&mut self, header: &Header, values: &[f64]) -> Result<(), Malformed> {
         let (mut position, mut rest) = (DVec3::from_slice(values), &values[3..]);
         if header.keyword.homogeneous {
             position /= rest[0];
             if !position.is_finite() {
                 let expected = "a fourth coordinate that is not 0 and leaves the quotients finite";
-                return Err(OffError::new(
+                return Err(Malformed::in_line(
                     self.cursor.line(),
                     expected,
                     rest[0].to_string(),
@@ -377,15 +333,15 @@ impl<'a> Reader<'a> {
         &mut self,
         header: &Header,
         shared_line: &mut u64,
-    ) -> Result<(), OffError> {
+    ) -> Result<(), Malformed> {
         let line = self.cursor.line();
         let count = self.cursor.words_on_line();
         let texture = if header.keyword.texture { 2 } else { 0 };
         let color = count.checked_sub(texture);
         let declared = header.keyword.color || header.keyword.texture;
         match color {
-            Some(1..=4) if !declared => self.notes.colors.at(line),
-            Some(1 | 3 | 4) if header.keyword.color => self.notes.colors.at(line),
+            Some(1..=4) if !declared => self.notes.colors.at(Place::Line(line)),
+            Some(1 | 3 | 4) if header.keyword.color => self.notes.colors.at(Place::Line(line)),
             Some(0) if !header.keyword.color => {}
             _ if !declared && count.is_multiple_of(header.numbers_per_vertex()) => {
                 *shared_line = line;
@@ -397,39 +353,44 @@ impl<'a> Reader<'a> {
                 } else {
                     "a colour of at most four numbers after the vertex".to_owned()
                 };
-                return Err(OffError::new(line, expected, numbers(count)));
+                return Err(Malformed::in_line(line, expected, numbers(count, "number")));
             }
         }
         if texture > 0 {
-            self.notes.textures.at(line);
+            self.notes.textures.at(Place::Line(line));
         }
         self.skip_numbers("a number")
     }
 
     /// Reads the rest of the line as numbers nobody needs.
-    fn skip_numbers(&mut self, expected: &str) -> Result<(), OffError> {
+    fn skip_numbers(&mut self, expected: &str) -> Result<(), Malformed> {
         while let Some(word) = self.cursor.word() {
             if number(word).is_none() {
-                return Err(OffError::at_token(self.cursor.line(), expected, word));
+                return Err(Malformed::at_token(self.cursor.line(), expected, word));
             }
         }
         Ok(())
     }
 
     /// Reads all faces; `None` when cancelled.
-    fn faces(&mut self, header: &Header) -> Result<Option<()>, OffError> {
+    fn faces(&mut self, header: &Header) -> Result<Option<()>, Malformed> {
         const SHORTEST_TRIANGLE: usize = "3 0 1 2\n".len();
         let capacity = capacity(header.faces, self.cursor.remaining() / SHORTEST_TRIANGLE);
         self.mesh.triangles.reserve_exact(capacity);
         let mut corners = Vec::new();
         for index in 0..header.faces {
-            if index.is_multiple_of(REPORT_EVERY)
-                && self.watch.report(self.cursor.position()).is_none()
-            {
+            let position = self.cursor.position();
+            if self.watch.report_item(index, position).is_none() {
                 return Ok(None);
             }
             let line = self.face(header, index, &mut corners)?;
-            self.add_face(line, &mut corners);
+            let TriangleMesh {
+                positions,
+                triangles,
+                ..
+            } = &mut self.mesh;
+            self.tally
+                .add_face(Place::Line(line), &mut corners, positions, triangles);
         }
         Ok(Some(()))
     }
@@ -440,7 +401,7 @@ impl<'a> Reader<'a> {
         header: &Header,
         index: u64,
         corners: &mut Vec<u32>,
-    ) -> Result<u64, OffError> {
+    ) -> Result<u64, Malformed> {
         let expected = || {
             format!(
                 "the number of corners of face {} of {}",
@@ -454,7 +415,7 @@ impl<'a> Reader<'a> {
         let line = self.cursor.line();
         let word = self.cursor.word().unwrap_or_default();
         let size = whole(word).filter(|&size| size > 0);
-        let size = size.ok_or_else(|| OffError::at_token(line, expected(), word))?;
+        let size = size.ok_or_else(|| Malformed::at_token(line, expected(), word))?;
         corners.clear();
         for _ in 0..size {
             let Some(word) = self.cursor.word() else {
@@ -463,7 +424,7 @@ impl<'a> Reader<'a> {
             };
             let vertex = self.vertex_index(word).ok_or_else(|| {
                 let expected = format!("a vertex index below {}", header.vertices);
-                OffError::at_token(line, expected, word)
+                Malformed::at_token(line, expected, word)
             })?;
             corners.push(vertex);
         }
@@ -479,7 +440,7 @@ impl<'a> Reader<'a> {
         line: u64,
         size: u64,
         corners: &mut Vec<u32>,
-    ) -> Result<(), OffError> {
+    ) -> Result<(), Malformed> {
         let on_first_line = corners.len();
         while (corners.len() as u64) < size {
             let word = self
@@ -503,139 +464,83 @@ impl<'a> Reader<'a> {
         ((index as usize) < self.mesh.positions.len()).then_some(index)
     }
 
-    fn face_color(&mut self) -> Result<(), OffError> {
+    fn face_color(&mut self) -> Result<(), Malformed> {
         let line = self.cursor.line();
         let count = self.cursor.words_on_line();
         if count > 4 {
             let expected = "a colour of at most four numbers after the face";
-            return Err(OffError::new(line, expected, numbers(count)));
+            return Err(Malformed::in_line(line, expected, numbers(count, "number")));
         }
-        self.notes.colors.at(line);
+        self.notes.colors.at(Place::Line(line));
         self.skip_numbers("a colour or the end of the line after the face")
     }
 
-    /// Adds the triangles of a face that begins on `line`, or drops it.
-    fn add_face(&mut self, line: u64, corners: &mut Vec<u32>) {
-        match corners.len() {
-            0..3 => return self.notes.too_few_corners.at(line),
-            3 => {}
-            _ => self.polygons += 1,
-        }
-        let before = self.mesh.triangles.len();
-        if let [a, b, c] = corners[..] {
-            self.add_triangle([a, b, c]);
-        } else {
-            self.add_polygon(line, corners);
-        }
-        if self.mesh.triangles.len() == before {
-            self.notes.degenerate.at(line);
-        }
-    }
-
-    fn add_polygon(&mut self, line: u64, corners: &mut Vec<u32>) {
-        let positions = &self.mesh.positions;
-        let position = |&corner: &u32| positions[corner as usize];
-        corners.dedup_by(|a, b| position(a) == position(b));
-        while corners.len() > 1 && corners.first().map(position) == corners.last().map(position) {
-            corners.pop();
-        }
-        let points: Vec<DVec3> = corners.iter().map(position).collect();
-        let cut = polygon::triangulate(&points);
-        if cut.crosses_itself {
-            self.notes.crossing.at(line);
-        }
-        for triangle in cut.triangles {
-            self.add_triangle(triangle.map(|corner| corners[corner as usize]));
-        }
-    }
-
-    /// Adds a triangle unless it has no area.
-    fn add_triangle(&mut self, triangle: [u32; 3]) {
-        let positions = triangle.map(|corner| self.mesh.positions[corner as usize]);
-        if face_normal(positions).is_some() {
-            self.mesh.triangles.push(triangle);
-        }
-    }
-
     /// Looks at what follows the last face.
-    fn end(&mut self, header: &Header) -> Result<(), OffError> {
+    fn end(&mut self, header: &Header) -> Result<(), Malformed> {
         if self.cursor.find_word() {
             let line = self.cursor.line();
             let word = self.cursor.word().unwrap_or_default();
             if number(word).is_some() {
                 let expected = format!("the end of the file after {} faces", header.faces);
-                return Err(OffError::at_token(line, expected, word));
+                return Err(Malformed::at_token(line, expected, word));
             }
-            self.notes.trailing.at(line);
+            self.notes.trailing.at(Place::Line(line));
         }
         Ok(())
     }
 
-    fn finish(mut self, header: &Header) -> MeshFile {
+    fn finish(mut self) -> MeshFile {
         let end = self.cursor.position() + self.cursor.remaining();
         // Cancelling comes too late here: the work is done.
         let _ = self.watch.report(end);
-        self.mesh.triangles.shrink_to_fit();
-        let mut warnings = self.notes.sentences();
-        if self.mesh.triangles.is_empty() {
-            warnings.push("the mesh has no triangles".to_owned());
-        }
-        MeshFile {
-            mesh: self.mesh,
-            format: "OFF",
-            faces: header.faces,
-            polygons: self.polygons,
-            dropped: Dropped {
-                degenerate: self.notes.degenerate.count,
-                too_few_corners: self.notes.too_few_corners.count,
-            },
-            warnings,
-        }
+        let Notes {
+            colors,
+            textures,
+            trailing,
+        } = self.notes;
+        let warnings = [
+            colors.found("colours are ignored"),
+            textures.found("texture coordinates are ignored"),
+            trailing.counted(
+                "line of text after the last face is ignored",
+                "lines of text after the last face are ignored",
+            ),
+        ];
+        let warnings = warnings.into_iter().flatten();
+        self.tally.into_file("OFF", self.mesh, warnings)
     }
 
-    fn next_word(&mut self, expected: &str) -> Result<&'a [u8], OffError> {
+    fn next_word(&mut self, expected: &str) -> Result<&'a [u8], Malformed> {
         if !self.cursor.find_word() {
             return Err(self.at_end(expected));
         }
         Ok(self.cursor.word().unwrap_or_default())
     }
 
-    fn expect_end_of_line(&mut self, expected: &str) -> Result<(), OffError> {
+    fn expect_end_of_line(&mut self, expected: &str) -> Result<(), Malformed> {
         match self.cursor.word() {
-            Some(word) => Err(OffError::at_token(self.cursor.line(), expected, word)),
+            Some(word) => Err(Malformed::at_token(self.cursor.line(), expected, word)),
             None => Ok(()),
         }
     }
 
-    fn at_end(&self, expected: impl Into<String>) -> OffError {
-        OffError::new(self.cursor.line(), expected, "the end of the file")
+    fn at_end(&self, expected: impl Into<String>) -> Malformed {
+        Malformed::in_line(self.cursor.line(), expected, "the end of the file")
     }
 }
 
-/// The capacity for `declared` things if the text has room for at most `possible`.
-fn capacity(declared: u64, possible: usize) -> usize {
-    usize::try_from(declared).map_or(possible, |declared| declared.min(possible))
-}
-
-fn short_vertex(line: u64, header: &Header, index: u64, read: usize) -> OffError {
+fn short_vertex(line: u64, header: &Header, index: u64, read: usize) -> Malformed {
     let wanted = header.numbers_per_vertex();
     let expected = format!(
         "{wanted} numbers for vertex {} of {}",
         index + 1,
         header.vertices
     );
-    OffError::new(line, expected, numbers(read))
+    Malformed::in_line(line, expected, numbers(read, "number"))
 }
 
-fn short_face(line: u64, size: u64, found: usize) -> OffError {
-    OffError::new(line, format!("{size} vertex indices"), found.to_string())
-}
-
-fn numbers(count: usize) -> String {
-    match count {
-        1 => "1 number".to_owned(),
-        _ => format!("{count} numbers"),
-    }
+fn short_face(line: u64, size: u64, found: usize) -> Malformed {
+    Malformed::in_line(line, format!("{size} vertex indices"), found.to_string())
 }
 
 /// What the keyword says must follow a vertex's position and normal.
@@ -644,47 +549,5 @@ fn declared_extras(keyword: Keyword) -> &'static str {
         (true, true) => "a colour (1, 3 or 4 numbers) and a texture coordinate (2 numbers)",
         (true, false) => "a colour (1, 3 or 4 numbers)",
         _ => "a texture coordinate (2 numbers)",
-    }
-}
-
-impl Notes {
-    /// The warnings, in the order of their weight.
-    fn sentences(&self) -> Vec<String> {
-        let counted = |seen: &Seen, one: &str, many: &str| {
-            let (count, line) = (seen.count, seen.first_line);
-            match count {
-                0 => None,
-                1 => Some(format!("1 {one} (line {line})")),
-                _ => Some(format!("{count} {many} (the first on line {line})")),
-            }
-        };
-        let found = |seen: &Seen, what: &str| {
-            (seen.count > 0).then(|| format!("{what} (the first on line {})", seen.first_line))
-        };
-        let sentences = [
-            counted(
-                &self.degenerate,
-                "face without area was dropped",
-                "faces without area were dropped",
-            ),
-            counted(
-                &self.too_few_corners,
-                "face with fewer than three corners was dropped",
-                "faces with fewer than three corners were dropped",
-            ),
-            counted(
-                &self.crossing,
-                "polygon crosses itself; its triangles may overlap",
-                "polygons cross themselves; their triangles may overlap",
-            ),
-            found(&self.colors, "colours are ignored"),
-            found(&self.textures, "texture coordinates are ignored"),
-            counted(
-                &self.trailing,
-                "line of text after the last face is ignored",
-                "lines of text after the last face are ignored",
-            ),
-        ];
-        sentences.into_iter().flatten().collect()
     }
 }

@@ -1,7 +1,7 @@
 use raymini::control::{CancelToken, Progress};
 use raymini::geometry::face_normal;
-use raymini::io::MeshFile;
-use raymini::io::off::{OffError, has_keyword, parse, write};
+use raymini::io::off::{has_keyword, parse, write};
+use raymini::io::{Malformed, MeshFile};
 
 use super::{assert_memory, assert_message, measured};
 
@@ -49,7 +49,7 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
-fn read_again(text: &str) -> Result<MeshFile, OffError> {
+fn read_again(text: &str) -> Result<MeshFile, Malformed> {
     let read = parse(text.as_bytes(), &CancelToken::new(), &Progress::new());
     read.map(|file| file.expect("nobody cancels"))
 }

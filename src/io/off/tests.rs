@@ -1,10 +1,12 @@
 use super::*;
+use crate::geometry::face_normal;
+use crate::io::Dropped;
 use std::time::Instant;
 
 /// Four vertices, one line each; the tests put a header before them and faces behind.
 const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
-fn read(text: impl AsRef<[u8]>) -> Result<MeshFile, OffError> {
+fn read(text: impl AsRef<[u8]>) -> Result<MeshFile, Malformed> {
     let parsed = parse(text.as_ref(), &CancelToken::new(), &Progress::new())?;
     let file = parsed.expect("nobody cancelled");
     assert_eq!(file.mesh.validate(), Ok(()));
@@ -15,7 +17,7 @@ fn read(text: impl AsRef<[u8]>) -> Result<MeshFile, OffError> {
 fn outcome(text: &str) -> Result<Vec<[u32; 3]>, String> {
     match read(text) {
         Ok(file) => Ok(file.mesh.triangles),
-        Err(error) => Err(format!("{}: {}", error.line, error.sentence())),
+        Err(error) => Err(error.to_string().replacen("line ", "", 1)),
     }
 }
 
@@ -277,7 +279,7 @@ fn the_line_is_right_with_every_kind_of_line_end() {
     let text = format!("OFF\n4 2 0\n\n# comment\n{SQUARE}3 0 1 9\n3 0 2 3\n");
     for end in ["\n", "\r\n", "\r"] {
         let error = read(text.replace('\n', end)).expect_err("index 9");
-        assert_eq!(error.line, 9);
+        assert_eq!(error.place, Place::Line(9));
     }
 }
 

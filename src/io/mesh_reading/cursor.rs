@@ -5,7 +5,7 @@
 /// Words are separated by blanks. A line ends with LF, CR or CR LF; `#` hides the rest of its line. The text need not be
 /// UTF-8, as comments in old files often are not.
 #[derive(Clone, Debug)]
-pub(super) struct Cursor<'a> {
+pub struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
     line: u64,
@@ -14,7 +14,7 @@ pub(super) struct Cursor<'a> {
 
 impl<'a> Cursor<'a> {
     /// The start of `bytes`, after the byte order mark if there is one.
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub fn new(bytes: &'a [u8]) -> Self {
         let at = if bytes.starts_with(b"\xEF\xBB\xBF") {
             3
         } else {
@@ -29,17 +29,17 @@ impl<'a> Cursor<'a> {
     }
 
     /// Bytes passed so far.
-    pub(super) fn position(&self) -> usize {
+    pub fn position(&self) -> usize {
         self.at
     }
 
     /// Bytes still ahead.
-    pub(super) fn remaining(&self) -> usize {
+    pub fn remaining(&self) -> usize {
         self.bytes.len() - self.at
     }
 
     /// The line of the next word, or at the end of the text the last line that held one.
-    pub(super) fn line(&self) -> u64 {
+    pub fn line(&self) -> u64 {
         if self.remaining() == 0 {
             self.last_line_with_words
         } else {
@@ -48,7 +48,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next word of this line; `None` where the line has no more.
-    pub(super) fn word(&mut self) -> Option<&'a [u8]> {
+    pub fn word(&mut self) -> Option<&'a [u8]> {
         if !self.line_has_word() {
             return None;
         }
@@ -60,7 +60,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Moves over blanks and says whether this line goes on with a word.
-    pub(super) fn line_has_word(&mut self) -> bool {
+    pub fn line_has_word(&mut self) -> bool {
         while let Some(&byte) = self.bytes.get(self.at) {
             if is_blank(byte) {
                 self.at += 1;
@@ -75,7 +75,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Moves to the next word, on this line or a later one, and says whether there is one.
-    pub(super) fn find_word(&mut self) -> bool {
+    pub fn find_word(&mut self) -> bool {
         loop {
             if self.line_has_word() {
                 return true;
@@ -87,7 +87,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The number of words left on this line. The cursor stays.
-    pub(super) fn words_on_line(&self) -> usize {
+    pub fn words_on_line(&self) -> usize {
         let mut ahead = self.clone();
         let mut count = 0;
         while ahead.word().is_some() {
@@ -119,12 +119,12 @@ fn ends_word(byte: u8) -> bool {
 }
 
 /// The value of a decimal number; infinite where it is too large, NaN where it says so.
-pub(super) fn number(word: &[u8]) -> Option<f64> {
+pub fn number(word: &[u8]) -> Option<f64> {
     str::from_utf8(word).ok()?.parse().ok()
 }
 
 /// The value of an unsigned decimal integer that fits.
-pub(super) fn whole(word: &[u8]) -> Option<u64> {
+pub fn whole(word: &[u8]) -> Option<u64> {
     if word.is_empty() {
         return None;
     }
@@ -138,7 +138,7 @@ pub(super) fn whole(word: &[u8]) -> Option<u64> {
 }
 
 /// A word for a message: in quotes, what cannot be shown escaped, a long one cut.
-pub(super) fn quoted(word: &[u8]) -> String {
+pub fn quoted(word: &[u8]) -> String {
     const LONGEST: usize = 32;
     let shown = &word[..word.len().min(LONGEST)];
     let dots = if word.len() > LONGEST { "…" } else { "" };

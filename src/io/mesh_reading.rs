@@ -1,0 +1,14 @@
+//! What readers of mesh formats share: a place in a text, the error that names a place, what becomes of faces, warnings, and
+//! reports of how far reading came.
+
+mod cursor;
+mod malformed;
+mod notes;
+mod tally;
+mod watch;
+
+pub use cursor::{Cursor, number, whole};
+pub use malformed::{Malformed, Place};
+pub use notes::{Seen, numbers};
+pub use tally::Tally;
+pub use watch::{Watch, capacity};
