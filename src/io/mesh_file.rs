@@ -3,8 +3,8 @@
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
 use super::mesh_reading::{Malformed, Place};
-use super::off;
 use super::whole_file::{read_file, require_memory};
+use super::{off, ply};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use std::path::Path;
@@ -84,10 +84,10 @@ fn in_file(name: &str, error: &Malformed) -> String {
 }
 
 /// The formats that have a reader, for messages and file dialogs.
-pub const READABLE_FORMATS: &str = "OFF";
+pub const READABLE_FORMATS: &str = "OFF and PLY";
 
 /// File name extensions, in lower case, of the formats that have a reader.
-pub const READABLE_EXTENSIONS: &[&str] = &["off"];
+pub const READABLE_EXTENSIONS: &[&str] = &["off", "ply"];
 
 /// So many bytes are foreseen for each byte of a file: itself, and a mesh that is at most three times as large, as that of short
 /// numbers is. (Corners of large polygons may take six; files of such alone are small.)
@@ -145,24 +145,25 @@ fn read_mesh(
             reason: "the file is empty".to_owned(),
         });
     }
-    match recognise(name, bytes) {
-        Ok(Format::Off) => {
-            off::parse(bytes, cancel, progress).map_err(|error| MeshError::Malformed {
-                name: name.to_owned(),
-                error,
-            })
-        }
-        Err(what) => Err(MeshError::UnknownFormat {
-            name: name.to_owned(),
-            what,
-        }),
-    }
+    let format = recognise(name, bytes).map_err(|what| MeshError::UnknownFormat {
+        name: name.to_owned(),
+        what,
+    })?;
+    let parse = match format {
+        Format::Off => off::parse,
+        Format::Ply => ply::parse,
+    };
+    parse(bytes, cancel, progress).map_err(|error| MeshError::Malformed {
+        name: name.to_owned(),
+        error,
+    })
 }
 
 /// The formats that have a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Off,
+    Ply,
 }
 
 /// The format of a file: what its content says, and where that says nothing (an OFF file may begin with its counts) the
@@ -171,12 +172,16 @@ fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
     if off::has_keyword(bytes) {
         return Ok(Format::Off);
     }
+    if ply::has_keyword(bytes) {
+        return Ok(Format::Ply);
+    }
     if let Some(format) = known_by_content(bytes) {
         return Err(format!("this is a file of the format {format}"));
     }
     let extension = Path::new(name).extension().unwrap_or_default();
     match extension.to_ascii_lowercase().to_str() {
         Some("off") => Ok(Format::Off),
+        Some("ply") => Ok(Format::Ply),
         Some("") | None => Err("this is not a mesh of a known format".to_owned()),
         Some(extension) => Err(format!(
             "files with the extension .{extension} are not read"
@@ -186,8 +191,7 @@ fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
 
 /// The format, known but without reader, whose first bytes these are.
 fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
-    let formats: [(&[u8], &str); 6] = [
-        (b"ply", "PLY"),
+    let formats: [(&[u8], &str); 5] = [
         (b"solid ", "STL"),
         (b"glTF", "glTF"),
         (b"MeshVersionFormatted", "Medit mesh"),
@@ -245,7 +249,9 @@ mod tests {
         );
         assert_eq!(
             message("a.txt", without_keyword),
-            "a.txt: files with the extension .txt are not read; RayMini reads OFF"
+            format!(
+                "a.txt: files with the extension .txt are not read; RayMini reads {READABLE_FORMATS}"
+            )
         );
     }
 
@@ -253,16 +259,18 @@ mod tests {
     fn what_cannot_be_read_is_said_in_plain_words() {
         assert_eq!(message("a.off", ""), "a.off: the file is empty");
         assert_eq!(
-            message("a.obj", "v 0 0 0\n"),
-            "a.obj: files with the extension .obj are not read; RayMini reads OFF"
+            message("a.step", "ISO-10303-21;\n"),
+            format!(
+                "a.step: files with the extension .step are not read; RayMini reads {READABLE_FORMATS}"
+            )
         );
         assert_eq!(
-            message("a.off", "ply\n"),
-            "a.off: this is a file of the format PLY; RayMini reads OFF"
+            message("a.off", "glTF"),
+            format!("a.off: this is a file of the format glTF; RayMini reads {READABLE_FORMATS}")
         );
         assert_eq!(
             message("a", "\0\0"),
-            "a: this is not a mesh of a known format; RayMini reads OFF"
+            format!("a: this is not a mesh of a known format; RayMini reads {READABLE_FORMATS}")
         );
         assert_eq!(
             message("ram.off", TRIANGLE.replace("3 0 1 2", "3 0 1 9")),

@@ -5,6 +5,8 @@ mod cursor;
 mod malformed;
 mod notes;
 mod tally;
+#[cfg(test)]
+pub mod trials;
 mod watch;
 
 pub use cursor::{Cursor, number, whole};

@@ -1,107 +1,81 @@
-//! Triangles as a PLY file of the plainest kind: binary little endian, vertices `float x y z`, faces `uchar 3, int × 3`.
+//! PLY, the Polygon File Format of Stanford: a header in text, then the data as text or binary of either byte order.
 //!
-//! It is what other programs read without asking questions; normals and colours are left out.
+//! ```text
+//! ply
+//! format ascii 1.0               # or binary_little_endian, binary_big_endian
+//! comment any words
+//! element vertex 3
+//! property double x
+//! property double y
+//! property double z
+//! element face 1
+//! property list uchar int vertex_indices
+//! end_header
+//! 0 0 0
+//! 1 0 0
+//! 0 1 0
+//! 3 0 1 2
+//! ```
+//!
+//! - Of the element `vertex`, `x`, `y`, `z` are read, and the normal `nx`, `ny`, `nz` where all three are there; of the
+//!   elements `face` and `tristrips`, the list `vertex_indices` or `vertex_index`. Each may have any type. `vertex` comes first.
+//! - In `tristrips`, a triangle ends at every index from the third on, each second one turned over; −1 begins a new strip, and
+//!   triangles with an index repeated only lead from one part to the next.
+//! - Normals that are not finite are left to the faces around, with a warning. Colours and texture coordinates are ignored with a
+//!   warning, as are elements of other names; other properties are skipped.
+//! - In text, an item that finds too few values on its line goes on with the next lines; nothing may follow it on its last.
+//! - What follows the last element is ignored with a warning, but numbers in a text are an error: a count is wrong then.
+//!
+//! Counts are never trusted: memory grows with the bytes that are there.
+//!
+//! Source: Greg Turk, The PLY Polygon File Format, 1994; `tristrips` as in the files of the Stanford 3D Scanning Repository.
 
-use std::io::{self, Error, ErrorKind, Write};
-
-/// Writes a mesh. `vertices` and `faces` are counts followed by as many items, so that no copy of a large mesh is needed.
-///
-/// # Errors
-/// What `out` returns; and that there are more vertices than the faces' `int` can number.
-pub fn write(
-    vertices: (u64, impl Iterator<Item = [f32; 3]>),
-    faces: (u64, impl Iterator<Item = [u32; 3]>),
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let (vertex_count, vertices) = vertices;
-    let (face_count, faces) = faces;
-    if vertex_count > i32::MAX as u64 {
-        let message = format!(
-            "{vertex_count} vertices are more than a PLY file numbers, {}",
-            i32::MAX
-        );
-        return Err(Error::new(ErrorKind::FileTooLarge, message));
-    }
-    write!(
-        out,
-        "ply\nformat binary_little_endian 1.0\n\
-         element vertex {vertex_count}\nproperty float x\nproperty float y\nproperty float z\n\
-         element face {face_count}\nproperty list uchar int vertex_indices\nend_header\n"
-    )?;
-    for value in vertices.flatten() {
-        out.write_all(&value.to_le_bytes())?;
-    }
-    for corners in faces {
-        out.write_all(&[3])?;
-        for corner in corners {
-            out.write_all(&corner.to_le_bytes())?;
-        }
-    }
-    Ok(())
-}
+mod body;
+mod header;
+mod values;
+mod write;
 
 #[cfg(test)]
-mod tests {
-    use super::*;
+mod tests;
 
-    /// Read back by the header's words and fixed strides, as a program without a PLY library does.
-    #[test]
-    fn a_mesh_is_found_in_its_bytes() {
-        let vertices = [[0.0_f32, -1.5, 2.0], [1.0, 0.0, 0.25], [3.0, 1e30, -0.0]];
-        let faces = [[0_u32, 1, 2], [2, 1, 0]];
-        let mut bytes = Vec::new();
-        write(
-            (3, vertices.into_iter()),
-            (2, faces.into_iter()),
-            &mut bytes,
-        )
-        .expect("a vector takes all");
+pub use write::{write, write_triangles};
 
-        let end = b"end_header\n";
-        let header = bytes.windows(end.len()).position(|part| part == end);
-        let (header, data) = bytes.split_at(header.expect("there is an end") + end.len());
-        let lines: Vec<_> = str::from_utf8(header).expect("text").lines().collect();
-        assert_eq!(
-            lines,
-            [
-                "ply",
-                "format binary_little_endian 1.0",
-                "element vertex 3",
-                "property float x",
-                "property float y",
-                "property float z",
-                "element face 2",
-                "property list uchar int vertex_indices",
-                "end_header",
-            ]
-        );
-        assert_eq!(data.len(), 3 * 12 + 2 * 13);
-        for (vertex, bytes) in vertices.iter().zip(data.chunks(12)) {
-            let read: Vec<_> = bytes
-                .as_chunks()
-                .0
-                .iter()
-                .map(|&b| f32::from_le_bytes(b))
-                .collect();
-            assert_eq!(read, vertex);
+use super::mesh_file::MeshFile;
+use super::mesh_reading::{Cursor, Malformed, Watch};
+use crate::control::{CancelToken, Progress};
+use body::read_body;
+use header::{Encoding, Header};
+use values::{BinaryValues, TextValues};
+
+/// Whether the bytes begin as a PLY file does.
+#[must_use]
+pub fn has_keyword(bytes: &[u8]) -> bool {
+    Cursor::new(bytes).word() == Some(b"ply")
+}
+
+/// Reads a PLY file from its bytes.
+///
+/// `progress` advances by the bytes read; setting its total is the caller's. Returns `None` when cancelled.
+///
+/// # Errors
+/// The first place that breaks the rules above: a line of the header or the text, or a byte of binary data.
+pub fn parse(
+    bytes: &[u8],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<MeshFile>, Malformed> {
+    let mut cursor = Cursor::new(bytes);
+    let header = Header::read(&mut cursor)?;
+    let watch = Watch::new(cancel, progress);
+    match header.encoding {
+        Encoding::Text => read_body(&header, TextValues::new(cursor), watch),
+        Encoding::LittleEndian => {
+            let values = BinaryValues::<false>::new(bytes, header.body);
+            read_body(&header, values, watch)
         }
-        for (face, bytes) in faces.iter().zip(data[36..].chunks(13)) {
-            assert_eq!(bytes[0], 3);
-            let corners = bytes[1..].as_chunks().0;
-            let read: Vec<_> = corners.iter().map(|&b| u32::from_le_bytes(b)).collect();
-            assert_eq!(read, face);
+        Encoding::BigEndian => {
+            let values = BinaryValues::<true>::new(bytes, header.body);
+            read_body(&header, values, watch)
         }
-    }
-
-    #[test]
-    fn more_vertices_than_can_be_numbered_are_refused() {
-        let (vertices, faces) = (std::iter::empty(), std::iter::empty());
-        let error = write((1 << 31, vertices), (0, faces), &mut Vec::new());
-        assert!(
-            error
-                .expect_err("too many")
-                .to_string()
-                .contains("2147483647")
-        );
     }
 }

@@ -5,7 +5,7 @@ use crate::io::ply;
 use crate::math::DVec3;
 use crate::scene::{Object, Scene, SceneError};
 
-/// Writes all triangles of the scene, copies too, as a PLY file in world units ([`ply`]): in the order of the prepared
+/// Writes all triangles of the scene, copies too, as a PLY file in world units ([`ply::write_triangles`]): in the order of the prepared
 /// scene's triangles, corners counter-clockwise seen from outside.
 ///
 /// # Errors
@@ -48,7 +48,7 @@ pub fn write_mesh(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
             })
         })
     });
-    ply::write(
+    ply::write_triangles(
         (
             total(|mesh| mesh.positions.len()),
             vertices.map(|p| p.as_vec3().to_array()),

@@ -96,18 +96,38 @@ impl<'a> Cursor<'a> {
         count
     }
 
+    /// What is left of this line, comments included, without blanks around it. The cursor stays on the line.
+    pub fn rest_of_line(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&byte| is_line_end(byte));
+        let rest = &rest[..length.unwrap_or(rest.len())];
+        self.at += rest.len();
+        rest.trim_ascii()
+    }
+
+    /// The characters that end this line, where the cursor is at its end.
+    pub fn line_end(&self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let length = match rest {
+            [b'\r', b'\n', ..] => 2,
+            [b'\r' | b'\n', ..] => 1,
+            _ => 0,
+        };
+        &rest[..length]
+    }
+
     /// Moves behind the end of this line; `false` when the text ends with it.
     fn leave_line(&mut self) -> bool {
-        let rest = &self.bytes[self.at..];
-        let Some(length) = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r') else {
-            self.at = self.bytes.len();
-            return false;
-        };
-        let is_pair = rest[length..].starts_with(b"\r\n");
-        self.at += length + if is_pair { 2 } else { 1 };
-        self.line += 1;
-        true
+        self.rest_of_line();
+        let line_end = self.line_end();
+        self.at += line_end.len();
+        self.line += u64::from(!line_end.is_empty());
+        !line_end.is_empty()
     }
+}
+
+fn is_line_end(byte: u8) -> bool {
+    matches!(byte, b'\n' | b'\r')
 }
 
 fn is_blank(byte: u8) -> bool {
@@ -115,7 +135,7 @@ fn is_blank(byte: u8) -> bool {
 }
 
 fn ends_word(byte: u8) -> bool {
-    is_blank(byte) || matches!(byte, b'\n' | b'\r' | b'#')
+    is_blank(byte) || is_line_end(byte) || byte == b'#'
 }
 
 /// The value of a decimal number; infinite where it is too large, NaN where it says so.

@@ -1,16 +1,13 @@
 use super::*;
 use crate::geometry::face_normal;
 use crate::io::Dropped;
-use std::time::Instant;
+use crate::io::mesh_reading::trials;
 
 /// Four vertices, one line each; the tests put a header before them and faces behind.
 const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 fn read(text: impl AsRef<[u8]>) -> Result<MeshFile, Malformed> {
-    let parsed = parse(text.as_ref(), &CancelToken::new(), &Progress::new())?;
-    let file = parsed.expect("nobody cancelled");
-    assert_eq!(file.mesh.validate(), Ok(()));
-    Ok(file)
+    trials::read(parse, text.as_ref())
 }
 
 /// The triangles, or the error as a user sees it behind the path.
@@ -418,16 +415,8 @@ fn counts_reserve_no_more_than_the_text_can_hold() {
 }
 
 #[test]
-fn cancelling_returns_none_and_progress_ends_at_the_size() {
-    let text = grid(40).0;
-    let (cancel, progress) = (CancelToken::new(), Progress::new());
-    progress.set_total(text.len() as u64);
-    parse(text.as_bytes(), &cancel, &progress)
-        .expect("valid")
-        .expect("not cancelled");
-    assert_eq!(progress.done(), progress.total());
-    cancel.cancel();
-    assert_eq!(parse(text.as_bytes(), &cancel, &progress), Ok(None));
+fn cancelling_stops_it() {
+    trials::assert_cancels(parse, grid(40).0.as_bytes());
 }
 
 #[test]
@@ -466,19 +455,6 @@ fn grid(n: u32) -> (String, usize) {
         writeln!(text, "4 {a} {b} {c} {d}{end}").expect("a string");
     }
     (text, (2 * n * n) as usize)
-}
-
-/// `SplitMix64`: enough to scatter mutations.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        usize::try_from((z ^ (z >> 31)) % bound as u64).expect("below a usize")
-    }
 }
 
 /// Every prefix of a file is an error, unless only the end of the last line is missing.
@@ -524,18 +500,6 @@ fn random_mutations_never_panic_nor_hang() {
         b"OFF",
         b"3 0 1 2\n",
     ];
-    let mut random = Random(7);
-    let start = Instant::now();
-    for _ in 0..20_000 {
-        let mut bytes = seeds[random.below(seeds.len())].clone().into_bytes();
-        for _ in 0..=random.below(4) {
-            let from = random.below(bytes.len() + 1);
-            let to = (from + random.below(4)).min(bytes.len());
-            let scrap = scraps[random.below(scraps.len())];
-            bytes.splice(from..to, scrap.iter().copied());
-        }
-        // `read` checks that what is not refused is valid.
-        let _ = read(&bytes);
-    }
-    assert!(start.elapsed().as_secs() < 60);
+    let seeds = seeds.map(String::into_bytes);
+    trials::assert_mutations_are_read_or_refused(parse, &seeds, &scraps);
 }

@@ -1,0 +1,61 @@
+//! What tests of every mesh reader do.
+
+use super::Malformed;
+use crate::control::{CancelToken, Progress};
+use crate::geometry::{face_normal, shapes::Random};
+use crate::io::mesh_file::MeshFile;
+use std::time::Instant;
+
+/// A reader.
+pub type Parse = fn(&[u8], &CancelToken, &Progress) -> Result<Option<MeshFile>, Malformed>;
+
+/// What the reader makes of the bytes. The mesh keeps its invariant and has no triangle without area; progress ends at the end.
+pub fn read(parse: Parse, bytes: &[u8]) -> Result<MeshFile, Malformed> {
+    let progress = Progress::new();
+    let file = parse(bytes, &CancelToken::new(), &progress)?.expect("nobody cancelled");
+    assert_eq!(file.mesh.validate(), Ok(()));
+    for index in 0..file.mesh.triangles.len() {
+        assert!(face_normal(file.mesh.corners(index)).is_some(), "{index}");
+    }
+    assert_eq!(progress.done(), bytes.len() as u64);
+    Ok(file)
+}
+
+/// What the reader says is wrong with the bytes.
+pub fn error(parse: Parse, bytes: &[u8]) -> String {
+    match read(parse, bytes) {
+        Ok(file) => panic!("{file:?} from {}", String::from_utf8_lossy(bytes)),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// Cancelling stops the reader.
+pub fn assert_cancels(parse: Parse, bytes: &[u8]) {
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    assert_eq!(parse(bytes, &cancel, &Progress::new()), Ok(None));
+}
+
+/// Reads the files with pieces replaced by `scraps` and other bytes: none panics or hangs, and what is taken is valid.
+pub fn assert_mutations_are_read_or_refused(parse: Parse, files: &[Vec<u8>], scraps: &[&[u8]]) {
+    let mut random = Random::new(7);
+    let mut below = |bound: usize| {
+        usize::try_from(random.bits() % bound as u64).expect("below a number of that type")
+    };
+    let start = Instant::now();
+    for _ in 0..20_000 {
+        let mut bytes = files[below(files.len())].clone();
+        for _ in 0..=below(4) {
+            let from = below(bytes.len() + 1);
+            let to = (from + below(5)).min(bytes.len());
+            let any = u8::try_from(below(256)).expect("a byte");
+            let scrap = match below(scraps.len() + 1) {
+                0 => &[any],
+                scrap => scraps[scrap - 1],
+            };
+            bytes.splice(from..to, scrap.iter().copied());
+        }
+        let _ = read(parse, &bytes);
+    }
+    assert!(start.elapsed().as_secs() < 60);
+}

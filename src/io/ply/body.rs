@@ -1,0 +1,262 @@
+//! From the data of a PLY file to a mesh.
+
+use super::header::{Element, ElementKind, Header, Kind, Property, Role, Scalar};
+use super::values::Values;
+use crate::geometry::TriangleMesh;
+use crate::io::mesh_file::MeshFile;
+use crate::io::mesh_reading::{Malformed, Place, Seen, Tally, Watch, capacity};
+use crate::math::DVec3;
+
+/// Reads what the header announces; `None` when cancelled.
+///
+/// # Errors
+/// The first place where the data is not what the header announces.
+pub fn read_body<V: Values>(
+    header: &Header,
+    values: V,
+    watch: Watch,
+) -> Result<Option<MeshFile>, Malformed> {
+    let mut reader = Reader {
+        values,
+        watch,
+        mesh: TriangleMesh::default(),
+        tally: Tally::default(),
+        not_finite: Seen::default(),
+        indices: Vec::new(),
+    };
+    for element in &header.elements {
+        if reader.element(element)?.is_none() {
+            return Ok(None);
+        }
+    }
+    let trailing = reader.values.end()?;
+    Ok(Some(reader.finish(header, trailing)))
+}
+
+/// The mesh read so far, and the data still to be read.
+struct Reader<'a, V> {
+    values: V,
+    watch: Watch<'a>,
+    mesh: TriangleMesh,
+    tally: Tally,
+    /// Normals that are not finite.
+    not_finite: Seen,
+    /// The vertices of the face or strip at hand.
+    indices: Vec<u32>,
+}
+
+/// One item of an element, for messages.
+#[derive(Clone, Copy)]
+struct Item<'a> {
+    element: &'a Element,
+    index: u64,
+}
+
+impl Item<'_> {
+    fn name(self) -> String {
+        let Self { element, index } = self;
+        format!("{} {} of {}", element.kind.name(), index + 1, element.count)
+    }
+}
+
+impl<V: Values> Reader<'_, V> {
+    /// Reads an element; `None` when cancelled.
+    fn element(&mut self, element: &Element) -> Result<Option<()>, Malformed> {
+        // Items of nothing take no bytes, however many they are.
+        if element.properties.is_empty() {
+            return Ok(Some(()));
+        }
+        if element.kind == ElementKind::Vertex {
+            let possible = self.values.remaining() / element.least_size();
+            let capacity = capacity(element.count, possible);
+            self.mesh.positions.reserve_exact(capacity);
+            let has_normals = (0..3).all(|axis| element.has(Role::Normal(axis)));
+            self.mesh.normals = has_normals.then(|| Vec::with_capacity(capacity));
+        }
+        for index in 0..element.count {
+            let position = self.values.position();
+            if self.watch.report_item(index, position).is_none() {
+                return Ok(None);
+            }
+            let item = Item { element, index };
+            let place = self.values.begin_item();
+            match element.kind {
+                ElementKind::Vertex => self.vertex(item, place)?,
+                ElementKind::Face => {
+                    self.read_indices(item)?;
+                    let mesh = &mut self.mesh;
+                    let (positions, triangles) = (&mesh.positions, &mut mesh.triangles);
+                    self.tally
+                        .add_face(place, &mut self.indices, positions, triangles);
+                }
+                ElementKind::Strips => {
+                    self.read_indices(item)?;
+                    if self.add_strips(place).is_none() {
+                        return Ok(None);
+                    }
+                }
+                ElementKind::Other => {
+                    for property in &element.properties {
+                        self.skip(*property, item)?;
+                    }
+                    self.values.end_item(&|| item.name())?;
+                }
+            }
+        }
+        Ok(Some(()))
+    }
+
+    fn vertex(&mut self, item: Item, place: Place) -> Result<(), Malformed> {
+        let (mut position, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        for property in &item.element.properties {
+            match (property.role, property.kind) {
+                (Role::Position(axis), Kind::One(scalar)) => {
+                    let value = self.value(scalar, item)?;
+                    if !value.is_finite() {
+                        return Err(self.values.unexpected("a finite coordinate".to_owned()));
+                    }
+                    position[axis] = value;
+                }
+                (Role::Normal(axis), Kind::One(scalar)) => {
+                    normal[axis] = self.value(scalar, item)?;
+                }
+                _ => self.skip(*property, item)?,
+            }
+        }
+        self.values.end_item(&|| item.name())?;
+        self.mesh.positions.push(position);
+        if let Some(normals) = &mut self.mesh.normals {
+            if !normal.is_finite() {
+                self.not_finite.at(place);
+                normal = DVec3::ZERO;
+            }
+            normals.push(normal);
+        }
+        Ok(())
+    }
+
+    fn value(&mut self, scalar: Scalar, item: Item) -> Result<f64, Malformed> {
+        let value = self.values.next(scalar);
+        value.ok_or_else(|| self.values.missing(item.name()))
+    }
+
+    fn list_length(&mut self, scalar: Scalar, item: Item) -> Result<u64, Malformed> {
+        let value = self.value(scalar, item)?;
+        as_index(value).map(u64::from).ok_or_else(|| {
+            let expected = format!("the length of a list of {}", item.name());
+            self.values.unexpected(expected)
+        })
+    }
+
+    fn skip(&mut self, property: Property, item: Item) -> Result<(), Malformed> {
+        let (count, scalar) = match property.kind {
+            Kind::One(scalar) => (1, scalar),
+            Kind::List { length, item: each } => (self.list_length(length, item)?, each),
+        };
+        let skipped = self.values.skip(count, scalar);
+        skipped.ok_or_else(|| self.values.missing(item.name()))
+    }
+
+    /// Reads the vertices of a face or strip; in that, [`RESTART`] stands between its parts.
+    fn read_indices(&mut self, item: Item) -> Result<(), Malformed> {
+        let (kind, vertices) = (item.element.kind, self.mesh.positions.len());
+        self.indices.clear();
+        // That there are too few numbers explains more than what the first of the next line means here.
+        let mut first_wrong = None;
+        for property in &item.element.properties {
+            let (Role::Corners, Kind::List { length, item: each }) = (property.role, property.kind)
+            else {
+                self.skip(*property, item)?;
+                continue;
+            };
+            for _ in 0..self.list_length(length, item)? {
+                let value = self.value(each, item)?;
+                let index = as_index(value).filter(|&index| (index as usize) < vertices);
+                let restart = (kind == ElementKind::Strips && value == -1.0).then_some(RESTART);
+                match index.or(restart) {
+                    Some(index) => self.indices.push(index),
+                    None if first_wrong.is_none() => {
+                        let expected = format!("a vertex index below {vertices}");
+                        first_wrong = Some(self.values.unexpected(expected));
+                    }
+                    None => {}
+                }
+            }
+        }
+        self.values.end_item(&|| item.name())?;
+        first_wrong.map_or(Ok(()), Err)
+    }
+
+    /// Adds the triangles of the strips at hand; `None` when cancelled.
+    fn add_strips(&mut self, place: Place) -> Option<()> {
+        let mesh = &mut self.mesh;
+        let mut corners = Vec::with_capacity(3);
+        let mut count = 0;
+        for strip in self.indices.split(|&index| index == RESTART) {
+            for (turn, &[a, b, c]) in strip.array_windows().enumerate() {
+                count += 1;
+                self.watch.report_item(count, self.values.position())?;
+                if a == b || b == c || c == a {
+                    continue;
+                }
+                corners.clear();
+                corners.extend(if turn % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                let (positions, triangles) = (&mesh.positions, &mut mesh.triangles);
+                self.tally
+                    .add_face(place, &mut corners, positions, triangles);
+            }
+        }
+        Some(())
+    }
+
+    fn finish(mut self, header: &Header, trailing: Option<String>) -> MeshFile {
+        let end = self.values.position() + self.values.remaining();
+        // Cancelling comes too late here: the work is done.
+        let _ = self.watch.report(end);
+        let (mut colors, mut textures, mut others) =
+            (Seen::default(), Seen::default(), Seen::default());
+        for element in header.elements.iter().filter(|element| element.count > 0) {
+            if element.kind == ElementKind::Other {
+                others.at(Place::Line(element.line));
+                continue;
+            }
+            for property in &element.properties {
+                let line = Place::Line(property.line);
+                match property.role {
+                    Role::Color => colors.at(line),
+                    Role::Texture => textures.at(line),
+                    _ => {}
+                }
+            }
+        }
+        let warnings = [
+            self.not_finite.counted(
+                "normal that is not finite is ignored",
+                "normals that are not finite are ignored",
+            ),
+            colors.found("colours are ignored"),
+            textures.found("texture coordinates are ignored"),
+            others.counted(
+                "element of another kind is ignored",
+                "elements of other kinds are ignored",
+            ),
+            trailing,
+        ];
+        let warnings = warnings.into_iter().flatten();
+        self.tally.into_file("PLY", self.mesh, warnings)
+    }
+}
+
+/// What stands between the parts of strips; as an index it is out of range, as there are fewer vertices.
+const RESTART: u32 = u32::MAX;
+
+/// The value if it is a whole number that fits.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "compared with the value afterwards"
+)]
+fn as_index(value: f64) -> Option<u32> {
+    let index = value as u32;
+    (f64::from(index) == value).then_some(index)
+}
