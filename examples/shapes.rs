@@ -27,9 +27,8 @@ fn main() -> std::io::Result<()> {
         for position in &mut mesh.positions {
             *position = rounded(*position);
         }
-        let text = off::write(&mesh);
         write_atomically(&folder.join(name).with_extension("off"), |file| {
-            file.write_all(text.as_bytes())
+            off::write(&mesh, file)
         })?;
         println!("{name}: {} triangles", mesh.triangles.len());
     }

@@ -44,7 +44,9 @@ height = 16
 samples_per_pixel = 8
 "#,
     );
-    write("ball.off", &off::write(&shapes::icosphere(4)));
+    let mut ball = Vec::new();
+    off::write(&shapes::icosphere(4), &mut ball).expect("a vector takes all");
+    write("ball.off", str::from_utf8(&ball).expect("text"));
     let furnace = format!(
         r#"
 [camera]

@@ -4,7 +4,7 @@
 
 use super::mesh_reading::{Malformed, Place};
 use super::whole_file::{read_file, require_memory};
-use super::{off, ply};
+use super::{off, ply, stl};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use std::path::Path;
@@ -84,10 +84,10 @@ fn in_file(name: &str, error: &Malformed) -> String {
 }
 
 /// The formats that have a reader, for messages and file dialogs.
-pub const READABLE_FORMATS: &str = "OFF and PLY";
+pub const READABLE_FORMATS: &str = "OFF, PLY and STL";
 
 /// File name extensions, in lower case, of the formats that have a reader.
-pub const READABLE_EXTENSIONS: &[&str] = &["off", "ply"];
+pub const READABLE_EXTENSIONS: &[&str] = &["off", "ply", "stl"];
 
 /// So many bytes are foreseen for each byte of a file: itself, and a mesh that is at most three times as large, as that of short
 /// numbers is. (Corners of large polygons may take six; files of such alone are small.)
@@ -152,6 +152,7 @@ fn read_mesh(
     let parse = match format {
         Format::Off => off::parse,
         Format::Ply => ply::parse,
+        Format::Stl => stl::parse,
     };
     parse(bytes, cancel, progress).map_err(|error| MeshError::Malformed {
         name: name.to_owned(),
@@ -164,6 +165,7 @@ fn read_mesh(
 enum Format {
     Off,
     Ply,
+    Stl,
 }
 
 /// The format of a file: what its content says, and where that says nothing (an OFF file may begin with its counts) the
@@ -175,13 +177,20 @@ fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
     if ply::has_keyword(bytes) {
         return Ok(Format::Ply);
     }
+    if stl::has_keyword(bytes) {
+        return Ok(Format::Stl);
+    }
     if let Some(format) = known_by_content(bytes) {
         return Err(format!("this is a file of the format {format}"));
+    }
+    if stl::has_length(bytes) {
+        return Ok(Format::Stl);
     }
     let extension = Path::new(name).extension().unwrap_or_default();
     match extension.to_ascii_lowercase().to_str() {
         Some("off") => Ok(Format::Off),
         Some("ply") => Ok(Format::Ply),
+        Some("stl") => Ok(Format::Stl),
         Some("") | None => Err("this is not a mesh of a known format".to_owned()),
         Some(extension) => Err(format!(
             "files with the extension .{extension} are not read"
@@ -191,8 +200,7 @@ fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
 
 /// The format, known but without reader, whose first bytes these are.
 fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
-    let formats: [(&[u8], &str); 5] = [
-        (b"solid ", "STL"),
+    let formats: [(&[u8], &str); 4] = [
         (b"glTF", "glTF"),
         (b"MeshVersionFormatted", "Medit mesh"),
         (b"$MeshFormat", "Gmsh mesh"),

@@ -7,6 +7,7 @@ mod image_file;
 mod load;
 mod mesh_file;
 mod mesh_reading;
+mod mesh_writing;
 pub mod npy;
 pub mod off;
 mod picture_file;
@@ -16,6 +17,7 @@ mod ray_file;
 mod render_description;
 pub mod scene_file;
 mod shorten;
+pub mod stl;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};

@@ -132,7 +132,8 @@ fn impossible_settings(_: Effort) -> f64 {
 }
 
 fn damaged_meshes(effort: Effort) -> f64 {
-    let whole = io::off::write(&shapes::icosphere(1)).into_bytes();
+    let mut whole = Vec::new();
+    io::off::write(&shapes::icosphere(1), &mut whole).expect("a vector takes all");
     let mut random = Random::new(31);
     let mut wrong = 0;
     for _ in 0..effort.pick(2_000, 100_000) {

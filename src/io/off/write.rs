@@ -1,53 +1,30 @@
 use crate::geometry::TriangleMesh;
-use crate::math::DVec3;
-use std::fmt::Write;
+use crate::io::mesh_writing::Decimals;
+use std::io::{self, Write};
 
-/// The mesh as the text of an OFF file, `NOFF` if it has normals.
+/// Writes a mesh as the text of an OFF file, `NOFF` if it has normals.
 ///
-/// Every number is the shortest that reads back as the same `f64`; reading the text gives the same mesh, apart from
-/// triangles without area, which readers drop.
-#[must_use]
-pub fn write(mesh: &TriangleMesh) -> String {
+/// Reading the text gives the same mesh, apart from triangles without area, which readers drop.
+///
+/// # Errors
+/// What `out` returns.
+pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     let keyword = if mesh.normals.is_some() {
         "NOFF"
     } else {
         "OFF"
     };
     let (vertices, faces) = (mesh.positions.len(), mesh.triangles.len());
-    let mut text = format!("{keyword}\n{vertices} {faces} 0\n");
+    write!(out, "{keyword}\n{vertices} {faces} 0\n")?;
     for (vertex, &position) in mesh.positions.iter().enumerate() {
-        push_vector(&mut text, position);
+        write!(out, "{}", Decimals(position))?;
         if let Some(normals) = &mesh.normals {
-            text.push(' ');
-            push_vector(&mut text, normals[vertex]);
+            write!(out, " {}", Decimals(normals[vertex]))?;
         }
-        text.push('\n');
+        writeln!(out)?;
     }
     for [a, b, c] in &mesh.triangles {
-        push(&mut text, format_args!("3 {a} {b} {c}\n"));
+        writeln!(out, "3 {a} {b} {c}")?;
     }
-    text
-}
-
-fn push_vector(text: &mut String, vector: DVec3) {
-    push_number(text, vector.x);
-    text.push(' ');
-    push_number(text, vector.y);
-    text.push(' ');
-    push_number(text, vector.z);
-}
-
-/// Appends a number; plain digits would be hundreds long for the extreme ones.
-fn push_number(text: &mut String, value: f64) {
-    let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-5..1e16).contains(&magnitude) {
-        push(text, format_args!("{value}"));
-    } else {
-        push(text, format_args!("{value:e}"));
-    }
-}
-
-fn push(text: &mut String, arguments: std::fmt::Arguments<'_>) {
-    text.write_fmt(arguments)
-        .expect("writing to a string cannot fail");
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! Triangles as a PLY file, binary little endian, as other programs read it without asking questions.
 
 use crate::geometry::TriangleMesh;
+use crate::io::mesh_writing::fit_f32;
 use crate::math::DVec3;
 use std::io::{self, Error, ErrorKind, Write};
 
@@ -12,11 +13,7 @@ use std::io::{self, Error, ErrorKind, Write};
 pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     let normals = mesh.normals.as_deref();
     let types = [Some(&mesh.positions[..]), normals].map(|vectors| {
-        let vectors = vectors.unwrap_or_default();
-        if vectors
-            .iter()
-            .all(|vector| vector.as_vec3().as_dvec3() == *vector)
-        {
+        if fit_f32(vectors.unwrap_or_default()) {
             "float"
         } else {
             "double"
