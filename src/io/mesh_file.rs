@@ -5,6 +5,7 @@
 use super::mesh_reading::{Malformed, Place};
 use super::whole_file::{read_file, require_memory};
 use super::{off, ply, stl};
+use super::{obj, off, ply, stl};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use std::path::Path;
@@ -84,10 +85,10 @@ fn in_file(name: &str, error: &Malformed) -> String {
 }
 
 /// The formats that have a reader, for messages and file dialogs.
-pub const READABLE_FORMATS: &str = "OFF, PLY and STL";
+pub const READABLE_FORMATS: &str = "OFF, OBJ, PLY and STL";
 
 /// File name extensions, in lower case, of the formats that have a reader.
-pub const READABLE_EXTENSIONS: &[&str] = &["off", "ply", "stl"];
+pub const READABLE_EXTENSIONS: &[&str] = &["off", "obj", "ply", "stl"];
 
 /// So many bytes are foreseen for each byte of a file: itself, and a mesh that is at most three times as large, as that of short
 /// numbers is. (Corners of large polygons may take six; files of such alone are small.)
@@ -151,6 +152,7 @@ fn read_mesh(
     })?;
     let parse = match format {
         Format::Off => off::parse,
+        Format::Obj => obj::parse,
         Format::Ply => ply::parse,
         Format::Stl => stl::parse,
     };
@@ -164,6 +166,7 @@ fn read_mesh(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Off,
+    Obj,
     Ply,
     Stl,
 }
@@ -186,9 +189,13 @@ fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
     if stl::has_length(bytes) {
         return Ok(Format::Stl);
     }
+    if obj::has_keyword(bytes) {
+        return Ok(Format::Obj);
+    }
     let extension = Path::new(name).extension().unwrap_or_default();
     match extension.to_ascii_lowercase().to_str() {
         Some("off") => Ok(Format::Off),
+        Some("obj") => Ok(Format::Obj),
         Some("ply") => Ok(Format::Ply),
         Some("stl") => Ok(Format::Stl),
         Some("") | None => Err("this is not a mesh of a known format".to_owned()),

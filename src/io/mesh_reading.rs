@@ -12,5 +12,5 @@ mod watch;
 pub use cursor::{Cursor, number, whole};
 pub use malformed::{Malformed, Place};
 pub use notes::{Seen, numbers};
-pub use tally::Tally;
+pub use tally::{Corner, Tally};
 pub use watch::{Watch, capacity};

@@ -9,6 +9,7 @@ mod mesh_file;
 mod mesh_reading;
 mod mesh_writing;
 pub mod npy;
+pub mod obj;
 pub mod off;
 mod picture_file;
 pub mod ply;

@@ -117,7 +117,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Moves behind the end of this line; `false` when the text ends with it.
-    fn leave_line(&mut self) -> bool {
+    pub fn leave_line(&mut self) -> bool {
         self.rest_of_line();
         let line_end = self.line_end();
         self.at += line_end.len();

@@ -1,0 +1,357 @@
+use super::*;
+use crate::geometry::shapes;
+use crate::io::Dropped;
+use crate::io::mesh_reading::trials;
+
+/// Four vertices, one line each; the tests put faces behind.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+const FACES: &str = "f 1 2 3\nf 1 3 4\n";
+/// A texture coordinate and two normals.
+const MORE: &str = "vt 0 0\nvn 0 0 1\nvn 0 0 -2\n";
+
+fn read(text: impl AsRef<[u8]>) -> MeshFile {
+    let text = text.as_ref();
+    trials::read(parse, text)
+        .unwrap_or_else(|error| panic!("{error} in {}", String::from_utf8_lossy(text)))
+}
+
+fn error(text: impl AsRef<[u8]>) -> String {
+    trials::error(parse, text.as_ref())
+}
+
+#[test]
+fn every_way_to_write_a_square_gives_its_two_triangles() {
+    let plain = format!("{SQUARE}{FACES}");
+    let faces = |faces: &str| format!("{SQUARE}{MORE}{faces}\n");
+    let cases = [
+        ("plain", plain.clone()),
+        ("CR LF", plain.replace('\n', "\r\n")),
+        ("lone CR", plain.replace('\n', "\r")),
+        ("a byte order mark", format!("\u{FEFF}{plain}")),
+        (
+            "comments",
+            format!("# a\n{}", plain.replace('\n', "# f 1 2 \\\n# \\\n")),
+        ),
+        (
+            "blanks and blank lines",
+            plain.replace(' ', " \t").replace('\n', " \n\n "),
+        ),
+        ("no final newline", plain.trim_end().to_owned()),
+        ("colours", plain.replace(" 0\nv", " 0 0.1 255 1e-3\nv")),
+        ("weights", plain.replace(" 0\nv", " 0 1.0\nv")),
+        ("counted back", format!("{SQUARE}f -4 -3 -2\nf -4 -2 4\n")),
+        (
+            "counted back on the way",
+            format!(
+                "{}f -4 -2 -1\n",
+                SQUARE.replace("v 0 1", "f -3 -2 -1\nv 0 1")
+            ),
+        ),
+        (
+            "faces first",
+            "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -1 4\nv 0 1 0\n".into(),
+        ),
+        ("one polygon", format!("{SQUARE}f 1 2 3 4\n")),
+        ("the old keyword", plain.replace('f', "fo")),
+        (
+            "texture coordinates",
+            faces("f 1/1 2/1 3/1\nf 1/1 3/-1 4/99"),
+        ),
+        ("normals", faces("f 1//1 2//1 3//1\nf 1//-2 3//1 4//1")),
+        ("both", faces("f 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1")),
+        ("slashes at the end", faces("f 1/ 2// 3/1/\nf 1/ 3/ 4/")),
+        ("mixed", faces("f 1/1/1 2//1 3\nf 1/1 3/1/1 4/")),
+        (
+            "lines joined",
+            format!("{SQUARE}f 1\\\n 2 \\\n \\\n3\nf 1 3\\\r\n4 \\"),
+        ),
+        (
+            "joined in vertices",
+            format!("{}{FACES}", SQUARE.replacen("0 0 0", "0 \\\n0 0", 1)),
+        ),
+        (
+            "joined where nobody reads",
+            format!("o a \\\nf 9 9 9\nmtllib b\\\n\n{plain}"),
+        ),
+        (
+            "objects, groups and materials",
+            format!("mtllib a#b.mtl\no 1\ng a b\ns off\n{SQUARE}usemtl # none\ns 1\n{FACES}"),
+        ),
+        (
+            "statements nobody knows",
+            format!("{plain}vp 1\ncurv 0 1 1 2\n\0\u{1}\n"),
+        ),
+        (
+            "lines and points",
+            format!("{SQUARE}l 1 2\nl 9/9\np 1 2 3\n{FACES}"),
+        ),
+    ];
+    let square = read(&plain).mesh;
+    assert_eq!(square.triangles, [[0, 1, 2], [0, 2, 3]]);
+    for (name, text) in cases {
+        let file = trials::read(parse, text.as_bytes());
+        let file = file.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(file.mesh.positions, square.positions, "{name}");
+        let from_least = |[a, b, c]: [u32; 3]| if c < a { [c, a, b] } else { [a, b, c] };
+        let triangles: Vec<_> = file.mesh.triangles.into_iter().map(from_least).collect();
+        assert_eq!(triangles, square.triangles, "{name}");
+        let has_normals = ["normals", "both"].contains(&name);
+        assert_eq!(
+            file.mesh.normals,
+            has_normals.then(|| vec![DVec3::Z; 4]),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn numbers_keep_all_their_digits() {
+    let positions = read("v 0.1 1e-300 12345678.12345678\n").mesh.positions;
+    assert_eq!(positions, [DVec3::new(0.1, 1e-300, 12_345_678.123_456_78)]);
+}
+
+#[test]
+fn a_concave_polygon_is_cut_into_its_triangles() {
+    let text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 0.5 0\nv 0 2 0\nf 1 2 3 4 5\n";
+    let file = read(text);
+    assert_eq!((file.faces, file.polygons), (1, 1));
+    let area = |index| {
+        let [a, b, c] = file.mesh.corners(index);
+        (b - a).cross(c - a).z / 2.0
+    };
+    assert_eq!((0..file.mesh.triangles.len()).map(area).sum::<f64>(), 2.5);
+    assert!((0..3).all(|index| area(index) > 0.0));
+}
+
+#[test]
+fn a_vertex_becomes_several_only_where_its_normals_differ() {
+    // The same normal by another number, and with another zero.
+    let text = format!(
+        "{SQUARE}vn 0 0 1\nvn 0 -0 1\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1//2 3//3 4//3\nf 3//3 2//2 4//1\n"
+    );
+    let mesh = read(text).mesh;
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 4, 3], [4, 1, 5]]);
+    assert_eq!(mesh.positions[4..], [mesh.positions[2], mesh.positions[3]]);
+    let (z, x) = (DVec3::Z, DVec3::X);
+    assert_eq!(mesh.normals, Some(vec![z, z, z, x, x, z]));
+}
+
+#[test]
+fn normals_of_some_faces_are_not_used() {
+    let file = read(format!("{SQUARE}{MORE}f 1//1 2//1 3//1\nf 1//1 3 4//1\n"));
+    assert_eq!(file.mesh.normals, None);
+    assert_eq!(
+        file.warnings,
+        [
+            "1 face has no normals, so those of all are ignored (line 9)",
+            "texture coordinates are ignored (the first on line 5)"
+        ]
+    );
+    let file = read(format!("{SQUARE}vn nan 0 0\nvn 0 0 1\nf 1//1 2//2 3//2\n"));
+    let normals = vec![DVec3::ZERO, DVec3::Z, DVec3::Z, DVec3::ZERO];
+    assert_eq!(file.mesh.normals, Some(normals));
+    assert_eq!(
+        file.warnings,
+        ["1 normal that is not finite is ignored (line 5)"]
+    );
+    assert_eq!(read(format!("{SQUARE}{MORE}{FACES}")).warnings.len(), 1);
+}
+
+#[test]
+#[expect(clippy::too_many_lines, reason = "a table of cases")]
+fn what_is_wrong_is_named_with_its_line() {
+    let face = |face: &str| format!("{SQUARE}{MORE}f {face}\n");
+    let corner = "a corner such as 1, 1/2, 1//3 or 1/2/3";
+    let keyword = "v, vn, vt, f or another keyword of OBJ";
+    let cases = [
+        (
+            "<html>\n\nhello".into(),
+            format!("1: expected {keyword}, found \"<html>\""),
+        ),
+        (
+            "o a\nversion 2\n".into(),
+            format!("2: expected {keyword}, found \"version\""),
+        ),
+        (
+            "v 0 0\n".into(),
+            "1: expected 3 numbers, found 2 numbers".into(),
+        ),
+        ("v".into(), "1: expected 3 numbers, found 0 numbers".into()),
+        (
+            "\nv 0 0 zero\n".into(),
+            "2: expected a number, found \"zero\"".into(),
+        ),
+        (
+            "v 0 0 0 red\n".into(),
+            "1: expected a number, found \"red\"".into(),
+        ),
+        (
+            "v 0 nan 0\n".into(),
+            "1: expected finite coordinates, found (0, NaN, 0)".into(),
+        ),
+        (
+            "v 0 0 -1e400\n".into(),
+            "1: expected finite coordinates, found (0, 0, -inf)".into(),
+        ),
+        (
+            "vn 1 2\n".into(),
+            "1: expected 3 numbers, found 2 numbers".into(),
+        ),
+        (
+            "vn 1 2 x\n".into(),
+            "1: expected a number, found \"x\"".into(),
+        ),
+        (face("1 2 x"), format!("8: expected {corner}, found \"x\"")),
+        (
+            face("1 2 3.0"),
+            format!("8: expected {corner}, found \"3.0\""),
+        ),
+        (
+            face("1 2 3/1/1/1"),
+            format!("8: expected {corner}, found \"3/1/1/1\""),
+        ),
+        (
+            face("1 2 /1"),
+            format!("8: expected {corner}, found \"/1\""),
+        ),
+        (
+            face("1 2 3/x"),
+            format!("8: expected {corner}, found \"3/x\""),
+        ),
+        (face("1 2 -"), format!("8: expected {corner}, found \"-\"")),
+        (
+            face("1 \\ 2"),
+            format!("8: expected {corner}, found \"\\\\\""),
+        ),
+        (
+            face("1 2 0"),
+            "8: expected a vertex number above 0 or from -4 to -1, found \"0\"".into(),
+        ),
+        (
+            face("1 2 -5//1"),
+            "8: expected a vertex number above 0 or from -4 to -1, found \"-5//1\"".into(),
+        ),
+        (
+            face("1//1 2//1 3//0"),
+            "8: expected a normal number above 0 or from -2 to -1, found \"3//0\"".into(),
+        ),
+        (
+            face("1//1 2//1 3//-3"),
+            "8: expected a normal number above 0 or from -2 to -1, found \"3//-3\"".into(),
+        ),
+        (
+            face("1 2 99999999999999999999"),
+            "8: expected a vertex number above 0 or from -4 to -1, found \"99999999999999999999\""
+                .into(),
+        ),
+        (
+            face("1 2 5"),
+            "8: expected a vertex number of at most 4, found 5".into(),
+        ),
+        (
+            face("1//1 2//1 3//3"),
+            "8: expected a normal number of at most 2, found 3".into(),
+        ),
+        (
+            "f -1 1 2\n".into(),
+            "1: expected a vertex number above 0, found \"-1\"".into(),
+        ),
+        (
+            "f 1 2 3\n\nf 1 2 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".into(),
+            "3: expected a vertex number of at most 3, found 9".into(),
+        ),
+        (
+            format!("{SQUARE}f 1 2 \\\n9 \\\n\\\n4\n"),
+            "5: expected a vertex number of at most 4, found 9".into(),
+        ),
+        (
+            format!("{SQUARE}f 1 2 \\\n3\nf x\n"),
+            format!("7: expected {corner}, found \"x\""),
+        ),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(error(text), format!("line {expected}"));
+    }
+}
+
+#[test]
+fn what_is_lost_is_said() {
+    let file = read(format!(
+        "{}vt 0 0\nusemtl a\nusemtl b\nf 1 1 2\nf\nf 1\nf 1 2\nl 1 2\np 1\ncurv 0\nf 1 2 3\n",
+        SQUARE.replace("0\n", "0 1 0 0\n")
+    ));
+    assert_eq!(
+        file.dropped,
+        Dropped {
+            degenerate: 1,
+            too_few_corners: 3
+        }
+    );
+    assert_eq!((file.format, file.faces), ("OBJ", 5));
+    assert_eq!(
+        file.warnings,
+        [
+            "1 face without area was dropped (line 8)",
+            "3 faces with fewer than three corners were dropped (the first on line 9)",
+            "colours are ignored (the first on line 1)",
+            "texture coordinates are ignored (the first on line 5)",
+            "materials are ignored (the first on line 6)",
+            "2 lines and points are ignored (the first on line 12)",
+            "1 statement of another kind is ignored (line 14)",
+        ]
+    );
+    for empty in ["", "# nothing\n", "o a\n", "v 0 0 0\np 1\n"] {
+        assert_eq!(
+            read(empty).warnings.last().map(String::as_str),
+            Some("the mesh has no triangles"),
+            "{empty}"
+        );
+    }
+}
+
+#[test]
+fn what_is_written_reads_back_the_same() {
+    let mut mesh = shapes::icosphere(2);
+    let written = |mesh: &TriangleMesh| {
+        let mut text = Vec::new();
+        write(mesh, &mut text).expect("a vector takes all");
+        read(text).mesh
+    };
+    assert_eq!(written(&mesh), mesh);
+    mesh.normals = Some(mesh.positions.iter().map(|p| *p * 3.0).collect());
+    // Two vertices at one place.
+    mesh.positions[0] = mesh.positions[1];
+    mesh.triangles
+        .retain(|triangle| !(triangle.contains(&0) && triangle.contains(&1)));
+    assert_eq!(written(&mesh), mesh);
+}
+
+#[test]
+fn cancelling_stops_it() {
+    trials::assert_cancels(parse, format!("{SQUARE}{FACES}").as_bytes());
+}
+
+#[test]
+fn random_mutations_never_panic_nor_hang() {
+    let files = [
+        format!("{SQUARE}{FACES}"),
+        format!("{SQUARE}{MORE}f 1//1 2/1/1 3//-1\nf -1/1/2 -2//1 -3//2\n"),
+        format!("f 1 2 \\\n3\n{SQUARE}l 1 2\nusemtl a\nf 1 2 3 4 \\\n1\n"),
+    ];
+    let scraps: [&[u8]; 13] = [
+        b"",
+        b"\n",
+        b" ",
+        b"\\\n",
+        b"/",
+        b"//",
+        b"-",
+        b"1e999",
+        b"nan",
+        b"4294967296",
+        b"#",
+        b"\nf 9 8 7\n",
+        b"\nv 1 2 3\n",
+    ];
+    trials::assert_mutations_are_read_or_refused(parse, &files.map(String::into_bytes), &scraps);
+}
