@@ -6,6 +6,7 @@ mod bench;
 mod check;
 mod checkpoint;
 mod compare;
+mod convert;
 mod costs;
 mod info;
 mod plan;
@@ -52,6 +53,8 @@ pub enum Command {
     Plan(plan::PlanArguments),
     /// Say what a mesh, scene or rendered picture holds
     Info(info::InfoArguments),
+    /// Write a mesh in another format
+    Convert(convert::ConvertArguments),
     /// Measure how far a picture is from a reference, and draw the difference
     Compare(compare::CompareArguments),
     /// Look for what may spoil the picture of a scene, or try the extreme cases that break renderers
@@ -98,6 +101,7 @@ impl Command {
             Self::Report(arguments) => report::run(&arguments)?,
             Self::Plan(arguments) => plan::run(&arguments)?,
             Self::Info(arguments) => info::run(&arguments)?,
+            Self::Convert(arguments) => convert::run(&arguments)?,
             Self::Compare(arguments) => compare::run(&arguments)?,
             Self::Bench(arguments) => bench::run(&arguments)?,
         }

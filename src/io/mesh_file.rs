@@ -2,10 +2,9 @@
 //!
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
+use super::mesh_format::{MeshFormat, READABLE_FORMATS};
 use super::mesh_reading::{Malformed, Place};
 use super::whole_file::{read_file, require_memory};
-use super::{off, ply, stl};
-use super::{obj, off, ply, stl};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use std::path::Path;
@@ -84,12 +83,6 @@ fn in_file(name: &str, error: &Malformed) -> String {
     }
 }
 
-/// The formats that have a reader, for messages and file dialogs.
-pub const READABLE_FORMATS: &str = "OFF, OBJ, PLY and STL";
-
-/// File name extensions, in lower case, of the formats that have a reader.
-pub const READABLE_EXTENSIONS: &[&str] = &["off", "obj", "ply", "stl"];
-
 /// So many bytes are foreseen for each byte of a file: itself, and a mesh that is at most three times as large, as that of short
 /// numbers is. (Corners of large polygons may take six; files of such alone are small.)
 const MEMORY_PER_BYTE: u64 = 4;
@@ -146,75 +139,15 @@ fn read_mesh(
             reason: "the file is empty".to_owned(),
         });
     }
-    let format = recognise(name, bytes).map_err(|what| MeshError::UnknownFormat {
+    let format = MeshFormat::recognise(name, bytes).map_err(|what| MeshError::UnknownFormat {
         name: name.to_owned(),
         what,
     })?;
-    let parse = match format {
-        Format::Off => off::parse,
-        Format::Obj => obj::parse,
-        Format::Ply => ply::parse,
-        Format::Stl => stl::parse,
-    };
-    parse(bytes, cancel, progress).map_err(|error| MeshError::Malformed {
+    let parsed = format.parse(bytes, cancel, progress);
+    parsed.map_err(|error| MeshError::Malformed {
         name: name.to_owned(),
         error,
     })
-}
-
-/// The formats that have a reader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Off,
-    Obj,
-    Ply,
-    Stl,
-}
-
-/// The format of a file: what its content says, and where that says nothing (an OFF file may begin with its counts) the
-/// extension of its name. The error says what it seems to be.
-fn recognise(name: &str, bytes: &[u8]) -> Result<Format, String> {
-    if off::has_keyword(bytes) {
-        return Ok(Format::Off);
-    }
-    if ply::has_keyword(bytes) {
-        return Ok(Format::Ply);
-    }
-    if stl::has_keyword(bytes) {
-        return Ok(Format::Stl);
-    }
-    if let Some(format) = known_by_content(bytes) {
-        return Err(format!("this is a file of the format {format}"));
-    }
-    if stl::has_length(bytes) {
-        return Ok(Format::Stl);
-    }
-    if obj::has_keyword(bytes) {
-        return Ok(Format::Obj);
-    }
-    let extension = Path::new(name).extension().unwrap_or_default();
-    match extension.to_ascii_lowercase().to_str() {
-        Some("off") => Ok(Format::Off),
-        Some("obj") => Ok(Format::Obj),
-        Some("ply") => Ok(Format::Ply),
-        Some("stl") => Ok(Format::Stl),
-        Some("") | None => Err("this is not a mesh of a known format".to_owned()),
-        Some(extension) => Err(format!(
-            "files with the extension .{extension} are not read"
-        )),
-    }
-}
-
-/// The format, known but without reader, whose first bytes these are.
-fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
-    let formats: [(&[u8], &str); 4] = [
-        (b"glTF", "glTF"),
-        (b"MeshVersionFormatted", "Medit mesh"),
-        (b"$MeshFormat", "Gmsh mesh"),
-        (b"\x89PNG", "PNG"),
-    ];
-    let starts = |(magic, _): &&(&[u8], &str)| bytes.starts_with(magic);
-    formats.iter().find(starts).map(|(_, format)| *format)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod checkpoint_file;
 mod image_file;
 mod load;
 mod mesh_file;
+mod mesh_format;
 mod mesh_reading;
 mod mesh_writing;
 pub mod npy;
@@ -31,7 +32,8 @@ pub use load::{
     is_image_file, is_scene_file, load_image, load_mesh, load_scene, load_scenes, mesh_warnings,
     override_scene, save_scene,
 };
-pub use mesh_file::{Dropped, MeshError, MeshFile, READABLE_EXTENSIONS, READABLE_FORMATS};
+pub use mesh_file::{Dropped, MeshError, MeshFile};
+pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
 pub use mesh_reading::{Malformed, Place};
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};
 pub use radiance_file::{

@@ -1,0 +1,260 @@
+//! The formats of mesh files: which one a file has, and who reads and writes it.
+
+use super::mesh_file::MeshFile;
+use super::mesh_reading::Malformed;
+use super::{obj, off, ply, stl};
+use crate::control::{CancelToken, Progress};
+use crate::geometry::TriangleMesh;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// A format that is read and written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Object File Format of Geomview.
+    Off,
+    /// Wavefront's object files.
+    Obj,
+    /// Polygon File Format of Stanford.
+    Ply,
+    /// Stereolithography.
+    Stl,
+}
+
+/// The names of the formats, for messages and file dialogs.
+pub const READABLE_FORMATS: &str = "OFF, OBJ, PLY and STL";
+
+/// File name extensions, in lower case, of the formats.
+pub const READABLE_EXTENSIONS: &[&str] = &["off", "obj", "ply", "stl"];
+
+impl MeshFormat {
+    /// The format that files with this name's extension have.
+    #[must_use]
+    pub fn of_extension(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_ascii_lowercase();
+        Some(match extension.to_str()? {
+            "off" => Self::Off,
+            "obj" => Self::Obj,
+            "ply" => Self::Ply,
+            "stl" => Self::Stl,
+            _ => return None,
+        })
+    }
+
+    /// The name, as people write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "OFF",
+            Self::Obj => "OBJ",
+            Self::Ply => "PLY",
+            Self::Stl => "STL",
+        }
+    }
+
+    /// The format of a file: what its content says, and where that says nothing (an OFF file may begin with its counts) the
+    /// extension of its name.
+    ///
+    /// # Errors
+    /// When it is none of these; what it seems to be.
+    pub(super) fn recognise(name: &str, bytes: &[u8]) -> Result<Self, String> {
+        if off::has_keyword(bytes) {
+            return Ok(Self::Off);
+        }
+        if ply::has_keyword(bytes) {
+            return Ok(Self::Ply);
+        }
+        if stl::has_keyword(bytes) || stl::has_length(bytes) {
+            return Ok(Self::Stl);
+        }
+        if let Some(format) = known_by_content(bytes) {
+            return Err(format!("this is a file of the format {format}"));
+        }
+        if obj::has_keyword(bytes) {
+            return Ok(Self::Obj);
+        }
+        let path = Path::new(name);
+        Self::of_extension(path).ok_or_else(|| match path.extension() {
+            None => "this is not a mesh of a known format".to_owned(),
+            Some(extension) => format!(
+                "files with the extension .{} are not read",
+                extension.to_ascii_lowercase().display()
+            ),
+        })
+    }
+
+    /// Reads a file of this format from its bytes; `None` when cancelled.
+    pub(super) fn parse(
+        self,
+        bytes: &[u8],
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<MeshFile>, Malformed> {
+        match self {
+            Self::Off => off::parse(bytes, cancel, progress),
+            Self::Obj => obj::parse(bytes, cancel, progress),
+            Self::Ply => ply::parse(bytes, cancel, progress),
+            Self::Stl => stl::parse(bytes, cancel, progress),
+        }
+    }
+
+    /// Writes a mesh in this format. What it can hold reads back as it was, bit for bit.
+    ///
+    /// # Errors
+    /// What `out` returns; and that the mesh is too large for the format.
+    pub fn write(self, mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Off => off::write(mesh, out),
+            Self::Obj => obj::write(mesh, out),
+            Self::Ply => ply::write(mesh, out),
+            Self::Stl => stl::write(mesh, out),
+        }
+    }
+
+    /// What of the mesh [`MeshFormat::write`] leaves out, in sentences.
+    #[must_use]
+    pub fn losses(self, mesh: &TriangleMesh) -> Vec<String> {
+        if self != Self::Stl {
+            return Vec::new();
+        }
+        let mut is_used = vec![false; mesh.positions.len()];
+        for &vertex in mesh.triangles.iter().flatten() {
+            is_used[vertex as usize] = true;
+        }
+        let unused = is_used.iter().filter(|is_used| !**is_used).count();
+        let unused = match unused {
+            0 => None,
+            1 => Some("1 vertex without triangle is".to_owned()),
+            _ => Some(format!("{unused} vertices without triangle are")),
+        };
+        let normals = mesh.normals.is_some().then(|| "normals are".to_owned());
+        let lost = normals.into_iter().chain(unused);
+        lost.map(|what| format!("{what} left out: STL holds triangles alone"))
+            .collect()
+    }
+}
+
+/// The format, known but without reader, whose first bytes these are.
+fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
+    let formats: [(&[u8], &str); 4] = [
+        (b"glTF", "glTF"),
+        (b"MeshVersionFormatted", "Medit mesh"),
+        (b"$MeshFormat", "Gmsh mesh"),
+        (b"\x89PNG", "PNG"),
+    ];
+    let starts = |(magic, _): &&(&[u8], &str)| bytes.starts_with(magic);
+    formats.iter().find(starts).map(|(_, format)| *format)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+    use crate::io::mesh_reading::trials;
+    use crate::math::DVec3;
+
+    const ALL: [MeshFormat; 4] = [
+        MeshFormat::Off,
+        MeshFormat::Obj,
+        MeshFormat::Ply,
+        MeshFormat::Stl,
+    ];
+
+    #[test]
+    fn every_format_is_listed_where_users_look() {
+        for (format, extension) in ALL.into_iter().zip(READABLE_EXTENSIONS) {
+            let path = Path::new("a").with_extension(extension.to_uppercase());
+            assert_eq!(MeshFormat::of_extension(&path), Some(format));
+            assert!(READABLE_FORMATS.contains(format.name()));
+        }
+        assert_eq!(ALL.len(), READABLE_EXTENSIONS.len());
+    }
+
+    /// A file is what its content says, whatever its name.
+    #[test]
+    fn what_is_written_is_known_by_its_content() {
+        let mut mesh = shapes::icosphere(1);
+        for round in 0..2 {
+            for format in ALL {
+                let mut bytes = Vec::new();
+                format.write(&mesh, &mut bytes).expect("a vector takes all");
+                for name in ["a", "a.off", "a.obj", "a.ply", "a.stl", "a.txt"] {
+                    let known = MeshFormat::recognise(name, &bytes);
+                    assert_eq!(known, Ok(format), "{name} {round}");
+                }
+            }
+            // STL and PLY in 32 bits are other files.
+            for position in &mut mesh.positions {
+                *position = position.as_vec3().as_dvec3();
+            }
+        }
+    }
+
+    /// From each format to each and back: the same mesh, with its normals where all hold them.
+    #[test]
+    fn meshes_go_through_all_formats_unchanged() {
+        let parse = |format: MeshFormat, bytes: &[u8]| -> TriangleMesh {
+            let file = match format {
+                MeshFormat::Off => trials::read(off::parse, bytes),
+                MeshFormat::Obj => trials::read(obj::parse, bytes),
+                MeshFormat::Ply => trials::read(ply::parse, bytes),
+                MeshFormat::Stl => trials::read(stl::parse, bytes),
+            };
+            let file = file.expect("is right");
+            assert_eq!(file.format, format.name());
+            file.mesh
+        };
+        let through = |format: MeshFormat, mesh: &TriangleMesh| {
+            let mut bytes = Vec::new();
+            format.write(mesh, &mut bytes).expect("a vector takes all");
+            parse(format, &bytes)
+        };
+        let round = shapes::icosphere(2);
+        let short = TriangleMesh {
+            positions: round
+                .positions
+                .iter()
+                .map(|p| p.as_vec3().as_dvec3())
+                .collect(),
+            ..round.clone()
+        };
+        let extreme = TriangleMesh {
+            positions: round.positions.iter().map(|&p| p * 1e-300).collect(),
+            ..round.clone()
+        };
+        let mut with_normals = round.clone();
+        with_normals.normals = Some(extreme.positions.clone());
+        for mesh in [round, short, extreme, with_normals] {
+            for first in ALL {
+                for second in ALL {
+                    let read = through(second, &through(first, &mesh));
+                    if [first, second].contains(&MeshFormat::Stl) {
+                        let corners = |mesh: &TriangleMesh| -> Vec<_> {
+                            (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect()
+                        };
+                        assert!(corners(&read) == corners(&mesh), "{first:?} {second:?}");
+                        assert_eq!(read.normals, None);
+                    } else {
+                        assert!(read == mesh, "{first:?} {second:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_format_does_not_hold_is_said() {
+        let mut mesh = shapes::icosphere(0);
+        assert!(ALL.iter().all(|format| format.losses(&mesh).is_empty()));
+        mesh.positions.push(DVec3::ZERO);
+        let unused = "1 vertex without triangle is left out: STL holds triangles alone";
+        assert_eq!(MeshFormat::Stl.losses(&mesh), [unused]);
+        mesh.positions.push(DVec3::ZERO);
+        mesh.normals = Some(mesh.positions.clone());
+        let expected = [
+            "normals are left out: STL holds triangles alone",
+            "2 vertices without triangle are left out: STL holds triangles alone",
+        ];
+        assert_eq!(MeshFormat::Stl.losses(&mesh), expected);
+    }
+}

@@ -1,0 +1,133 @@
+//! `raymini convert` as a user calls it: files, messages, exit codes.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use raymini::control::{CancelToken, Progress};
+use raymini::geometry::TriangleMesh;
+use raymini::io::load_mesh;
+use tempfile::TempDir;
+
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("is written");
+    }
+    folder
+}
+
+fn convert(folder: &TempDir, input: &str, output: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args(["convert", input, output])
+        .output()
+        .expect("starts")
+}
+
+/// What is printed, and what is warned of.
+fn succeed(folder: &TempDir, input: &str, output: &str) -> (String, String) {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = convert(folder, input, output);
+    let [stdout, stderr] = [stdout, stderr].map(|text| String::from_utf8(text).expect("is text"));
+    assert!(status.success(), "{input} {output}: {stderr}");
+    (stdout, stderr)
+}
+
+fn fail(folder: &TempDir, input: &str, output: &str) -> String {
+    let run = convert(folder, input, output);
+    assert_eq!(run.status.code(), Some(1));
+    String::from_utf8(run.stderr).expect("is text")
+}
+
+fn mesh(path: &Path) -> TriangleMesh {
+    let loaded = load_mesh(path, &CancelToken::new(), &Progress::new());
+    loaded.expect("is right").expect("nobody cancels").mesh
+}
+
+/// Numbers that no 32 bits hold, normals, and a polygon.
+const BENT: &str =
+    "NOFF\n4 2 0\n0.1 0 0 0 0 1\n1 0 1e-40 0 0 .3\n1 1 0 0 1 1\n0 1 0 1 0 1\n3 0 1 2\n3 0 2 3\n";
+
+#[test]
+fn a_mesh_goes_through_all_formats() {
+    let folder = folder(&[("a.off", BENT)]);
+    let path = |name: &str| folder.path().join(name);
+    let steps = [
+        ("a.off", "b.obj", "OBJ"),
+        ("b.obj", "c.ply", "PLY"),
+        ("c.ply", "d.OFF", "OFF"),
+    ];
+    for (from, to, format) in steps {
+        let (said, warned) = succeed(&folder, from, to);
+        let expected = format!("{to}: {format}, 4 vertices, 2 triangles\n");
+        assert_eq!((said, warned), (expected, String::new()));
+        assert_eq!(mesh(&path(to)), mesh(&path("a.off")));
+    }
+    let (_, warned) = succeed(&folder, "d.OFF", "e.stl");
+    let expected = "warning: e.stl: normals are left out: STL holds triangles alone\n";
+    assert_eq!(warned, expected);
+    // Onto itself, too.
+    succeed(&folder, "e.stl", "e.stl");
+    let (read, original) = (mesh(&path("e.stl")), mesh(&path("a.off")));
+    assert_eq!(read.positions, original.positions);
+    assert_eq!(read.triangles, original.triangles);
+}
+
+#[test]
+fn warnings_of_what_is_read_are_shown() {
+    let folder = folder(&[("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n")]);
+    let (_, warned) = succeed(&folder, "a.obj", "b.off");
+    assert_eq!(
+        warned,
+        "warning: a.obj: 1 line or point is ignored (line 5)\n"
+    );
+}
+
+#[test]
+fn what_cannot_be_done_is_said_and_leaves_no_file() {
+    let folder = folder(&[("a.off", BENT), ("bad.ply", "ply\nformat\n")]);
+    let expected =
+        "error: a.glb: a mesh is written to a file with the extension .off, .obj, .ply, .stl\n";
+    assert_eq!(fail(&folder, "a.off", "a.glb"), expected);
+    let expected = "error: bad.ply:2: expected the format ascii, binary_little_endian or binary_big_endian, found \"\"\n";
+    assert_eq!(fail(&folder, "bad.ply", "b.off"), expected);
+    assert_eq!(
+        fail(&folder, "none.ply", "b.off"),
+        "error: none.ply: there is no such file\n"
+    );
+    let expected = "error: no/b.off: cannot write the mesh: the folder no does not exist\n";
+    assert_eq!(fail(&folder, "a.off", "no/b.off"), expected);
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2);
+}
+
+/// A place in binary data is a byte, in a text a line.
+#[test]
+fn info_names_places_in_both_kinds_of_files() {
+    let folder = folder(&[
+        ("a.stl", "solid\nfacet\n"),
+        (
+            "a.ply",
+            "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n123",
+        ),
+    ]);
+    let info = |name: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_raymini"));
+        let run = command
+            .current_dir(folder.path())
+            .args(["info", name])
+            .output();
+        String::from_utf8(run.expect("starts").stderr).expect("is text")
+    };
+    assert_eq!(
+        info("a.stl"),
+        "error: a.stl:2: expected normal, found the end of the file\n"
+    );
+    assert_eq!(
+        info("a.ply"),
+        "error: a.ply: byte 118: expected vertex 1 of 1, found the end of the file\n"
+    );
+}
