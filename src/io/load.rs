@@ -364,6 +364,7 @@ fn load_bare_meshes(
 ) -> Result<Option<LoadedScene>, LoadError> {
     let mut scene = Scene::default();
     let mut warnings = Vec::new();
+    let mut up = None;
     let meshes: Vec<String> = paths
         .iter()
         .map(|path| absolute_mesh(&path.to_string_lossy(), Path::new(".")))
@@ -375,6 +376,7 @@ fn load_bare_meshes(
             return Ok(None);
         };
         warnings.extend(mesh_warnings(&path.display().to_string(), &loaded));
+        up.get_or_insert(loaded.likely_up());
         let name = path
             .file_stem()
             .map_or_else(|| mesh.clone(), |stem| stem.to_string_lossy().into_owned());
@@ -385,7 +387,7 @@ fn load_bare_meshes(
         });
         scene.meshes.insert(mesh, Arc::new(loaded.mesh));
     }
-    presets::light_and_frame(&mut scene)?;
+    presets::light_and_frame(&mut scene, up.unwrap_or_default())?;
     Ok(Some(LoadedScene { scene, warnings }))
 }
 

@@ -7,6 +7,7 @@ use super::mesh_reading::{Malformed, Place};
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
+use crate::scene::presets::UpAxis;
 use std::path::Path;
 use thiserror::Error;
 
@@ -25,6 +26,18 @@ pub struct MeshFile {
     pub dropped: Dropped,
     /// What the file holds and the mesh does not, in sentences, with line numbers where the format has lines.
     pub warnings: Vec<String>,
+}
+
+impl MeshFile {
+    /// Which way is most likely up: most programs that write OBJ take Y for it, others Z.
+    #[must_use]
+    pub fn likely_up(&self) -> UpAxis {
+        if self.format == MeshFormat::Obj.name() {
+            UpAxis::Y
+        } else {
+            UpAxis::Z
+        }
+    }
 }
 
 /// How many faces were left out, by reason.

@@ -6,6 +6,37 @@ use crate::math::{DBounds, DVec3, Degrees};
 /// Name of the material of bare meshes.
 const MATERIAL: &str = "clay";
 
+/// Which way is up in a mesh. Files do not say it, but those who write them have habits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// +Y up, seen along −Z.
+    Y,
+    /// +Z up, seen along +Y.
+    #[default]
+    Z,
+}
+
+impl UpAxis {
+    /// The turn about X, in degrees, after which what is up points along `up`, as far as a quarter turn does it.
+    #[must_use]
+    pub fn turn_to(self, up: DVec3) -> f64 {
+        let points_along = |axis: DVec3| up.normalize_or_zero().dot(axis) > 0.9;
+        match self {
+            Self::Y if points_along(DVec3::Z) => 90.0,
+            Self::Z if points_along(DVec3::Y) => -90.0,
+            _ => 0.0,
+        }
+    }
+
+    /// The direction that is `direction` where Z is up.
+    fn turned(self, direction: DVec3) -> DVec3 {
+        match self {
+            Self::Y => DVec3::new(direction.x, direction.z, -direction.y),
+            Self::Z => direction,
+        }
+    }
+}
+
 /// An object of the preset material with soft shading that keeps sharp edges.
 #[must_use]
 pub fn object() -> Object {
@@ -17,11 +48,11 @@ pub fn object() -> Object {
     }
 }
 
-/// Gives a scene of objects a camera in front of them (towards +Y, Z up), a key, a fill and a rim light, and a faint sky.
+/// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky.
 ///
 /// # Errors
 /// When the objects are too large or too small to be measured.
-pub fn light_and_frame(scene: &mut Scene) -> Result<(), SceneError> {
+pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> {
     let clay = Material::Phong {
         diffuse: Rgb::new(0.8, 0.62, 0.47),
         specular: Rgb::splat(0.06),
@@ -32,14 +63,14 @@ pub fn light_and_frame(scene: &mut Scene) -> Result<(), SceneError> {
         zenith: Rgb::new(0.11, 0.14, 0.19),
         horizon: Rgb::new(0.23, 0.245, 0.26),
         ground: Rgb::new(0.06, 0.055, 0.05),
-        up: DVec3::Z,
+        up: up.turned(DVec3::Z),
     };
     let bounds = scene.measured_bounds()?;
     let aspect = f64::from(scene.render.width) / f64::from(scene.render.height);
     scene.camera = framing(
         &bounds,
-        DVec3::new(-0.45, -1.0, 0.4),
-        DVec3::Z,
+        up.turned(DVec3::new(-0.45, -1.0, 0.4)),
+        up.turned(DVec3::Z),
         Degrees(35.0),
         aspect,
     );
@@ -48,7 +79,7 @@ pub fn light_and_frame(scene: &mut Scene) -> Result<(), SceneError> {
     let light = |direction: DVec3, irradiance: Rgb| {
         let distance = 3.0 * radius;
         Light::Point {
-            position: center(&bounds) + direction.normalize() * distance,
+            position: center(&bounds) + up.turned(direction).normalize() * distance,
             // What arrives at the middle is then the same for any size of scene.
             intensity: irradiance * (distance * distance),
         }
@@ -122,8 +153,38 @@ mod tests {
     #[test]
     fn a_scene_without_extent_still_has_a_camera() {
         let mut scene = Scene::default();
-        light_and_frame(&mut scene).expect("nothing is too large");
+        light_and_frame(&mut scene, UpAxis::Z).expect("nothing is too large");
         assert_eq!(scene.validate(), Ok(()));
         assert_eq!(scene.lights.len(), 3);
+    }
+
+    #[test]
+    fn a_mesh_is_turned_to_stand_in_a_scene() {
+        assert_eq!(UpAxis::Y.turn_to(DVec3::Z * 2.0), 90.0);
+        assert_eq!(UpAxis::Z.turn_to(DVec3::Y), -90.0);
+        for (mesh, up) in [
+            (UpAxis::Y, DVec3::Y),
+            (UpAxis::Z, DVec3::Z),
+            (UpAxis::Y, DVec3::X),
+        ] {
+            assert_eq!(mesh.turn_to(up), 0.0);
+        }
+    }
+
+    /// The scene with another axis up is the scene turned.
+    #[test]
+    fn everything_turns_with_the_axis() {
+        let [z_up, y_up] = [UpAxis::Z, UpAxis::Y].map(|up| {
+            let mut scene = Scene::default();
+            light_and_frame(&mut scene, up).expect("nothing is too large");
+            scene
+        });
+        // A quarter turn about X.
+        let turn = |v: DVec3| DVec3::new(v.x, v.z, -v.y);
+        assert_eq!(y_up.camera.up, DVec3::Y);
+        assert!((y_up.camera.eye - turn(z_up.camera.eye)).length() < 1e-12);
+        for (y_up, z_up) in y_up.lights.iter().zip(&z_up.lights) {
+            assert!((y_up.position() - turn(z_up.position())).length() < 1e-12);
+        }
     }
 }

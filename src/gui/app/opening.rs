@@ -17,6 +17,7 @@ use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
+use crate::math::DVec3;
 use crate::scene::{Background, Object, presets};
 
 impl App {
@@ -119,6 +120,7 @@ impl App {
             let title = format!("Added {} with remarks", name_of(path));
             self.messages.warning(title, warnings.join("\n"));
         }
+        let up = file.likely_up();
         let scene = &mut self.document.scene;
         let was_empty = scene.objects.is_empty();
         let mesh = io::absolute_mesh(&path.to_string_lossy(), Path::new("."));
@@ -132,17 +134,21 @@ impl App {
             .filter(|name| scene.materials.contains_key(name))
             .or_else(|| scene.materials.keys().next().cloned());
         scene.meshes.insert(mesh.clone(), Arc::new(file.mesh));
+        let is_first = was_empty && scene.lights.is_empty();
+        let turn = if is_first {
+            0.0
+        } else {
+            up.turn_to(scene.camera.up)
+        };
         scene.objects.push(Object {
             name,
             mesh,
             material,
+            rotate: DVec3::X * turn,
             ..presets::object()
         });
         self.selection = Selection::Object(scene.objects.len() - 1);
-        if was_empty
-            && scene.lights.is_empty()
-            && let Err(error) = presets::light_and_frame(scene)
-        {
+        if is_first && let Err(error) = presets::light_and_frame(scene, up) {
             let title = "The scene cannot be framed and lit";
             self.messages.error(title, error.to_string());
         }
