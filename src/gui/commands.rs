@@ -19,6 +19,20 @@ pub enum Command {
     SavePicture,
     /// Close the window.
     Quit,
+    /// Take back the last edit.
+    Undo,
+    /// Do again what was undone.
+    Redo,
+    /// Take a copy of the selected part.
+    Copy,
+    /// Add what was copied.
+    Paste,
+    /// Add a copy of the selected part.
+    Duplicate,
+    /// Change the name of the selected part.
+    Rename,
+    /// Take the selected part out of the scene.
+    Remove,
     /// Move the camera to where it sees everything.
     FrameAll,
     /// Move the camera to where it sees the selected object.
@@ -47,7 +61,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 26] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -55,6 +69,13 @@ impl Command {
         Self::SaveSceneAs,
         Self::SavePicture,
         Self::Quit,
+        Self::Undo,
+        Self::Redo,
+        Self::Copy,
+        Self::Paste,
+        Self::Duplicate,
+        Self::Rename,
+        Self::Remove,
         Self::Render,
         Self::Cancel,
         Self::Report,
@@ -80,6 +101,13 @@ impl Command {
             Self::SaveSceneAs => "Save scene as…",
             Self::SavePicture => "Save picture…",
             Self::Quit => "Quit",
+            Self::Undo => "Undo",
+            Self::Redo => "Redo",
+            Self::Copy => "Copy",
+            Self::Paste => "Paste",
+            Self::Duplicate => "Duplicate",
+            Self::Rename => "Rename",
+            Self::Remove => "Remove",
             Self::FrameAll => "Frame all",
             Self::FrameSelected => "Frame selected object",
             Self::ResetCamera => "Reset camera",
@@ -106,6 +134,13 @@ impl Command {
             Self::SaveSceneAs => "Write the scene to another file",
             Self::SavePicture => "Write the rendered picture as PNG or EXR",
             Self::Quit => "Close the window",
+            Self::Undo => "Take back the last edit of the scene",
+            Self::Redo => "Do again what was undone",
+            Self::Copy => "Copy the selected object, light or material",
+            Self::Paste => "Add what was copied to the scene",
+            Self::Duplicate => "Add a copy of the selected object, light or material",
+            Self::Rename => "Change the name of the selected object or material",
+            Self::Remove => "Take the selected object, light or material out of the scene",
             Self::FrameAll => "Move the camera to where it sees all objects",
             Self::FrameSelected => "Move the camera to where it sees the selected object",
             Self::ResetCamera => "Go back to the camera of the file",
@@ -143,6 +178,13 @@ impl Command {
             Self::SaveSceneAs => const { &[command_shift(Key::S)] },
             Self::SavePicture => const { &[command(Key::E)] },
             Self::Quit => const { &[command(Key::Q)] },
+            Self::Undo => const { &[command(Key::Z)] },
+            Self::Redo => const { &[command_shift(Key::Z), command(Key::Y)] },
+            Self::Copy => const { &[command(Key::C)] },
+            Self::Paste => const { &[command(Key::V)] },
+            Self::Duplicate => const { &[command(Key::D)] },
+            Self::Rename => const { &[plain(Key::F2)] },
+            Self::Remove => const { &[plain(Key::Delete)] },
             Self::FrameAll => const { &[plain(Key::F)] },
             Self::FrameSelected => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::F)] },
             Self::ResetCamera => const { &[plain(Key::Home)] },
@@ -179,29 +221,45 @@ impl Command {
         format!("{}  ({})", self.description(), self.shortcut_text(ctx))
     }
 
-    /// The commands whose keys were pressed. Keys without Ctrl belong to a text field that is being typed into.
+    /// Whether its keys mean something to a text field that is being typed into.
+    fn is_of_text_fields(self) -> bool {
+        matches!(self, Self::Undo | Self::Redo | Self::Copy | Self::Paste)
+    }
+
+    /// The commands whose keys were pressed. Keys without Ctrl, and those of texts, belong to a text field that is being typed into.
     #[must_use]
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.egui_wants_keyboard_input();
+        let in_text_field = ctx.text_edit_focused();
         let mut candidates: Vec<(KeyboardShortcut, Self)> = Self::ALL
             .into_iter()
             .flat_map(|command| command.shortcuts().iter().map(move |&keys| (keys, command)))
-            .filter(|(keys, _)| {
+            .filter(|(keys, command)| {
                 let is_function_key = matches!(
                     keys.logical_key,
-                    Key::F1 | Key::F5 | Key::F7 | Key::F8 | Key::F9
+                    Key::F1 | Key::F2 | Key::F5 | Key::F7 | Key::F8 | Key::F9
                 );
-                !typing || keys.modifiers.command || is_function_key
+                (!typing || keys.modifiers.command || is_function_key)
+                    && !(in_text_field && command.is_of_text_fields())
             })
             .collect();
         // Ctrl+Shift+S also matches a pressed Ctrl+S pattern: ask for the longer one first.
         candidates.sort_by_key(|(keys, _)| !keys.modifiers.shift);
         ctx.input_mut(|input| {
-            candidates
+            let pressed = candidates
                 .into_iter()
                 .filter(|(keys, _)| input.consume_shortcut(keys))
-                .map(|(_, command)| command)
-                .collect()
+                .map(|(_, command)| command);
+            let mut pressed: Vec<Self> = pressed.collect();
+            // Desktops say what the keys of the clipboard mean, in place of the keys.
+            if !in_text_field {
+                pressed.extend(input.events.iter().filter_map(|event| match event {
+                    egui::Event::Copy => Some(Self::Copy),
+                    egui::Event::Paste(_) => Some(Self::Paste),
+                    _ => None,
+                }));
+            }
+            pressed
         })
     }
 }

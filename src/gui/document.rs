@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::selection::Selection;
+use super::undo::{Snapshot, UndoHistory};
 use crate::geometry::TriangleMesh;
 use crate::scene::{Camera, Scene};
 
@@ -17,6 +19,7 @@ pub struct Document {
     name: String,
     path: Option<PathBuf>,
     saved: Scene,
+    undo: UndoHistory,
 }
 
 impl Document {
@@ -26,6 +29,7 @@ impl Document {
         Self {
             home: scene.camera,
             saved: scene.clone(),
+            undo: UndoHistory::new(scene.clone()),
             scene,
             name,
             path,
@@ -53,6 +57,34 @@ impl Document {
         let camera_counts = self.path.is_some();
         !same_but_camera(&self.scene, &self.saved)
             || (camera_counts && self.scene.camera != self.saved.camera)
+    }
+
+    /// Takes note of what was edited since the last call as one step to undo; `selection`: what is selected now.
+    pub fn record_edit(&mut self, selection: &Selection) {
+        self.undo.record(&self.scene, selection);
+    }
+
+    /// What can be undone and done again.
+    #[must_use]
+    pub fn undo_history(&self) -> &UndoHistory {
+        &self.undo
+    }
+
+    /// Takes back the last edit; returns what was selected then.
+    pub fn undo(&mut self) -> Option<Selection> {
+        let snapshot = self.undo.undo()?.clone();
+        Some(self.restore(snapshot))
+    }
+
+    /// Does again what was undone last; returns what was selected then.
+    pub fn redo(&mut self) -> Option<Selection> {
+        let snapshot = self.undo.redo()?.clone();
+        Some(self.restore(snapshot))
+    }
+
+    fn restore(&mut self, snapshot: Snapshot) -> Selection {
+        self.scene = snapshot.scene;
+        snapshot.selection
     }
 
     /// Takes note that `scene` is what `path` now holds. Edits made since it was handed to the writer stay unsaved.
@@ -145,12 +177,16 @@ pub fn name_of(path: &Path) -> String {
     )
 }
 
-/// `base`, or `base 2`, `base 3`, …: the first that `is_taken` does not hold for.
+/// `base`, or `base 2`, `base 3`, …: the first that `is_taken` does not hold for. A number at the end of `base` counts on.
 #[must_use]
 pub fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
     if !is_taken(base) {
         return base.to_owned();
     }
+    let base = match base.rsplit_once(' ') {
+        Some((before, number)) if number.parse::<u32>().is_ok() && !before.is_empty() => before,
+        _ => base,
+    };
     (2..u32::MAX)
         .map(|number| format!("{base} {number}"))
         .find(|name| !is_taken(name))
@@ -227,5 +263,6 @@ mod tests {
         let taken = ["clay", "clay 2"];
         assert_eq!(free_name("clay", |name| taken.contains(&name)), "clay 3");
         assert_eq!(free_name("chrome", |name| taken.contains(&name)), "chrome");
+        assert_eq!(free_name("clay 2", |name| taken.contains(&name)), "clay 3");
     }
 }

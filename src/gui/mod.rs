@@ -11,7 +11,7 @@
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`]: what effects cost
-//! - [`document`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
+//! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
 //! - `start`: opening the window, and words for when it does not open
@@ -21,6 +21,7 @@ pub mod commands;
 pub mod costs;
 pub mod dialogs;
 pub mod document;
+pub mod edit;
 pub mod error_colors;
 pub mod error_plot;
 pub mod icons;
@@ -39,6 +40,7 @@ mod start;
 pub mod status_bar;
 pub mod theme;
 pub mod top_bar;
+pub mod undo;
 pub mod viewport;
 pub mod widgets;
 pub mod worker;

@@ -19,6 +19,12 @@ pub enum Selection {
 }
 
 impl Selection {
+    /// Whether it is a part that has a name to change.
+    #[must_use]
+    pub fn has_name(&self) -> bool {
+        matches!(self, Self::Object(_) | Self::Material(_))
+    }
+
     /// The same part if `scene` has it, else the camera.
     #[must_use]
     pub fn within(self, scene: &Scene) -> Self {

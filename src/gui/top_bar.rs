@@ -7,7 +7,7 @@ use super::theme;
 use super::widgets::primary_button;
 
 /// Width of the menus, in points.
-const MENUS_WIDTH: f32 = 236.0;
+const MENUS_WIDTH: f32 = 282.0;
 
 /// What the central area shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -38,7 +38,7 @@ pub enum Phase {
     clippy::struct_excessive_bools,
     reason = "each is true or false whatever the others are"
 )]
-pub struct TopBarState {
+pub struct TopBarState<'a> {
     /// What the central area shows.
     pub view: View,
     /// What Render would do.
@@ -53,9 +53,32 @@ pub struct TopBarState {
     pub error_plot_open: bool,
     /// Whether the scene has unsaved changes.
     pub modified: bool,
+    /// What the menu Edit offers.
+    pub edit: EditState<'a>,
 }
 
-impl TopBarState {
+/// What can be edited now.
+#[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is true or false whatever the others are"
+)]
+pub struct EditState<'a> {
+    /// What undoing takes back, such as "moving the camera".
+    pub undo: Option<&'a str>,
+    /// What redoing does again.
+    pub redo: Option<&'a str>,
+    /// Whether a part that there may be several of is selected.
+    pub can_copy: bool,
+    /// Whether the selected part has a name to change.
+    pub can_rename: bool,
+    /// Whether the selected part may go.
+    pub can_remove: bool,
+    /// Whether something was copied.
+    pub can_paste: bool,
+}
+
+impl TopBarState<'_> {
     /// Whether `command` can be asked for now.
     #[must_use]
     pub fn allows(self, command: Command) -> bool {
@@ -65,6 +88,12 @@ impl TopBarState {
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
             Command::Report => self.phase != Phase::Empty,
             Command::MeasureCosts => self.phase == Phase::Ready,
+            Command::Undo => self.edit.undo.is_some(),
+            Command::Redo => self.edit.redo.is_some(),
+            Command::Copy | Command::Duplicate => self.edit.can_copy,
+            Command::Paste => self.edit.can_paste,
+            Command::Rename => self.edit.can_rename,
+            Command::Remove => self.edit.can_remove,
             _ => true,
         }
     }
@@ -79,6 +108,16 @@ impl TopBarState {
         match command {
             Command::SavePicture | Command::ShowPicture => "There is no picture yet: press Render",
             Command::Cancel => "Nothing is rendered now",
+            Command::Undo => "Nothing was edited yet",
+            Command::Redo => "Nothing was undone",
+            Command::Paste => "Nothing was copied yet",
+            Command::Rename => "Select an object or a material first",
+            Command::Remove if self.edit.can_copy => {
+                "An object uses this material; give the object another one first"
+            }
+            Command::Copy | Command::Duplicate | Command::Remove => {
+                "Select an object, a light or a material first"
+            }
             Command::MeasureCosts if self.phase == Phase::Rendering => {
                 "A render is going on, and the times would spoil each other"
             }
@@ -91,7 +130,7 @@ impl TopBarState {
 }
 
 /// Draws the bar over the scene called `name`; returns what was asked for.
-pub fn top_bar_ui(ui: &mut Ui, state: TopBarState, name: &str) -> Vec<Command> {
+pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Vec<Command> {
     let mut asked = Vec::new();
     ui.horizontal(|ui| {
         ui.set_min_height(theme::BAR_BUTTON_HEIGHT);
@@ -124,7 +163,7 @@ fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
     }
 }
 
-fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = Vec2::new(10.0, 4.0);
         ui.menu_button("File", |ui| {
@@ -139,6 +178,21 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
             menu_item_ui(ui, state, Command::SavePicture, asked);
             ui.separator();
             menu_item_ui(ui, state, Command::Quit, asked);
+        });
+        ui.menu_button("Edit", |ui| {
+            for command in [Command::Undo, Command::Redo] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            for command in [
+                Command::Copy,
+                Command::Paste,
+                Command::Duplicate,
+                Command::Rename,
+                Command::Remove,
+            ] {
+                menu_item_ui(ui, state, command, asked);
+            }
         });
         ui.menu_button("View", |ui| {
             for command in [
@@ -178,7 +232,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
     });
 }
 
-fn menu_item_ui(ui: &mut Ui, state: TopBarState, command: Command, asked: &mut Vec<Command>) {
+fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &mut Vec<Command>) {
     let shown = match command {
         Command::ShowPreview => state.view == View::Preview,
         Command::ShowPicture => state.view == View::Picture,
@@ -186,11 +240,29 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState, command: Command, asked: &mut V
         Command::ToggleErrorPlot => state.error_plot_open,
         _ => false,
     };
-    let button = Button::new(command.label())
+    let label = match (command, state.edit) {
+        (
+            Command::Undo,
+            EditState {
+                undo: Some(name), ..
+            },
+        )
+        | (
+            Command::Redo,
+            EditState {
+                redo: Some(name), ..
+            },
+        ) => {
+            format!("{} {name}", command.label())
+        }
+        _ => command.label().to_owned(),
+    };
+    let button = Button::new(&label)
         .shortcut_text(command.shortcut_text(ui.ctx()))
         .selected(shown);
     let response = ui
         .add_enabled(state.allows(command), button)
+        .accessible_name(label)
         .on_hover_text(command.description())
         .on_disabled_hover_text(state.why_not(command));
     if response.clicked() {
@@ -215,7 +287,7 @@ fn theme_ui(ui: &mut Ui) {
 }
 
 /// Preview or picture.
-fn view_switch_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+fn view_switch_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for (view, command) in [
         (View::Preview, Command::ShowPreview),
@@ -235,7 +307,7 @@ fn view_switch_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
 }
 
 /// The switch of the error plot.
-fn error_plot_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+fn error_plot_button_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
     let command = Command::ToggleErrorPlot;
     let button = Button::new(command.label())
         .selected(state.error_plot_open)
@@ -247,7 +319,7 @@ fn error_plot_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command
 }
 
 /// Render, or Cancel while rendering or making a report.
-fn render_button_ui(ui: &mut Ui, state: TopBarState, asked: &mut Vec<Command>) {
+fn render_button_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
     let size = Vec2::new(116.0, theme::BAR_BUTTON_HEIGHT);
     // Costs that are measured give way to a render.
     let (command, button) = if state.is_busy() {

@@ -5,6 +5,7 @@
 //! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. Everything slow is a job;
 //! see [`super::jobs`] for how jobs and window talk.
 //!
+//! - `editing`: undoing, copying, removing
 //! - `opening`: scenes and meshes from files
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `rendering`: preparing, rendering, showing the picture
@@ -12,6 +13,7 @@
 //! - `measuring`: what effects cost
 //! - `layout`: where everything is drawn
 
+mod editing;
 mod layout;
 mod measuring;
 mod opening;
@@ -26,6 +28,7 @@ use super::commands::Command;
 use super::costs::CostState;
 use super::dialogs::{Dialog, Intent};
 use super::document::Document;
+use super::edit::Part;
 use super::error_plot::ErrorPlot;
 use super::jobs::{Jobs, Lane, News};
 use super::messages::Messages;
@@ -36,6 +39,7 @@ use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
 use super::top_bar::{Phase, TopBarState, View};
+use super::undo::Gesture;
 use super::viewport::Viewport;
 use super::worker::{Event, Prepared, ReportRequest};
 use crate::control::Progress;
@@ -68,6 +72,9 @@ pub enum FileDialogs {
 pub struct App {
     document: Document,
     selection: Selection,
+    /// What was copied last.
+    clipboard: Option<Part>,
+    gesture: Gesture,
     view: View,
     viewport: Viewport,
     preview: Option<PreviewImage>,
@@ -127,6 +134,8 @@ impl App {
         let mut app = Self {
             document: Document::new(Scene::default(), "RayMini".to_owned(), None),
             selection: Selection::Camera,
+            clipboard: None,
+            gesture: Gesture::default(),
             view: View::Preview,
             viewport: Viewport::default(),
             preview: creation.wgpu_render_state.as_ref().map(PreviewImage::new),
@@ -224,7 +233,7 @@ impl App {
     }
 
     /// What the top bar shows, which is also what commands may be given.
-    fn top_bar_state(&self) -> TopBarState {
+    fn top_bar_state(&self) -> TopBarState<'_> {
         TopBarState {
             view: self.view,
             phase: if self.is_rendering() {
@@ -241,6 +250,7 @@ impl App {
             panel_open: self.panel_open,
             error_plot_open: self.error_plot.open,
             modified: self.document.is_modified(),
+            edit: self.edit_state(),
         }
     }
 
@@ -313,6 +323,10 @@ impl App {
         if !self.top_bar_state().allows(command) && command != Command::Cancel {
             return;
         }
+        self.document.record_edit(&self.selection);
+        if self.carry_out_edit(ctx, command) {
+            return;
+        }
         match command {
             Command::Open => self.ask_for_path(super::dialogs::files::FilePurpose::Open),
             Command::AddMesh => self.ask_for_path(super::dialogs::files::FilePurpose::AddMesh),
@@ -342,6 +356,7 @@ impl App {
             Command::Report => self.show_report(ctx),
             Command::MeasureCosts => self.measure_costs(),
             Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
+            _ => {}
         }
     }
 
@@ -447,6 +462,10 @@ impl eframe::App for App {
         } else {
             Vec::new()
         };
+        if ctx.input(|input| input.pointer.any_pressed()) {
+            // What was typed before is a step of its own.
+            self.document.record_edit(&self.selection);
+        }
         let (display_before, layer_before) = (self.document.scene.display, self.shown_layer);
         commands.extend(self.window_ui(ui));
         self.report_ui(&ctx);
@@ -456,6 +475,9 @@ impl eframe::App for App {
         }
 
         self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
+        if !self.gesture.goes_on(&ctx) {
+            self.document.record_edit(&self.selection);
+        }
         if self.document.scene.display != display_before {
             self.show_picture_with(self.document.scene.display);
         }

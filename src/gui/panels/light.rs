@@ -2,10 +2,10 @@ use std::f64::consts::PI;
 
 use egui::Ui;
 
-use super::PanelState;
+use super::{PanelState, command_button_ui};
+use crate::gui::commands::Command;
 use crate::gui::orbit;
 use crate::gui::preview::uniforms::picture_size;
-use crate::gui::selection::Selection;
 use crate::gui::widgets::{
     Number, choice_row_ui, light_row_ui, number_row_ui, switch_row_ui, vector_row_ui,
 };
@@ -111,31 +111,25 @@ pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
             );
         }
     }
-    copy_and_remove_ui(ui, state, index);
+    copy_and_remove_ui(ui, state);
 }
 
-fn copy_and_remove_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
+fn copy_and_remove_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        if ui
-            .button("Duplicate light")
-            .on_hover_text("Add a light like this one at the same place")
-            .clicked()
-        {
-            let copy = state.scene.lights[index];
-            state.scene.lights.insert(index + 1, copy);
-            *state.selection = Selection::Light(index + 1);
-        }
-        if ui
-            .button("Remove light")
-            .on_hover_text("Take this light out of the scene")
-            .clicked()
-        {
-            state.scene.lights.remove(index);
-            *state.selection = match state.scene.lights.len() {
-                0 => Selection::Camera,
-                count => Selection::Light(index.min(count - 1)),
-            };
+        for (name, command, tooltip) in [
+            (
+                "Duplicate light",
+                Command::Duplicate,
+                "Add a light like this one at the same place",
+            ),
+            (
+                "Remove light",
+                Command::Remove,
+                "Take this light out of the scene",
+            ),
+        ] {
+            command_button_ui(ui, state, name, command, tooltip);
         }
     });
 }

@@ -1,7 +1,9 @@
 use egui::{RichText, Ui};
 
-use super::PanelState;
+use super::{NAME_FIELD, PanelState, command_button_ui};
+use crate::gui::commands::Command;
 use crate::gui::document::free_name;
+use crate::gui::edit;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{
     Number, color_row_ui, combo_row_ui, light_row_ui, number_row_ui, row_ui,
@@ -24,28 +26,22 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     reflectance_ui(ui, material);
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        if ui
-            .button("Duplicate material")
-            .on_hover_text("Make a copy of this material under another name")
-            .clicked()
-        {
-            let copy = new_material(state.scene, Some(name));
-            *state.selection = Selection::Material(copy);
-        }
-        let used = state
-            .scene
-            .objects
-            .iter()
-            .any(|object| object.material.as_deref() == Some(name));
+        command_button_ui(
+            ui,
+            state,
+            "Duplicate material",
+            Command::Duplicate,
+            "Make a copy of this material under another name",
+        );
+        let is_removable = edit::is_removable(state.scene, state.selection);
         let remove = ui
-            .add_enabled(!used, egui::Button::new("Remove material"))
+            .add_enabled(is_removable, egui::Button::new("Remove material"))
             .on_hover_text("Take this material out of the scene")
             .on_disabled_hover_text(
                 "An object uses this material; give the object another one first",
             );
         if remove.clicked() {
-            state.scene.materials.remove(name);
-            *state.selection = Selection::Camera;
+            state.commands.push(Command::Remove);
         }
     });
 }
@@ -168,7 +164,8 @@ fn name_ui(ui: &mut Ui, scene: &Scene, name: &str) -> Option<String> {
         .data(|data| data.get_temp::<String>(id))
         .unwrap_or_else(|| name.to_owned());
     let response = row_ui(ui, "Name", "What objects call this material", |ui| {
-        ui.add(egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY))
+        let field = egui::TextEdit::singleline(&mut text).id(egui::Id::unique(NAME_FIELD));
+        ui.add(field.desired_width(f32::INFINITY))
     });
     let wanted = text.trim().to_owned();
     let is_free = wanted == name || !scene.materials.contains_key(&wanted);

@@ -22,6 +22,9 @@ use super::widgets::section_ui;
 use crate::render::Layer;
 use crate::scene::Scene;
 
+/// The text field with the name of the selected part.
+pub(super) const NAME_FIELD: &str = "name of the selected part";
+
 /// What the panels edit.
 #[derive(Debug)]
 pub struct PanelState<'a> {
@@ -91,5 +94,18 @@ fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         Selection::Object(index) => object::object_ui(ui, state, index),
         Selection::Light(index) => light::light_ui(ui, state, index),
         Selection::Material(name) => material::material_ui(ui, state, &name),
+    }
+}
+
+/// A button for a command about the selected part.
+fn command_button_ui(
+    ui: &mut Ui,
+    state: &mut PanelState<'_>,
+    name: &str,
+    command: Command,
+    tooltip: &str,
+) {
+    if ui.button(name).on_hover_text(tooltip).clicked() {
+        state.commands.push(command);
     }
 }

@@ -2,9 +2,9 @@ use std::path::Path;
 
 use egui::{RichText, Ui};
 
-use super::PanelState;
 use super::material::{new_material, reflectance_ui};
-use crate::gui::selection::Selection;
+use super::{NAME_FIELD, PanelState, command_button_ui};
+use crate::gui::commands::Command;
 use crate::gui::widgets::{
     Number, combo_row_ui, number_row_ui, row_ui, switch_row_ui, vector_row_ui,
 };
@@ -27,7 +27,7 @@ pub fn object_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
         reflectance_ui(ui, material);
     }
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui
             .button("New material")
             .on_hover_text("Give this object a material of its own, a copy of the present one")
@@ -37,19 +37,28 @@ pub fn object_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
             let name = new_material(state.scene, object.material.clone().as_deref());
             state.scene.objects[index].material = Some(name);
         }
-        if ui
-            .button("Remove object")
-            .on_hover_text("Take this object out of the scene; its file stays")
-            .clicked()
-        {
-            remove(state, index);
+        for (name, command, tooltip) in [
+            (
+                "Duplicate object",
+                Command::Duplicate,
+                "Add an object like this one at the same place; they share their triangles",
+            ),
+            (
+                "Remove object",
+                Command::Remove,
+                "Take this object out of the scene; its file stays",
+            ),
+        ] {
+            command_button_ui(ui, state, name, command, tooltip);
         }
     });
 }
 
 fn identity_ui(ui: &mut Ui, object: &mut Object) {
     row_ui(ui, "Name", "What the object is called", |ui| {
-        ui.add(egui::TextEdit::singleline(&mut object.name).desired_width(f32::INFINITY))
+        let id = egui::Id::unique(NAME_FIELD);
+        let field = egui::TextEdit::singleline(&mut object.name).id(id);
+        ui.add(field.desired_width(f32::INFINITY))
     });
     let file = Path::new(&object.mesh).file_name();
     let short = file.map_or_else(
@@ -126,15 +135,4 @@ fn material_choice_ui(ui: &mut Ui, scene: &mut Scene, index: usize) {
         &mut scene.objects[index].material,
         &choices,
     );
-}
-
-fn remove(state: &mut PanelState<'_>, index: usize) {
-    let object = state.scene.objects.remove(index);
-    if !state.scene.objects.iter().any(|o| o.mesh == object.mesh) {
-        state.scene.meshes.remove(&object.mesh);
-    }
-    *state.selection = match state.scene.objects.len() {
-        0 => Selection::Camera,
-        count => Selection::Object(index.min(count - 1)),
-    };
 }

@@ -3,6 +3,8 @@ use egui::{Align, Color32, Layout, RichText, Ui, Vec2};
 use super::PanelState;
 use super::light::new_light;
 use super::material::new_material;
+use crate::gui::commands::Command;
+use crate::gui::edit;
 use crate::gui::icons::{self, Icon, color_of, hue_of};
 use crate::gui::preview::uniforms::MAX_LIGHTS;
 use crate::gui::selection::Selection;
@@ -20,12 +22,12 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         .auto_shrink([false, true])
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
-            part_ui(ui, state, Selection::Camera, Icon::Camera, "Camera", "");
+            part_ui(ui, state, &Selection::Camera, Icon::Camera, "Camera", "");
             let background = background_icon(state.scene);
             part_ui(
                 ui,
                 state,
-                Selection::Background,
+                &Selection::Background,
                 background,
                 "Background",
                 "",
@@ -65,7 +67,7 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         let material = state.scene.material_of(object).unwrap_or_default();
         let icon = Icon::Object(material_color(&material));
         let detail = format!("{} triangles", grouped(triangles));
-        part_ui(ui, state, Selection::Object(index), icon, &name, &detail);
+        part_ui(ui, state, &Selection::Object(index), icon, &name, &detail);
     }
 }
 
@@ -82,7 +84,7 @@ fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             Light::Point { .. } => "point",
             Light::Disk { .. } => "disk",
         };
-        part_ui(ui, state, Selection::Light(index), icon, &name, kind);
+        part_ui(ui, state, &Selection::Light(index), icon, &name, kind);
     }
 }
 
@@ -95,7 +97,7 @@ fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         };
         let icon = Icon::Material(material_color(&state.scene.materials[&name]));
         let part = Selection::Material(name.clone());
-        part_ui(ui, state, part, icon, &name, &detail);
+        part_ui(ui, state, &part, icon, &name, &detail);
     }
 }
 
@@ -138,12 +140,12 @@ fn group_ui(
 fn part_ui(
     ui: &mut Ui,
     state: &mut PanelState<'_>,
-    part: Selection,
+    part: &Selection,
     icon: Icon,
     name: &str,
     detail: &str,
 ) {
-    let is_selected = *state.selection == part;
+    let is_selected = state.selection == part;
     let width = ui.available_width();
     // Room for the icon, which is painted over it.
     let room = egui::AtomExt::atom_size("", Vec2::splat(icons::SIDE));
@@ -155,8 +157,35 @@ fn part_ui(
     let ink = ui.style().interact_selectable(&response, is_selected);
     let center = response.rect.left_center() + Vec2::new(8.0 + icons::SIDE / 2.0, 0.0);
     icon.paint(ui.painter(), center, ink.text_color());
-    if response.clicked() {
-        *state.selection = part;
+    if response.clicked() || response.secondary_clicked() {
+        *state.selection = part.clone();
+    }
+    if edit::name_of(state.scene, part).is_some() {
+        response.context_menu(|ui| part_menu_ui(ui, state, part));
+    }
+}
+
+/// What can be done with a part.
+fn part_menu_ui(ui: &mut Ui, state: &mut PanelState<'_>, part: &Selection) {
+    for command in [
+        Command::Copy,
+        Command::Duplicate,
+        Command::Rename,
+        Command::Remove,
+    ] {
+        let can = match command {
+            Command::Rename => part.has_name(),
+            Command::Remove => edit::is_removable(state.scene, part),
+            _ => true,
+        };
+        let button = egui::Button::new(command.label());
+        let button = button.shortcut_text(command.shortcut_text(ui.ctx()));
+        let response = ui.add_enabled(can, button);
+        let response = response.accessible_name(command.label());
+        if response.on_hover_text(command.description()).clicked() {
+            state.commands.push(command);
+            ui.close();
+        }
     }
 }
 
