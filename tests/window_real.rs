@@ -6,7 +6,7 @@
 #![cfg(feature = "gui")]
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -93,76 +93,117 @@ fn pixels(path: &Path) -> Option<image::RgbImage> {
     Some(image::open(path).ok()?.to_rgb8())
 }
 
-#[test]
-fn the_real_window_renders_and_saves_what_the_command_line_does() {
-    let folder = tempfile::tempdir().unwrap();
+/// A scene of a ram in `folder`, with `samples` samples per pixel.
+fn write_scene(folder: &Path, samples: u32) -> PathBuf {
     let ram = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/ram.off");
-    let scene = folder.path().join("room.toml");
+    let scene = folder.join("room.toml");
     let text = format!(
         "[camera]\neye = [1.0, -4.0, 1.5]\ntarget = [0.0, 0.0, 0.6]\n\
          [background]\nradiance = [0.2, 0.25, 0.3]\n\
          [[objects]]\nmesh = {:?}\nsmooth = true\n\
          [[lights]]\nkind = \"point\"\nposition = [3.0, -3.0, 4.0]\nintensity = [40.0, 40.0, 40.0]\n\
-         [render]\nwidth = 320\nheight = 240\nsamples_per_pixel = 64\n",
+         [render]\nwidth = 320\nheight = 240\nsamples_per_pixel = {samples}\n",
         ram.to_str().unwrap()
     );
     std::fs::write(&scene, text).unwrap();
+    scene
+}
 
-    let display = Display::start();
-    let program = env!("CARGO_BIN_EXE_raymini");
-    let log = std::fs::File::create(folder.path().join("log")).unwrap();
-    let mut window = Process(
-        Command::new(program)
-            .arg(&scene)
-            .current_dir(folder.path())
-            .env("DISPLAY", &display.name)
-            .env("XDG_RUNTIME_DIR", folder.path())
-            .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
-            .env_remove("WAYLAND_DISPLAY")
-            .stderr(log)
-            .spawn()
-            .expect("the program starts"),
-    );
+/// The program with a window.
+struct Window<'a> {
+    process: Process,
+    id: String,
+    display: &'a Display,
+}
 
-    // The title names the scene as soon as it is open.
-    let id = wait_for("the window", || {
-        assert!(
-            window.0.try_wait().unwrap().is_none(),
-            "the program ended: {}",
-            std::fs::read_to_string(folder.path().join("log")).unwrap_or_default()
+impl<'a> Window<'a> {
+    /// Opens `scene`, with `folder` as home of all that is kept, and waits until its title names the scene.
+    fn open(display: &'a Display, folder: &Path, scene: &Path) -> Self {
+        let log = std::fs::File::create(folder.join("log")).unwrap();
+        let mut process = Process(
+            Command::new(env!("CARGO_BIN_EXE_raymini"))
+                .arg(scene)
+                .current_dir(folder)
+                .env("DISPLAY", &display.name)
+                .env("XDG_RUNTIME_DIR", folder)
+                .env("XDG_DATA_HOME", folder.join("data"))
+                .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
+                .env_remove("WAYLAND_DISPLAY")
+                .stderr(log)
+                .spawn()
+                .expect("the program starts"),
         );
-        let found = display.xdotool(&["search", "--onlyvisible", "--name", "room.*RayMini"]);
-        found.lines().next().map(str::to_owned)
-    });
-    display.xdotool(&["windowfocus", "--sync", &id]);
-    let title = || display.xdotool(&["getwindowname", &id]);
+        let id = wait_for("the window", || {
+            assert!(
+                process.0.try_wait().unwrap().is_none(),
+                "the program ended: {}",
+                std::fs::read_to_string(folder.join("log")).unwrap_or_default()
+            );
+            let found = display.xdotool(&["search", "--onlyvisible", "--name", "room.*RayMini"]);
+            found.lines().next().map(str::to_owned)
+        });
+        display.xdotool(&["windowfocus", "--sync", &id]);
+        Self {
+            process,
+            id,
+            display,
+        }
+    }
+
+    fn title(&self) -> String {
+        self.display.xdotool(&["getwindowname", &self.id])
+    }
+
+    fn press(&self, keys: &str) {
+        self.display.xdotool(&["key", keys]);
+    }
+
+    /// Presses `keys` until the title says that a render runs.
+    fn start_render(&self) {
+        wait_for("the render to start", || {
+            self.press("F5");
+            wait_briefly(5, || self.title().contains('%').then_some(()))
+        });
+    }
+
+    /// Closes it, as nothing is unsaved.
+    fn quit(mut self) {
+        self.press("ctrl+q");
+        let status = wait_for("the program to end", || self.process.0.try_wait().unwrap());
+        assert!(status.success(), "{status}");
+    }
+}
+
+#[test]
+fn the_real_window_renders_and_saves_what_the_command_line_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 64);
+    let display = Display::start();
+    let window = Window::open(&display, folder.path(), &scene);
 
     // F5 renders; the title says how far.
-    wait_for("the render to start", || {
-        display.xdotool(&["key", "F5"]);
-        wait_briefly(5, || title().contains('%').then_some(()))
-    });
+    window.start_render();
     wait_for("the render to end", || {
-        (!title().contains('%')).then_some(())
+        (!window.title().contains('%')).then_some(())
     });
 
     // Ctrl+E asks for a path; it is typed.
     let saved = folder.path().join("window.png");
     wait_for("the picture to be saved", || {
-        display.xdotool(&["key", "ctrl+e"]);
+        window.press("ctrl+e");
         std::thread::sleep(Duration::from_millis(1500));
-        display.xdotool(&["key", "ctrl+a"]);
+        window.press("ctrl+a");
         display.xdotool(&["type", "--delay", "20", saved.to_str().unwrap()]);
-        display.xdotool(&["key", "Return"]);
+        window.press("Return");
         let picture = wait_briefly(5, || pixels(&saved));
         if picture.is_none() {
-            display.xdotool(&["key", "Escape"]);
+            window.press("Escape");
         }
         picture
     });
 
     let by_command = folder.path().join("command.png");
-    let status = Command::new(program)
+    let status = Command::new(env!("CARGO_BIN_EXE_raymini"))
         .args(["render", scene.to_str().unwrap(), "-o"])
         .arg(&by_command)
         .stderr(Stdio::null())
@@ -172,9 +213,46 @@ fn the_real_window_renders_and_saves_what_the_command_line_does() {
     let (window_picture, command_picture) = (pixels(&saved).unwrap(), pixels(&by_command).unwrap());
     assert_eq!(window_picture.dimensions(), (320, 240));
     assert!(window_picture == command_picture, "the pictures differ");
+    window.quit();
+}
 
-    // Ctrl+Q closes the window, as nothing is unsaved.
-    display.xdotool(&["key", "ctrl+q"]);
-    let status = wait_for("the program to end", || window.0.try_wait().unwrap());
-    assert!(status.success(), "{status}");
+/// Killed with SIGKILL in the middle of a render, after an edit: the next start offers the work, and saving writes it.
+#[cfg(unix)]
+#[test]
+fn what_was_edited_before_a_kill_is_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 1_000_000);
+    let before = std::fs::read_to_string(&scene).unwrap();
+    let display = Display::start();
+    let mut window = Window::open(&display, folder.path(), &scene);
+
+    // F frames all, which moves the camera; a second later that is on disk.
+    wait_for("the camera to move", || {
+        window.press("f");
+        wait_briefly(3, || window.title().contains('•').then_some(()))
+    });
+    window.start_render();
+    std::thread::sleep(Duration::from_secs(1));
+    window.process.0.kill().unwrap();
+    let status = window.process.0.wait().unwrap();
+    assert_eq!(
+        std::os::unix::process::ExitStatusExt::signal(&status),
+        Some(9)
+    );
+    assert_eq!(std::fs::read_to_string(&scene).unwrap(), before);
+
+    let window = Window::open(&display, folder.path(), &scene);
+    assert!(!window.title().contains('•'));
+    wait_for("the work to be restored", || {
+        window.press("Return");
+        wait_briefly(3, || window.title().contains('•').then_some(()))
+    });
+    wait_for("the work to be saved", || {
+        window.press("ctrl+s");
+        wait_briefly(3, || (!window.title().contains('•')).then_some(()))
+    });
+    let after = std::fs::read_to_string(&scene).unwrap();
+    assert!(!after.contains("eye = [1.0, -4.0, 1.5]"), "{after}");
+    assert!(after.contains("samples_per_pixel = 1000000"), "{after}");
+    window.quit();
 }

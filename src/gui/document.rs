@@ -36,6 +36,15 @@ impl Document {
         }
     }
 
+    /// Work that was never saved: it stays so until it is, wherever it came from.
+    #[must_use]
+    pub fn restored(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
+        Self {
+            saved: Scene::default(),
+            ..Self::new(scene, name, path)
+        }
+    }
+
     /// What people call it: the file's name without extension.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -45,14 +45,30 @@ pub enum Lane {
     Costs,
     /// Waiting for the desktop to show a folder.
     ShowFolder,
+    /// Looking for what earlier windows left.
+    Begin,
+    /// Writing unsaved work, or removing it.
+    Keep,
+    /// Removing work that is not wanted.
+    Discard,
+    /// Writing the list of files opened last.
+    Recent,
 }
 
-const LANES: usize = 11;
+const LANES: usize = 15;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.
     fn must_end(self) -> bool {
-        matches!(self, Self::SaveScene | Self::SavePicture | Self::Report)
+        matches!(
+            self,
+            Self::SaveScene
+                | Self::SavePicture
+                | Self::Report
+                | Self::Keep
+                | Self::Discard
+                | Self::Recent
+        )
     }
 }
 

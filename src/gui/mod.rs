@@ -12,6 +12,7 @@
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`]: what effects cost
 //! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
+//! - [`keeping`]: what outlives the window
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
 //! - `start`: opening the window, and words for when it does not open
@@ -26,6 +27,7 @@ pub mod error_colors;
 pub mod error_plot;
 pub mod icons;
 pub mod jobs;
+pub mod keeping;
 pub mod log_plot;
 pub mod messages;
 pub mod orbit;

@@ -65,6 +65,7 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
     let options = AppOptions {
         paths: request.paths,
         file_dialogs: FileDialogs::Desktop,
+        data_folder: super::keeping::data_folder(),
     };
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()

@@ -1,5 +1,7 @@
 //! The bar at the top: menus, what the central area shows, and the one button that matters.
 
+use std::path::{Path, PathBuf};
+
 use egui::{Align, Button, Layout, RichText, Ui, Vec2};
 
 use super::commands::Command;
@@ -55,6 +57,26 @@ pub struct TopBarState<'a> {
     pub modified: bool,
     /// What the menu Edit offers.
     pub edit: EditState<'a>,
+    /// The files opened last, newest first.
+    pub recent: &'a [PathBuf],
+}
+
+/// What was asked for in the bar.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// By name.
+    pub commands: Vec<Command>,
+    /// About the files opened last.
+    pub recent: Option<Recent>,
+}
+
+/// What can be asked for about the files opened last.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Recent {
+    /// Open this one.
+    Open(PathBuf),
+    /// Empty the list.
+    Forget,
 }
 
 /// What can be edited now.
@@ -130,8 +152,8 @@ impl TopBarState<'_> {
 }
 
 /// Draws the bar over the scene called `name`; returns what was asked for.
-pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Vec<Command> {
-    let mut asked = Vec::new();
+pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Asked {
+    let mut asked = Asked::default();
     ui.horizontal(|ui| {
         ui.set_min_height(theme::BAR_BUTTON_HEIGHT);
         ui.spacing_mut().interact_size.y = theme::BAR_BUTTON_HEIGHT;
@@ -139,11 +161,11 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Vec<Comman
         let size = Vec2::new(MENUS_WIDTH, theme::BAR_BUTTON_HEIGHT);
         ui.allocate_ui(size, |ui| menus_ui(ui, state, &mut asked));
         ui.add_space(10.0);
-        view_switch_ui(ui, state, &mut asked);
+        view_switch_ui(ui, state, &mut asked.commands);
         ui.add_space(8.0);
-        error_plot_button_ui(ui, state, &mut asked);
+        error_plot_button_ui(ui, state, &mut asked.commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            render_button_ui(ui, state, &mut asked);
+            render_button_ui(ui, state, &mut asked.commands);
             ui.add_space(8.0);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add_space(14.0);
@@ -163,11 +185,17 @@ fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
     }
 }
 
-fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
+    let Asked {
+        commands: asked,
+        recent,
+    } = asked;
     egui::MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = Vec2::new(10.0, 4.0);
         ui.menu_button("File", |ui| {
-            for command in [Command::Open, Command::AddMesh, Command::SetBackground] {
+            menu_item_ui(ui, state, Command::Open, asked);
+            recent_ui(ui, state.recent, recent);
+            for command in [Command::AddMesh, Command::SetBackground] {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();
@@ -269,6 +297,38 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         asked.push(command);
         ui.close();
     }
+}
+
+/// The files opened last.
+fn recent_ui(ui: &mut Ui, paths: &[PathBuf], asked: &mut Option<Recent>) {
+    ui.add_enabled_ui(!paths.is_empty(), |ui| {
+        ui.menu_button("Open recent", |ui| {
+            for path in paths {
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
+                let response = ui
+                    .add(
+                        Button::new(name.to_string_lossy())
+                            .right_text(RichText::new(folder.to_string_lossy()).weak()),
+                    )
+                    .accessible_name(format!("Open {}", name.display()))
+                    .on_hover_text(path.display().to_string());
+                if response.clicked() {
+                    *asked = Some(Recent::Open(path.clone()));
+                    ui.close();
+                }
+            }
+            ui.separator();
+            let forget = ui.button("Clear the list");
+            let forget = forget.on_hover_text("Forget these names; the files stay");
+            if forget.clicked() {
+                *asked = Some(Recent::Forget);
+                ui.close();
+            }
+        })
+        .response
+        .on_disabled_hover_text("Nothing was opened or saved yet");
+    });
 }
 
 fn theme_ui(ui: &mut Ui) {

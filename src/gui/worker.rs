@@ -14,6 +14,7 @@ use eframe::wgpu;
 
 use super::costs::PAIRS;
 use super::jobs::Job;
+use super::keeping::{Begun, Lost};
 use super::picture::{EncodedTile, PictureBuffer};
 use super::preview::geometry::GpuGeometry;
 pub use super::preview::pack::preview_mesh;
@@ -98,6 +99,24 @@ pub enum Event {
     Reported(Result<(), ReportError>),
     /// Why the desktop does not show a folder.
     FolderNotShown(String),
+    /// Work is kept from now on, or why not.
+    KeepingBegun {
+        /// The files opened last.
+        recent: Vec<PathBuf>,
+        /// Where work goes, and what was lost.
+        begun: Result<Box<Begun>, String>,
+    },
+    /// Unsaved work was written, or why not.
+    WorkKept(Result<(), String>),
+    /// Lost work is back, or why not.
+    Restored {
+        /// Where it was found.
+        lost: Lost,
+        /// The scene.
+        result: Result<Box<LoadedScene>, String>,
+    },
+    /// The files opened last are these now.
+    RecentChanged(Vec<PathBuf>),
 }
 
 /// A scene ready to render, and its triangles on the GPU.

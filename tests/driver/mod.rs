@@ -83,6 +83,11 @@ impl Window {
     }
 
     pub fn start(paths: Vec<PathBuf>, with_gpu: bool) -> Self {
+        Self::start_keeping(paths, with_gpu, None)
+    }
+
+    /// A window that keeps unsaved work in the folder `data`.
+    pub fn start_keeping(paths: Vec<PathBuf>, with_gpu: bool, data: Option<PathBuf>) -> Self {
         let builder = Harness::builder()
             .with_size(Vec2::new(1280.0, 800.0))
             .with_step_dt(1.0 / 60.0);
@@ -90,6 +95,7 @@ impl Window {
         let options = AppOptions {
             paths,
             file_dialogs: FileDialogs::PathField,
+            data_folder: data,
         };
         let harness = builder.build_eframe(move |creation| App::new(creation, options));
         let mut window = Self { harness };

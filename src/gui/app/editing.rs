@@ -63,7 +63,7 @@ impl App {
         let news = format!("Undone: {}", name.unwrap_or_default());
         let camera = self.document.scene.camera;
         if let Some(selection) = self.document.undo() {
-            self.restored(selection, camera, news);
+            self.show_restored(selection, camera, news);
         }
     }
 
@@ -72,12 +72,12 @@ impl App {
         let news = format!("Done again: {}", name.unwrap_or_default());
         let camera = self.document.scene.camera;
         if let Some(selection) = self.document.redo() {
-            self.restored(selection, camera, news);
+            self.show_restored(selection, camera, news);
         }
     }
 
     /// Shows what was restored. Like any other move of the camera, one that is undone brings the preview back.
-    fn restored(
+    fn show_restored(
         &mut self,
         selection: Selection,
         camera_before: crate::scene::Camera,

@@ -8,7 +8,7 @@ use super::App;
 use crate::gui::commands::Command;
 use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
 use crate::gui::dialogs::{
-    Dialog, buttons_ui, files::FilePurpose, modal_ui, question, shortcuts_ui,
+    Dialog, buttons_ui, files::FilePurpose, modal_ui, question, recovery, shortcuts_ui,
 };
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
@@ -16,7 +16,7 @@ use crate::gui::picture::Picture;
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
 use crate::gui::theme;
-use crate::gui::top_bar::{self, View};
+use crate::gui::top_bar::{self, Asked, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
 use crate::gui::{error_colors, error_plot};
@@ -30,7 +30,7 @@ const MEASURING_REFRESH: Duration = Duration::from_secs(1);
 
 impl App {
     /// Draws the window; returns what was asked for.
-    pub(super) fn window_ui(&mut self, ui: &mut Ui) -> Vec<Command> {
+    pub(super) fn window_ui(&mut self, ui: &mut Ui) -> Asked {
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| {
             Frame::new()
@@ -39,7 +39,7 @@ impl App {
         };
         let state = self.top_bar_state();
         let name = self.document.name();
-        let mut commands = Panel::top("top bar")
+        let mut asked = Panel::top("top bar")
             .frame(bar(10, 6))
             .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
             .inner;
@@ -52,7 +52,7 @@ impl App {
             .default_size(theme::PANEL_WIDTH)
             .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
             .show_collapsible(ui, &mut open, |ui| {
-                self.panels_ui(ui, &mut commands);
+                self.panels_ui(ui, &mut asked.commands);
             });
         self.panel_open = open;
         let mut open = self.error_plot.open;
@@ -67,7 +67,7 @@ impl App {
         CentralPanel::default()
             .frame(Frame::new())
             .show(ui, |ui| self.central_ui(ui));
-        commands
+        asked
     }
 
     fn status_ui(&self, ui: &mut Ui) {
@@ -274,6 +274,10 @@ impl App {
                 let can_add = Self::can_add(&intent);
                 let decision = question::unsaved_ui(ctx, &name, &intent, can_add);
                 self.decide(ctx, intent, decision);
+            }
+            Some(Dialog::Recovery(lost)) => {
+                let answer = recovery::recovery_ui(ctx, &lost);
+                self.decide_about_lost_work(lost, answer);
             }
             Some(Dialog::Waiting(purpose)) => self.waiting_ui(ctx, purpose),
             Some(Dialog::Path(mut field)) => match field.show_ui(ctx) {

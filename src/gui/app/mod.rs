@@ -6,6 +6,7 @@
 //! see [`super::jobs`] for how jobs and window talk.
 //!
 //! - `editing`: undoing, copying, removing
+//! - `keeping`: unsaved work and recent files on disk
 //! - `opening`: scenes and meshes from files
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `rendering`: preparing, rendering, showing the picture
@@ -14,6 +15,7 @@
 //! - `layout`: where everything is drawn
 
 mod editing;
+mod keeping;
 mod layout;
 mod measuring;
 mod opening;
@@ -38,7 +40,7 @@ use super::preview_image::PreviewImage;
 use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
-use super::top_bar::{Phase, TopBarState, View};
+use super::top_bar::{Phase, Recent, TopBarState, View};
 use super::undo::Gesture;
 use super::viewport::Viewport;
 use super::worker::{Event, Prepared, ReportRequest};
@@ -55,6 +57,8 @@ pub struct AppOptions {
     pub paths: Vec<PathBuf>,
     /// Where file paths come from.
     pub file_dialogs: FileDialogs,
+    /// Where unsaved work and the list of recent files are kept; `None` keeps neither.
+    pub data_folder: Option<PathBuf>,
 }
 
 /// Where file paths come from.
@@ -100,6 +104,7 @@ pub struct App {
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
     loading: Option<Loading>,
+    keeping: keeping::Keeping,
     jobs: Jobs<Event>,
     messages: Messages,
     dialog: Option<Dialog>,
@@ -153,6 +158,7 @@ impl App {
             report: ReportWindow::default(),
             waiting_report: None,
             loading: None,
+            keeping: keeping::Keeping::default(),
             jobs: Jobs::new(creation.egui_ctx.clone()),
             messages: Messages::default(),
             dialog: None,
@@ -164,6 +170,7 @@ impl App {
             title: String::new(),
         };
         app.load(options.paths);
+        app.begin_keeping(options.data_folder);
         app
     }
 
@@ -251,6 +258,7 @@ impl App {
             error_plot_open: self.error_plot.open,
             modified: self.document.is_modified(),
             edit: self.edit_state(),
+            recent: &self.keeping.recent,
         }
     }
 
@@ -294,6 +302,10 @@ impl App {
             Event::ReportGrew(findings) => self.report.set_findings(findings),
             Event::Reported(result) => self.reported(&result),
             Event::CostsMeasured { scene, result } => self.costs_measured(scene, result),
+            Event::KeepingBegun { recent, begun } => self.keeping_begun(recent, begun),
+            Event::WorkKept(result) => self.work_kept(result),
+            Event::Restored { lost, result } => self.restored(lost, result),
+            Event::RecentChanged(recent) => self.keeping.recent = recent,
             Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
             Event::Listed(listing) => {
                 if let Some(Dialog::Path(field)) = &mut self.dialog {
@@ -452,6 +464,10 @@ impl eframe::App for App {
         self.start_waiting_report();
     }
 
+    fn on_exit(&mut self) {
+        self.end_keeping();
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.take_dropped_files(&ctx);
@@ -467,7 +483,13 @@ impl eframe::App for App {
             self.document.record_edit(&self.selection);
         }
         let (display_before, layer_before) = (self.document.scene.display, self.shown_layer);
-        commands.extend(self.window_ui(ui));
+        let asked = self.window_ui(ui);
+        commands.extend(asked.commands);
+        match asked.recent {
+            Some(Recent::Open(path)) => self.open(vec![path]),
+            Some(Recent::Forget) => self.forget_recent(),
+            None => {}
+        }
         self.report_ui(&ctx);
         self.dialogs_ui(&ctx);
         for command in commands {
@@ -487,6 +509,8 @@ impl eframe::App for App {
         self.restart_edited_render();
         self.update_background_work();
         self.start_waiting_report();
+        self.keep_work(&ctx);
+        self.ask_about_lost_work();
         self.update_title(&ctx);
     }
 }

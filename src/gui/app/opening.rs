@@ -56,7 +56,7 @@ impl App {
         });
     }
 
-    fn begin_loading(&mut self, what: String) -> Progress {
+    pub(super) fn begin_loading(&mut self, what: String) -> Progress {
         let progress = Progress::new();
         self.loading = Some(Loading {
             what,
@@ -76,15 +76,6 @@ impl App {
                 return;
             }
         };
-        self.jobs.cancel(Lane::Prepare);
-        self.jobs.cancel(Lane::Render);
-        self.jobs.cancel(Lane::Encode);
-        self.messages.clear();
-        self.messages.news("");
-        if !loaded.warnings.is_empty() {
-            let title = format!("Opened {} with remarks", what(paths));
-            self.messages.warning(title, loaded.warnings.join("\n"));
-        }
         let file = match paths {
             [path] if io::is_scene_file(path) => Some(path.clone()),
             _ => None,
@@ -93,7 +84,24 @@ impl App {
             [] => "Demo".to_owned(),
             [first, ..] => name_of(first),
         };
-        self.document = Document::new(loaded.scene, name, file);
+        self.replace_document(Document::new(loaded.scene, name, file));
+        if !loaded.warnings.is_empty() {
+            let title = format!("Opened {} with remarks", what(paths));
+            self.messages.warning(title, loaded.warnings.join("\n"));
+        }
+        if let [path] = paths {
+            self.remember(path);
+        }
+    }
+
+    /// Puts another document in place of the present one, and forgets what belongs to that.
+    pub(super) fn replace_document(&mut self, document: Document) {
+        self.jobs.cancel(Lane::Prepare);
+        self.jobs.cancel(Lane::Render);
+        self.jobs.cancel(Lane::Encode);
+        self.messages.clear();
+        self.messages.news("");
+        self.document = document;
         self.selection = Selection::Camera;
         self.view = View::Preview;
         self.prepared = None;

@@ -39,6 +39,7 @@ impl App {
         match result {
             Ok(scene) => {
                 self.messages.news(format!("Saved {}", path.display()));
+                self.remember(&path);
                 self.document.set_saved(*scene, path);
                 if let Some(intent) = self.after_saving.take() {
                     self.go_on(ctx, intent);

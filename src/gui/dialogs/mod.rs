@@ -3,12 +3,15 @@
 pub mod files;
 pub mod path_field;
 pub mod question;
+pub mod recovery;
 mod shortcuts;
 
 use std::path::PathBuf;
 
 use files::FilePurpose;
 use path_field::PathField;
+
+use super::keeping::Lost;
 
 pub use shortcuts::shortcuts_ui;
 
@@ -21,6 +24,8 @@ pub enum Dialog {
     Waiting(FilePurpose),
     /// Unsaved work is about to be lost.
     Unsaved(Intent),
+    /// Work that a window before did not save.
+    Recovery(Lost),
     /// The sheet of shortcuts.
     Shortcuts,
 }

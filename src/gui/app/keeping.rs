@@ -1,0 +1,238 @@
+//! Keeping unsaved work and what was opened last on disk, and offering what a window before left behind.
+//!
+//! Whatever was edited is on disk a second later: it is written at most every half second, by a job, while there is something that
+//! is not saved. Restored work is removed from where it was found only when this window keeps it itself.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::App;
+use crate::control::CancelToken;
+use crate::gui::dialogs::Dialog;
+use crate::gui::dialogs::recovery::Answer;
+use crate::gui::document::{Document, same_scene};
+use crate::gui::jobs::Lane;
+use crate::gui::keeping::{self, Begun, Lost, Session};
+use crate::gui::worker::Event;
+use crate::io::{self, LoadedScene};
+use crate::scene::Scene;
+
+/// Time between two writes of work that goes on changing.
+const INTERVAL: Duration = Duration::from_millis(500);
+
+/// What the window keeps on disk.
+#[derive(Debug, Default)]
+pub struct Keeping {
+    /// Where; nothing is kept without.
+    data: Option<PathBuf>,
+    session: Option<Arc<Session>>,
+    /// The scene that is on disk.
+    kept: Option<Scene>,
+    /// When it was last handed over.
+    started: Option<Instant>,
+    /// Lost work that was not asked about yet.
+    lost: VecDeque<Lost>,
+    /// Restored work that is not kept here yet.
+    restored: Option<Lost>,
+    /// Why nothing can be kept, until it is told.
+    fault: Option<String>,
+    /// The files opened or saved last, newest first.
+    pub(super) recent: Vec<PathBuf>,
+}
+
+impl App {
+    /// Begins to keep work in `data`, and looks for what was lost.
+    pub(super) fn begin_keeping(&mut self, data: Option<PathBuf>) {
+        self.keeping.data.clone_from(&data);
+        let Some(data) = data else { return };
+        self.jobs.start(Lane::Begin, move |job| {
+            let recent = keeping::load_recent(&data);
+            let begun = keeping::begin(&data)
+                .map(Box::new)
+                .map_err(|error| format!("{}: {error}", data.display()));
+            job.send(Event::KeepingBegun { recent, begun });
+        });
+    }
+
+    pub(super) fn keeping_begun(
+        &mut self,
+        recent: Vec<PathBuf>,
+        begun: Result<Box<Begun>, String>,
+    ) {
+        self.keeping.recent = recent;
+        match begun {
+            Ok(begun) => {
+                self.keeping.session = Some(Arc::new(begun.session));
+                self.keeping.lost = begun.lost.into();
+            }
+            Err(error) => self.keeping.fault = Some(error),
+        }
+    }
+
+    /// Removes what was kept, as the window closes: the user has decided about it.
+    pub(super) fn end_keeping(&mut self) {
+        if let Some(session) = self.keeping.session.take() {
+            session.end();
+        }
+        self.keeping
+            .restored
+            .take()
+            .into_iter()
+            .for_each(Lost::discard);
+    }
+
+    fn not_kept(&mut self, error: &str) {
+        let text = format!(
+            "{error}\nWere the program to end now, what you have not saved would be lost: save often."
+        );
+        self.messages.warning("Unsaved work is not kept", text);
+    }
+
+    /// Has unsaved work written where it changed since the last time, and removed where it is saved.
+    pub(super) fn keep_work(&mut self, ctx: &egui::Context) {
+        let Some(session) = self.keeping.session.clone() else {
+            return;
+        };
+        if self.jobs.is_busy(Lane::Keep) {
+            return;
+        }
+        let document = &self.document;
+        if !document.is_modified() {
+            if self.keeping.kept.take().is_some() {
+                let restored = self.keeping.restored.take();
+                self.jobs.start(Lane::Keep, move |_| {
+                    session.clear();
+                    restored.into_iter().for_each(Lost::discard);
+                });
+            }
+            return;
+        }
+        let kept = self.keeping.kept.as_ref();
+        if kept.is_some_and(|kept| same_scene(kept, &document.scene)) {
+            return;
+        }
+        let since = self.keeping.started.map(|started| started.elapsed());
+        if let Some(rest) = since.and_then(|since| INTERVAL.checked_sub(since)) {
+            ctx.request_repaint_after(rest);
+            return;
+        }
+        let scene = document.scene.clone();
+        self.keeping.kept = Some(scene.clone());
+        self.keeping.started = Some(Instant::now());
+        let restored = self.keeping.restored.take();
+        let (name, path) = (
+            document.name().to_owned(),
+            document.path().map(Path::to_owned),
+        );
+        self.jobs.start(Lane::Keep, move |job| {
+            let result = session.keep(&scene, name, path);
+            if result.is_ok() {
+                restored.into_iter().for_each(Lost::discard);
+            }
+            job.send(Event::WorkKept(result));
+        });
+    }
+
+    pub(super) fn work_kept(&mut self, result: Result<(), String>) {
+        if let Err(error) = result {
+            self.not_kept(&error);
+        }
+    }
+
+    /// Whether all that is not saved is on disk.
+    #[must_use]
+    pub fn is_work_kept(&self) -> bool {
+        let kept = self.keeping.kept.as_ref();
+        let is_newest = kept.is_some_and(|kept| same_scene(kept, &self.document.scene));
+        is_newest == self.document.is_modified() && !self.jobs.is_busy(Lane::Keep)
+    }
+
+    /// Asks about lost work, once what was opened is there; and tells why nothing can be kept.
+    pub(super) fn ask_about_lost_work(&mut self) {
+        if self.loading.is_some() {
+            return;
+        }
+        if let Some(fault) = self.keeping.fault.take() {
+            self.not_kept(&fault);
+        }
+        if self.dialog.is_none()
+            && let Some(lost) = self.keeping.lost.pop_front()
+        {
+            self.dialog = Some(Dialog::Recovery(lost));
+        }
+    }
+
+    /// Does what the user decided about lost work.
+    pub(super) fn decide_about_lost_work(&mut self, lost: Lost, answer: Answer) {
+        match answer {
+            Answer::None => self.dialog = Some(Dialog::Recovery(lost)),
+            // Other work would take the place of what is restored now: it is offered at the next start.
+            Answer::Later => self.keeping.lost.clear(),
+            Answer::Restore => {
+                self.keeping.lost.clear();
+                self.restore(lost);
+            }
+            Answer::Discard => {
+                self.jobs.start(Lane::Discard, move |_| lost.discard());
+            }
+        }
+    }
+
+    fn restore(&mut self, lost: Lost) {
+        let progress = self.begin_loading(lost.about.name.clone());
+        self.jobs.start(Lane::Load, move |job| {
+            let cancel: &CancelToken = &job.cancel;
+            let result = match io::load_scene(lost.scene_file(), cancel, &progress) {
+                Ok(None) => return,
+                Ok(Some(loaded)) => Ok(Box::new(loaded)),
+                Err(error) => Err(error.to_string()),
+            };
+            job.send(Event::Restored { lost, result });
+        });
+    }
+
+    pub(super) fn restored(&mut self, lost: Lost, result: Result<Box<LoadedScene>, String>) {
+        self.loading = None;
+        match result {
+            Ok(loaded) => {
+                let about = lost.about.clone();
+                let document = Document::restored(loaded.scene, about.name, about.path);
+                self.replace_document(document);
+                self.keeping.restored = Some(lost);
+                self.messages.news("Restored what was not saved");
+            }
+            Err(error) => {
+                let file = lost.scene_file().display();
+                let text = format!(
+                    "{error}\nThe work stays in {file}, and is offered again at the next start."
+                );
+                self.messages.error("Cannot restore the unsaved work", text);
+            }
+        }
+    }
+
+    /// Takes note that `path` was opened or saved.
+    pub(super) fn remember(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.change_recent(Some(path));
+    }
+
+    /// Empties the list of files opened last.
+    pub(super) fn forget_recent(&mut self) {
+        self.change_recent(None);
+    }
+
+    fn change_recent(&mut self, newest: Option<PathBuf>) {
+        let Some(data) = self.keeping.data.clone() else {
+            return;
+        };
+        self.jobs.start(Lane::Recent, move |job| {
+            // A list that cannot be written is no loss to stop anybody for.
+            if let Ok(recent) = keeping::save_recent(&data, newest.as_deref()) {
+                job.send(Event::RecentChanged(recent));
+            }
+        });
+    }
+}

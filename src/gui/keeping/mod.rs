@@ -1,0 +1,40 @@
+//! What outlives the window: unsaved work, in case the program ends before it is saved, and the files opened last.
+//!
+//! Everything lies in one folder of the user's data. Each window has a session there, a folder of its own that it holds a lock on:
+//! the system gives the lock back however the program ends, so a session that nobody holds and that has a scene in it is work that
+//! was lost. A window that offers such work holds its lock meanwhile, so several windows never offer or remove the same.
+
+mod recent;
+mod session;
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use recent::{MOST_RECENT, load_recent, save_recent};
+pub use session::{Begun, Lost, Session, begin};
+
+/// The program's folder in the user's data; `None` where the system knows no home.
+#[must_use]
+pub fn data_folder() -> Option<PathBuf> {
+    use etcetera::BaseStrategy;
+    let strategy = etcetera::base_strategy::choose_native_strategy().ok()?;
+    Some(strategy.data_dir().join("raymini"))
+}
+
+/// Makes `data` where it is not there, and waits until no other window changes what all share there.
+fn lock_shared(data: &Path) -> io::Result<File> {
+    std::fs::create_dir_all(data)?;
+    let lock = open_lock(&data.join("lock"))?;
+    lock.lock()?;
+    Ok(lock)
+}
+
+/// Opens a file that is there to be locked.
+fn open_lock(path: &Path) -> io::Result<File> {
+    File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path)
+}

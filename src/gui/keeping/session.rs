@@ -1,0 +1,239 @@
+//! Unsaved work on disk: one folder per window, and what windows before left behind.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
+
+use serde::{Deserialize, Serialize};
+
+use super::{lock_shared, open_lock};
+use crate::io::{save_scene, write_atomically};
+use crate::scene::Scene;
+
+/// The scene as it was edited last: a scene file like any other.
+const SCENE: &str = "scene.toml";
+/// What the scene belongs to.
+const ABOUT: &str = "about.json";
+const LOCK: &str = "lock";
+
+/// What unsaved work belongs to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct About {
+    /// What people call the scene.
+    pub name: String,
+    /// The scene file that it was opened from or saved to last.
+    pub path: Option<PathBuf>,
+}
+
+/// A folder that nobody else touches as long as this value lives.
+#[derive(Debug)]
+struct Held {
+    folder: PathBuf,
+    /// `None` once the folder is removed.
+    lock: Option<File>,
+}
+
+impl Held {
+    /// The session in `folder`, if no window holds it.
+    fn of(folder: PathBuf) -> Option<Self> {
+        let lock = open_lock(&folder.join(LOCK)).ok()?;
+        lock.try_lock().ok()?;
+        Some(Self {
+            folder,
+            lock: Some(lock),
+        })
+    }
+
+    fn remove(&mut self) {
+        // An open file keeps its folder on some systems.
+        self.lock = None;
+        // What stays is offered, or removed, at the next start.
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// The place of this window's unsaved work. It stays until [`Session::end`], so that it also outlives a fault of the window.
+#[derive(Debug)]
+pub struct Session(Mutex<Held>);
+
+impl Session {
+    /// Writes unsaved work, whole or not at all.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn keep(&self, scene: &Scene, name: String, path: Option<PathBuf>) -> Result<(), String> {
+        let held = self.held();
+        let folder = &held.folder;
+        let about = About { name, path };
+        let text = serde_json::to_string_pretty(&about).map_err(|e| e.to_string())?;
+        write_atomically(&folder.join(ABOUT), |file| file.write_all(text.as_bytes()))
+            .map_err(|error| format!("{}: {error}", folder.display()))?;
+        save_scene(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
+    }
+
+    /// Removes what was kept: it is saved, or was given up.
+    pub fn clear(&self) {
+        // What is not there needs no removing.
+        let _ = fs::remove_file(self.held().folder.join(SCENE));
+    }
+
+    /// Removes all of it, as the window closes: the user has decided about the work. Nothing can be kept any more. Waits for what is
+    /// being written.
+    pub fn end(&self) {
+        self.held().remove();
+    }
+
+    fn held(&self) -> MutexGuard<'_, Held> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Work that a window left behind that did not end as windows do. Nobody else is offered it as long as this value lives.
+#[derive(Clone, Debug)]
+pub struct Lost {
+    /// What it belongs to.
+    pub about: About,
+    /// When it was last edited.
+    pub edited: SystemTime,
+    held: Arc<Mutex<Held>>,
+    scene: PathBuf,
+}
+
+impl Lost {
+    fn of(held: Held) -> Option<Self> {
+        let scene = held.folder.join(SCENE);
+        let edited = fs::metadata(&scene).and_then(|m| m.modified()).ok()?;
+        let about = fs::read_to_string(held.folder.join(ABOUT)).unwrap_or_default();
+        let about = serde_json::from_str(&about).unwrap_or_else(|_| About {
+            name: "untitled".to_owned(),
+            path: None,
+        });
+        Some(Self {
+            about,
+            edited,
+            held: Arc::new(Mutex::new(held)),
+            scene,
+        })
+    }
+
+    /// The scene file.
+    #[must_use]
+    pub fn scene_file(&self) -> &Path {
+        &self.scene
+    }
+
+    /// Removes it for good.
+    pub fn discard(self) {
+        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        held.remove();
+    }
+}
+
+/// What a window starts with.
+#[derive(Debug)]
+pub struct Begun {
+    /// Where its unsaved work goes.
+    pub session: Session,
+    /// What others left behind, last edited first.
+    pub lost: Vec<Lost>,
+}
+
+/// Begins a session in the folder `data`, and looks for lost work there. Remains without work in them are removed.
+///
+/// # Errors
+/// What the system says.
+pub fn begin(data: &Path) -> io::Result<Begun> {
+    // Between a folder and its lock nobody looks.
+    let shared = lock_shared(data)?;
+    let sessions = data.join("sessions");
+    fs::create_dir_all(&sessions)?;
+    let mut lost = Vec::new();
+    for entry in fs::read_dir(&sessions)?.flatten() {
+        let Some(held) = Held::of(entry.path()) else {
+            continue;
+        };
+        if held.folder.join(SCENE).is_file() {
+            lost.extend(Lost::of(held));
+        } else {
+            let mut held = held;
+            held.remove();
+        }
+    }
+    lost.sort_by_key(|lost| std::cmp::Reverse(lost.edited));
+    let folder = tempfile::Builder::new()
+        .prefix(&format!("{}-", std::process::id()))
+        .tempdir_in(&sessions)?
+        .keep();
+    let held = Held::of(folder).ok_or_else(|| {
+        let text = "the folder for unsaved work cannot be locked";
+        io::Error::new(io::ErrorKind::Unsupported, text)
+    })?;
+    drop(shared);
+    Ok(Begun {
+        session: Session(Mutex::new(held)),
+        lost,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{CancelToken, Progress};
+    use crate::io::{demo_scene, load_scene};
+
+    #[test]
+    fn work_of_a_killed_window_is_found_until_it_is_discarded() {
+        let folder = tempfile::tempdir().unwrap();
+        let data = folder.path().join("data");
+        let Begun { session, lost } = begin(&data).unwrap();
+        assert!(lost.is_empty());
+        let mut scene = demo_scene();
+        scene.camera.eye.x += 1.0;
+        let path = Some(PathBuf::from("/scenes/room.toml"));
+        session
+            .keep(&scene, "room".to_owned(), path.clone())
+            .unwrap();
+
+        // A window beside it leaves it alone, and a closed one leaves nothing.
+        let beside = begin(&data).unwrap();
+        assert!(beside.lost.is_empty());
+        beside.session.end();
+        // A process that ends gives back its locks.
+        drop(session);
+
+        let Begun { session, mut lost } = begin(&data).unwrap();
+        assert_eq!(lost.len(), 1);
+        let work = lost.pop().unwrap();
+        assert_eq!(work.about.name, "room");
+        assert_eq!(work.about.path, path);
+        let loaded = load_scene(work.scene_file(), &CancelToken::new(), &Progress::new());
+        assert_eq!(loaded.unwrap().unwrap().scene.camera, scene.camera);
+        // Nobody else is offered it meanwhile; who puts it off is asked again.
+        let others = || {
+            let Begun { session, lost } = begin(&data).unwrap();
+            session.end();
+            lost
+        };
+        assert!(others().is_empty());
+        drop(work);
+        let work = others().pop().unwrap();
+        work.discard();
+        assert!(others().is_empty());
+        session.end();
+        let left = fs::read_dir(data.join("sessions")).unwrap().count();
+        assert_eq!(left, 0);
+    }
+
+    #[test]
+    fn saved_work_is_not_lost() {
+        let folder = tempfile::tempdir().unwrap();
+        let Begun { session, .. } = begin(folder.path()).unwrap();
+        let keep = |name: &str| session.keep(&demo_scene(), name.to_owned(), None);
+        keep("demo").unwrap();
+        session.clear();
+        drop(session);
+        assert!(begin(folder.path()).unwrap().lost.is_empty());
+    }
+}
