@@ -47,6 +47,12 @@ pub enum Command {
     TogglePanel,
     /// Show or hide the error plot.
     ToggleErrorPlot,
+    /// Show or hide the renders of this session.
+    ToggleRenders,
+    /// Show the picture of the render before the shown one.
+    ShowOlderRender,
+    /// Show the picture of the render after the shown one.
+    ShowNewerRender,
     /// Start rendering, in place of a running render.
     Render,
     /// Stop the running render or report.
@@ -61,7 +67,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 29] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -87,6 +93,9 @@ impl Command {
         Self::ShowPicture,
         Self::TogglePanel,
         Self::ToggleErrorPlot,
+        Self::ToggleRenders,
+        Self::ShowOlderRender,
+        Self::ShowNewerRender,
         Self::ShowShortcuts,
     ];
 
@@ -115,6 +124,9 @@ impl Command {
             Self::ShowPicture => "Picture",
             Self::TogglePanel => "Side panel",
             Self::ToggleErrorPlot => "Error plot",
+            Self::ToggleRenders => "Renders",
+            Self::ShowOlderRender => "Older render",
+            Self::ShowNewerRender => "Newer render",
             Self::Render => "Render",
             Self::Cancel => "Cancel",
             Self::Report => "Report…",
@@ -148,6 +160,9 @@ impl Command {
             Self::ShowPicture => "Show the rendered picture",
             Self::TogglePanel => "Show or hide the side panel",
             Self::ToggleErrorPlot => "Plot the noise of renders against time",
+            Self::ToggleRenders => "Show the renders of this session, to look at them again",
+            Self::ShowOlderRender => "Show the picture of the render before this one",
+            Self::ShowNewerRender => "Show the picture of the render after this one",
             Self::Render => "Render the picture; restarts a running render",
             Self::Cancel => "Stop the running render, report, measurement or load",
             Self::MeasureCosts => {
@@ -192,6 +207,9 @@ impl Command {
             Self::ShowPicture => const { &[plain(Key::Num2)] },
             Self::TogglePanel => const { &[plain(Key::F9)] },
             Self::ToggleErrorPlot => const { &[plain(Key::F8)] },
+            Self::ToggleRenders => const { &[plain(Key::F6)] },
+            Self::ShowOlderRender => const { &[plain(Key::PageUp)] },
+            Self::ShowNewerRender => const { &[plain(Key::PageDown)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
             Self::Report => const { &[command_shift(Key::R)] },
@@ -237,7 +255,7 @@ impl Command {
             .filter(|(keys, command)| {
                 let is_function_key = matches!(
                     keys.logical_key,
-                    Key::F1 | Key::F2 | Key::F5 | Key::F7 | Key::F8 | Key::F9
+                    Key::F1 | Key::F2 | Key::F5 | Key::F6 | Key::F7 | Key::F8 | Key::F9
                 );
                 (!typing || keys.modifiers.command || is_function_key)
                     && !(in_text_field && command.is_of_text_fields())

@@ -73,6 +73,11 @@ impl Document {
         self.undo.record(&self.scene, selection);
     }
 
+    /// [`Document::record_edit`] of an edit that is called `name`.
+    pub fn record_edit_as(&mut self, selection: &Selection, name: String) {
+        self.undo.record_as(&self.scene, selection, Some(name));
+    }
+
     /// What can be undone and done again.
     #[must_use]
     pub fn undo_history(&self) -> &UndoHistory {

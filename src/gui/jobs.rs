@@ -31,6 +31,8 @@ pub enum Lane {
     Render,
     /// Converting a finished picture for the screen after a display setting changed.
     Encode,
+    /// Making small pictures of renders.
+    Thumbnails,
     /// Writing the scene.
     SaveScene,
     /// Writing the picture.
@@ -55,7 +57,7 @@ pub enum Lane {
     Recent,
 }
 
-const LANES: usize = 15;
+const LANES: usize = 16;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

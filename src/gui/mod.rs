@@ -7,7 +7,8 @@
 //! - [`jobs`], [`worker`]: background work and what it says
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
-//! - [`picture`]: the render as it fills in
+//! - [`picture`], [`picture_buffer`]: the render as it fills in
+//! - [`renders`]: the renders of this session
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`]: what effects cost
@@ -34,8 +35,10 @@ pub mod orbit;
 pub mod panels;
 pub mod pick;
 pub mod picture;
+pub mod picture_buffer;
 pub mod preview;
 pub mod preview_image;
+pub mod renders;
 pub mod report;
 pub mod selection;
 mod start;

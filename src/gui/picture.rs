@@ -1,24 +1,13 @@
-//! The picture that a render fills in, as the window shows it.
-//!
-//! The render's threads put linear tiles into a [`PictureBuffer`] and encode them for the screen there, so the window's
-//! thread only copies finished bytes into a texture. A picture wider or higher than a texture may be is shown at a whole
-//! fraction of its size, one pixel of every block; nothing but the showing is reduced.
+//! A render as the window watches it: its scene, its pixels, how far it is, and what of it is on the screen.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
 
-use super::error_colors;
-use crate::control::CancelToken;
-use crate::render::{ErrorPoint, Image, Layer, RenderProgress, RenderStats, TilePixels, display};
-use crate::scene::{Display, Scene};
-
-/// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
-/// copied within a frame.
-const LARGEST_TEXTURE: u32 = 4096;
-/// Rows of one piece of a picture that is encoded anew.
-const ROWS_PER_BAND: u32 = 64;
+use super::picture_buffer::{EncodedTile, PictureBuffer};
+use crate::render::{ErrorPoint, RenderProgress, RenderStats};
+use crate::scene::Scene;
 
 /// Sharp pixels when enlarged, smooth when reduced.
 const TEXTURE_OPTIONS: TextureOptions = TextureOptions {
@@ -27,271 +16,6 @@ const TEXTURE_OPTIONS: TextureOptions = TextureOptions {
     ..TextureOptions::NEAREST
 };
 
-/// A piece of the picture as the screen shows it, in texels of the texture.
-#[derive(Clone, Debug)]
-pub struct EncodedTile {
-    /// Left and top edge.
-    pub position: [usize; 2],
-    /// Size and colours.
-    pub pixels: ColorImage,
-}
-
-/// The linear picture so far, shared by the threads that fill it and those that show or save it.
-#[derive(Debug)]
-pub struct PictureBuffer {
-    width: u32,
-    height: u32,
-    /// Picture pixels per texel along each axis.
-    step: u32,
-    layers: Vec<Layer>,
-    state: Mutex<BufferState>,
-}
-
-#[derive(Debug)]
-struct BufferState {
-    /// The picture, then its layers.
-    planes: Vec<Image>,
-    /// Which of them is on the screen.
-    shown: usize,
-    display: Display,
-    /// The error with the last colour, see [`error_colors`]; `None` while nothing is known of it.
-    error_scale: Option<f32>,
-}
-
-impl BufferState {
-    /// How to show values of `layer`, or of the picture.
-    fn look(&self, layer: Option<Layer>) -> Look {
-        match layer {
-            Some(Layer::Error) => Look::Error(self.error_scale.unwrap_or_default()),
-            _ => Look::Light(self.display),
-        }
-    }
-}
-
-/// How values become colours.
-#[derive(Clone, Copy, Debug)]
-enum Look {
-    /// As light.
-    Light(Display),
-    /// As an error on a scale up to this one.
-    Error(f32),
-}
-
-impl Look {
-    fn color(self, rgb: [f32; 3]) -> Color32 {
-        match self {
-            Self::Light(display) => {
-                let [r, g, b] = display::encode_8(rgb, &display);
-                Color32::from_rgb(r, g, b)
-            }
-            Self::Error(scale) => error_colors::color(rgb, scale),
-        }
-    }
-}
-
-impl PictureBuffer {
-    /// A black picture with these layers, shown with `display` on textures of at most `largest_texture` texels a side. `None`
-    /// when it does not fit into memory.
-    #[must_use]
-    pub fn new(
-        [width, height]: [u32; 2],
-        layers: Vec<Layer>,
-        display: Display,
-        largest_texture: u32,
-    ) -> Option<Self> {
-        let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
-        let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
-        let planes = 1 + layers.len();
-        // Ask first: the allocation below ends the program where there is no room. It takes zeroed pages, which cost
-        // nothing until they are used.
-        Vec::<[f32; 3]>::new()
-            .try_reserve_exact(count.checked_mul(planes)?)
-            .ok()?;
-        let black = || Image {
-            width,
-            height,
-            pixels: vec![[0.0; 3]; count],
-        };
-        Some(Self {
-            width,
-            height,
-            step: width.max(height).div_ceil(largest).max(1),
-            layers,
-            state: Mutex::new(BufferState {
-                planes: std::iter::repeat_with(black).take(planes).collect(),
-                shown: 0,
-                display,
-                error_scale: None,
-            }),
-        })
-    }
-
-    /// The layers that are kept beside the picture.
-    #[must_use]
-    pub fn layers(&self) -> &[Layer] {
-        &self.layers
-    }
-
-    /// Picture pixels per texel along each axis: 1 unless the picture is too large for a texture.
-    #[must_use]
-    pub fn step(&self) -> u32 {
-        self.step
-    }
-
-    /// Width and height of the texture.
-    #[must_use]
-    pub fn texture_size(&self) -> [usize; 2] {
-        [self.width, self.height].map(|side| side.div_ceil(self.step) as usize)
-    }
-
-    /// The picture so far.
-    #[must_use]
-    pub fn image(&self) -> Image {
-        self.lock().planes[0].clone()
-    }
-
-    /// Its layers so far.
-    #[must_use]
-    pub fn layer_images(&self) -> Vec<(Layer, Image)> {
-        let images = self.lock().planes[1..].to_vec();
-        self.layers.iter().copied().zip(images).collect()
-    }
-
-    /// Shows a layer, or the picture, from now on; what is already shown needs [`PictureBuffer::encode_all`]. A layer that is not
-    /// kept shows the picture.
-    pub fn set_shown(&self, layer: Option<Layer>) {
-        let index = layer.and_then(|layer| self.layers.iter().position(|&kept| kept == layer));
-        self.lock().shown = index.map_or(0, |index| index + 1);
-    }
-
-    /// Shows the picture with `display` from now on; tiles already shown need [`PictureBuffer::encode_all`].
-    pub fn set_display(&self, display: Display) {
-        self.lock().display = display;
-    }
-
-    /// Whether the layer of the error is on the screen.
-    #[must_use]
-    pub fn shows_error(&self) -> bool {
-        self.layer(self.lock().shown) == Some(Layer::Error)
-    }
-
-    /// The error that has the last colour, where the layer of the error is on the screen and known.
-    #[must_use]
-    pub fn shown_error_scale(&self) -> Option<f32> {
-        let state = self.lock();
-        let is_shown = self.layer(state.shown) == Some(Layer::Error);
-        state.error_scale.filter(|_| is_shown)
-    }
-
-    /// Takes in the error of every pixel, where it is kept. What shows it needs [`PictureBuffer::encode_all`].
-    pub fn set_error(&self, errors: Image) {
-        if let Some(index) = self.layers.iter().position(|&kept| kept == Layer::Error) {
-            let scale = error_colors::scale_of(&errors);
-            let mut state = self.lock();
-            state.planes[index + 1] = errors;
-            state.error_scale = Some(scale);
-        }
-    }
-
-    /// The layer of plane `index`; `None` for the picture.
-    fn layer(&self, index: usize) -> Option<Layer> {
-        index.checked_sub(1).map(|layer| self.layers[layer])
-    }
-
-    /// Takes in a tile of the render and returns what to show; `None` where the reduced picture has no pixel of it, or a
-    /// layer is on the screen that does not come in tiles.
-    #[must_use]
-    pub fn accept(&self, tile: &TilePixels<'_>) -> Option<EncodedTile> {
-        let region = tile.region;
-        let (display, rgb) = {
-            let mut state = self.lock();
-            // The coarse picture that comes first has no layers, and the error, which is the last, comes in no tile.
-            let planes = std::iter::once(tile.rgb).chain(tile.layers.iter().map(Vec::as_slice));
-            for (image, rgb) in state.planes.iter_mut().zip(planes) {
-                region.copy_into(rgb, image);
-            }
-            let shown = state
-                .shown
-                .checked_sub(1)
-                .map(|index| tile.layers.get(index));
-            (
-                state.display,
-                match shown {
-                    None => tile.rgb,
-                    Some(layer) => layer?.as_slice(),
-                },
-            )
-        };
-        let look = Look::Light(display);
-        let encode = |x: u32, y: u32| {
-            let index = (y - region.y) as usize * region.width as usize + (x - region.x) as usize;
-            look.color(rgb[index])
-        };
-        self.encode(
-            region.x..region.x + region.width,
-            region.y..region.y + region.height,
-            encode,
-        )
-    }
-
-    /// Encodes the whole picture anew, band by band.
-    pub fn encode_all(&self, cancel: &CancelToken, mut show: impl FnMut(EncodedTile)) {
-        for top in (0..self.height).step_by((ROWS_PER_BAND * self.step) as usize) {
-            if cancel.is_cancelled() {
-                return;
-            }
-            let rows = top..(top + ROWS_PER_BAND * self.step).min(self.height);
-            let (band, look) = {
-                let state = self.lock();
-                let row = self.width as usize;
-                let range = rows.start as usize * row..rows.end as usize * row;
-                (
-                    state.planes[state.shown].pixels[range].to_vec(),
-                    state.look(self.layer(state.shown)),
-                )
-            };
-            let encode = |x: u32, y: u32| {
-                let index = (y - rows.start) as usize * self.width as usize + x as usize;
-                look.color(band[index])
-            };
-            if let Some(tile) = self.encode(0..self.width, rows.clone(), encode) {
-                show(tile);
-            }
-        }
-    }
-
-    /// The texels whose pixel lies in the given columns and rows.
-    fn encode(
-        &self,
-        columns: std::ops::Range<u32>,
-        rows: std::ops::Range<u32>,
-        color: impl Fn(u32, u32) -> Color32,
-    ) -> Option<EncodedTile> {
-        let texels = |range: &std::ops::Range<u32>| {
-            range.start.div_ceil(self.step)..range.end.div_ceil(self.step)
-        };
-        let (columns, rows) = (texels(&columns), texels(&rows));
-        if columns.is_empty() || rows.is_empty() {
-            return None;
-        }
-        let size = [columns.len(), rows.len()];
-        let position = [columns.start as usize, rows.start as usize];
-        let pixels = rows
-            .flat_map(|row| columns.clone().map(move |column| (column, row)))
-            .map(|(column, row)| color(column * self.step, row * self.step))
-            .collect();
-        Some(EncodedTile {
-            position,
-            pixels: ColorImage::new(size, pixels),
-        })
-    }
-
-    fn lock(&self) -> std::sync::MutexGuard<'_, BufferState> {
-        // Pixels are plain numbers: one that panicked half-way leaves nothing broken.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// How a render ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
@@ -299,7 +23,7 @@ pub enum Outcome {
     Running,
     /// All samples are in.
     Finished {
-        /// SHA-256 of the linear picture, see [`Image::hash`].
+        /// SHA-256 of the linear picture, see [`crate::render::Image::hash`].
         hash: String,
         /// What it took.
         stats: Box<RenderStats>,
@@ -312,6 +36,8 @@ pub enum Outcome {
 
 /// A render and what the window shows of it.
 pub struct Picture {
+    /// Its number among the renders of this session, from 1.
+    pub number: usize,
     /// What it is called among other renders.
     pub name: String,
     /// The scene as it was when the render started.
@@ -322,6 +48,8 @@ pub struct Picture {
     pub progress: RenderProgress,
     /// How it ended.
     pub outcome: Outcome,
+    /// Whether another took its place before it was done, because the scene was edited.
+    pub is_replaced: bool,
     /// From the click to the first tile on its way to the screen.
     pub first_tile: Option<Duration>,
     /// What is known of its error, oldest first.
@@ -337,6 +65,7 @@ impl Picture {
     /// A picture whose render was asked for at `started`.
     #[must_use]
     pub fn new(
+        number: usize,
         name: String,
         scene: Scene,
         buffer: Arc<PictureBuffer>,
@@ -344,11 +73,13 @@ impl Picture {
         started: Instant,
     ) -> Self {
         Self {
+            number,
             name,
             scene,
             buffer,
             progress,
             outcome: Outcome::Running,
+            is_replaced: false,
             first_tile: None,
             errors: Vec::new(),
             newest_error: started,
@@ -372,12 +103,15 @@ impl Picture {
     }
 
     /// Goes on showing what `previous` showed until the first tiles are there, where both are of one size.
-    pub fn continue_from(&mut self, previous: Self) {
+    pub fn continue_from(&mut self, previous: &mut Self) {
         if previous.buffer.texture_size() == self.buffer.texture_size() {
-            self.texture = previous.texture;
+            self.texture = previous.texture.take();
         }
-        // Giving back many megabytes takes longer than the window has for a frame.
-        rayon::spawn(move || drop(previous.buffer));
+    }
+
+    /// Takes it off the screen; it is shown again by encoding it anew.
+    pub fn hide(&mut self) {
+        self.texture = None;
     }
 
     /// What there is to show; `None` before the first tile.
@@ -457,178 +191,5 @@ impl std::fmt::Debug for Picture {
             .field("outcome", &self.outcome)
             .field("elapsed", &self.elapsed())
             .finish_non_exhaustive()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::render::Region;
-
-    fn buffer(width: u32, height: u32, largest_texture: u32) -> Option<PictureBuffer> {
-        PictureBuffer::new(
-            [width, height],
-            Vec::new(),
-            Display::default(),
-            largest_texture,
-        )
-    }
-
-    fn tile(region: Region, value: f32) -> (Region, Vec<[f32; 3]>) {
-        (region, vec![[value; 3]; region.pixel_count()])
-    }
-
-    #[test]
-    fn tiles_are_shown_where_they_belong() {
-        let buffer = buffer(70, 40, 8192).unwrap();
-        let region = Region {
-            x: 32,
-            y: 8,
-            width: 38,
-            height: 16,
-        };
-        let (region, rgb) = tile(region, 1.0);
-        let encoded = buffer
-            .accept(&TilePixels {
-                region,
-                rgb: &rgb,
-                layers: &[],
-            })
-            .unwrap();
-        assert_eq!(encoded.position, [32, 8]);
-        assert_eq!(encoded.pixels.size, [38, 16]);
-        assert!(encoded.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
-        assert_eq!(buffer.image().pixel(32, 8), [1.0; 3]);
-        assert_eq!(buffer.image().pixel(31, 8), [0.0; 3]);
-    }
-
-    #[test]
-    fn a_picture_too_large_for_a_texture_is_reduced_without_gaps() {
-        let buffer = buffer(100, 37, 30).unwrap();
-        assert_eq!(buffer.step(), 4);
-        let [width, height] = buffer.texture_size();
-        assert!(width <= 30 && height <= 30);
-        let mut covered = vec![0; width * height];
-        let full = Region::full(100, 37);
-        // Tiles whose edges are not multiples of the step.
-        for y in (0..full.height).step_by(7) {
-            for x in (0..full.width).step_by(9) {
-                let region = Region {
-                    x,
-                    y,
-                    width: 9.min(full.width - x),
-                    height: 7.min(full.height - y),
-                };
-                let (region, rgb) = tile(region, 0.5);
-                let Some(shown) = buffer.accept(&TilePixels {
-                    region,
-                    rgb: &rgb,
-                    layers: &[],
-                }) else {
-                    continue;
-                };
-                for row in 0..shown.pixels.height() {
-                    for column in 0..shown.pixels.width() {
-                        covered[(shown.position[1] + row) * width + shown.position[0] + column] +=
-                            1;
-                    }
-                }
-            }
-        }
-        assert!(covered.iter().all(|&count| count == 1));
-    }
-
-    #[test]
-    fn encoding_anew_shows_the_new_exposure_everywhere() {
-        let buffer = buffer(33, 150, 8192).unwrap();
-        let (region, rgb) = tile(Region::full(33, 150), 0.25);
-        let before = buffer
-            .accept(&TilePixels {
-                region,
-                rgb: &rgb,
-                layers: &[],
-            })
-            .unwrap();
-        buffer.set_display(Display {
-            exposure: 2.0,
-            ..Display::default()
-        });
-        let mut rows = 0;
-        buffer.encode_all(&CancelToken::new(), |band| {
-            rows += band.pixels.height();
-            assert!(band.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
-        });
-        assert_eq!(rows, 150);
-        assert_ne!(before.pixels.pixels[0], Color32::WHITE);
-    }
-
-    #[test]
-    fn layers_are_shown_in_place_of_the_picture() {
-        let layers = vec![Layer::Emission, Layer::Shadow];
-        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
-        let (region, rgb) = tile(Region::full(16, 16), 0.25);
-        let layers = [tile(region, 0.0).1, tile(region, 1.0).1];
-        let whole = TilePixels {
-            region,
-            rgb: &rgb,
-            layers: &layers,
-        };
-        buffer.set_shown(Some(Layer::Shadow));
-        let shown = buffer.accept(&whole).unwrap();
-        assert_eq!(shown.pixels.pixels[0], Color32::WHITE);
-        // The coarse picture has none, so the layer on the screen stays as it was.
-        let coarse = TilePixels {
-            layers: &[],
-            ..whole
-        };
-        assert!(buffer.accept(&coarse).is_none());
-        buffer.set_shown(Some(Layer::Ambient));
-        assert_ne!(
-            buffer.accept(&whole).unwrap().pixels.pixels[0],
-            Color32::WHITE
-        );
-        assert_eq!(buffer.layer_images()[1].1.pixel(3, 3), [1.0; 3]);
-    }
-
-    #[test]
-    fn the_error_is_shown_by_a_scale_of_its_own() {
-        let layers = vec![Layer::Shadow, Layer::Error];
-        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
-        buffer.set_shown(Some(Layer::Error));
-        assert!(buffer.shows_error());
-        assert_eq!(buffer.shown_error_scale(), None);
-        let mut errors = Image {
-            width: 16,
-            height: 16,
-            pixels: vec![[0.001; 3]; 256],
-        };
-        errors.pixels[0] = [0.0; 3];
-        buffer.set_error(errors);
-        assert_eq!(buffer.shown_error_scale(), Some(0.001));
-        let mut shown = Vec::new();
-        buffer.encode_all(&CancelToken::new(), |band| shown.push(band));
-        let colors = &shown[0].pixels.pixels;
-        assert_eq!(colors[0], error_colors::color([0.0; 3], 1.0));
-        assert_eq!(colors[1], error_colors::color([1.0; 3], 1.0));
-
-        // Tiles bring no error, so what is on the screen stays.
-        let (region, rgb) = tile(Region::full(16, 16), 0.25);
-        let layers = [tile(region, 1.0).1];
-        let whole = TilePixels {
-            region,
-            rgb: &rgb,
-            layers: &layers,
-        };
-        assert!(buffer.accept(&whole).is_none());
-        assert_eq!(buffer.layer_images()[1].1.pixel(1, 0), [0.001; 3]);
-        buffer.set_shown(None);
-        assert_eq!(buffer.shown_error_scale(), None);
-    }
-
-    #[test]
-    fn a_picture_no_memory_holds_is_refused() {
-        if usize::BITS == 64 {
-            assert!(buffer(u32::MAX, u32::MAX, 8192).is_none());
-        }
     }
 }

@@ -72,7 +72,7 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
             .with_title("RayMini")
             .with_app_id("raymini")
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([720.0, 480.0]),
+            .with_min_inner_size([800.0, 520.0]),
         // Pictures are shown as they are saved, without noise on top.
         dithering: false,
         ..eframe::NativeOptions::default()

@@ -53,6 +53,10 @@ pub struct TopBarState<'a> {
     pub panel_open: bool,
     /// Whether the error plot shows.
     pub error_plot_open: bool,
+    /// Whether the renders of this session show.
+    pub renders_open: bool,
+    /// Whether there are renders to look at.
+    pub has_renders: bool,
     /// Whether the scene has unsaved changes.
     pub modified: bool,
     /// What the menu Edit offers.
@@ -106,6 +110,7 @@ impl TopBarState<'_> {
     pub fn allows(self, command: Command) -> bool {
         match command {
             Command::SavePicture | Command::ShowPicture => self.has_picture,
+            Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
             Command::Cancel => self.is_measuring || self.is_busy(),
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
             Command::Report => self.phase != Phase::Empty,
@@ -129,6 +134,7 @@ impl TopBarState<'_> {
     fn why_not(self, command: Command) -> &'static str {
         match command {
             Command::SavePicture | Command::ShowPicture => "There is no picture yet: press Render",
+            Command::ShowOlderRender | Command::ShowNewerRender => "Nothing was rendered yet",
             Command::Cancel => "Nothing is rendered now",
             Command::Undo => "Nothing was edited yet",
             Command::Redo => "Nothing was undone",
@@ -163,7 +169,7 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Asked {
         ui.add_space(10.0);
         view_switch_ui(ui, state, &mut asked.commands);
         ui.add_space(8.0);
-        error_plot_button_ui(ui, state, &mut asked.commands);
+        switches_ui(ui, state, &mut asked.commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             render_button_ui(ui, state, &mut asked.commands);
             ui.add_space(8.0);
@@ -178,6 +184,7 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Asked {
 
 /// What the scene is called, and whether it has unsaved changes.
 fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
+    ui.spacing_mut().item_spacing.x = 6.0;
     ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
     if modified {
         ui.label(RichText::new("• not saved").weak())
@@ -236,7 +243,12 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
                 Command::ShowPicture,
                 Command::TogglePanel,
                 Command::ToggleErrorPlot,
+                Command::ToggleRenders,
             ] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            for command in [Command::ShowOlderRender, Command::ShowNewerRender] {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();
@@ -266,6 +278,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         Command::ShowPicture => state.view == View::Picture,
         Command::TogglePanel => state.panel_open,
         Command::ToggleErrorPlot => state.error_plot_open,
+        Command::ToggleRenders => state.renders_open,
         _ => false,
     };
     let label = match (command, state.edit) {
@@ -366,15 +379,19 @@ fn view_switch_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>)
     }
 }
 
-/// The switch of the error plot.
-fn error_plot_button_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
-    let command = Command::ToggleErrorPlot;
-    let button = Button::new(command.label())
-        .selected(state.error_plot_open)
-        .min_size(Vec2::new(86.0, theme::BAR_BUTTON_HEIGHT));
-    let response = ui.add(button).on_hover_text(command.tooltip(ui.ctx()));
-    if response.clicked() {
-        asked.push(command);
+/// The switches of the panels at the bottom.
+fn switches_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+    for (command, is_open) in [
+        (Command::ToggleErrorPlot, state.error_plot_open),
+        (Command::ToggleRenders, state.renders_open),
+    ] {
+        let button = Button::new(command.label())
+            .selected(is_open)
+            .min_size(Vec2::new(76.0, theme::BAR_BUTTON_HEIGHT));
+        let response = ui.add(button).on_hover_text(command.tooltip(ui.ctx()));
+        if response.clicked() {
+            asked.push(command);
+        }
     }
 }
 

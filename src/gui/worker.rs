@@ -15,7 +15,7 @@ use eframe::wgpu;
 use super::costs::PAIRS;
 use super::jobs::Job;
 use super::keeping::{Begun, Lost};
-use super::picture::{EncodedTile, PictureBuffer};
+use super::picture_buffer::{EncodedTile, PictureBuffer};
 use super::preview::geometry::GpuGeometry;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
@@ -59,6 +59,20 @@ pub enum Event {
     Prepared(Result<Box<Prepared>, String>),
     /// A tile of the running render.
     Tile(EncodedTile),
+    /// A piece of a picture that is shown anew.
+    Encoded {
+        /// The number of its render.
+        number: usize,
+        /// It.
+        tile: EncodedTile,
+    },
+    /// A small picture of a render.
+    Thumbnail {
+        /// The number of the render.
+        number: usize,
+        /// As it is shown.
+        image: egui::ColorImage,
+    },
     /// The running render is done.
     Rendered {
         /// The picture's hash.
@@ -236,6 +250,8 @@ fn new_geometry(description: &Scene, scene: PreparedScene, gpu: Option<&Gpu>) ->
 /// What a render job works with.
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
+    /// Its number.
+    pub number: usize,
     /// The scene as it is now.
     pub scene: Scene,
     /// What was prepared last.
@@ -303,7 +319,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         if round.error.is_some() && (is_cheap || request.buffer.shows_error()) {
             let started = Instant::now();
             if let Some(errors) = round.error_image() {
-                show_error(job, &request.buffer, errors);
+                show_error(job, request, errors);
             }
             *seconds = started.elapsed().as_secs_f64();
         }
@@ -326,23 +342,36 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     };
     let hash = image.hash();
     if let Some((_, errors)) = layers.into_iter().find(|(l, _)| *l == Layer::Error) {
-        show_error(job, &request.buffer, errors);
+        show_error(job, request, errors);
     }
     let stats = Box::new(stats);
     job.send(Event::Rendered { hash, stats });
 }
 
 /// Keeps the error of each pixel, and shows it where it is the layer that is looked at.
-fn show_error(job: &Job<Event>, buffer: &PictureBuffer, errors: Image) {
-    buffer.set_error(errors);
-    if buffer.shows_error() {
-        encode(job, buffer);
+fn show_error(job: &Job<Event>, request: &RenderRequest, errors: Image) {
+    request.buffer.set_error(errors);
+    if request.buffer.shows_error() {
+        encode(job, request.number, &request.buffer);
     }
 }
 
-/// Shows the whole picture again, after its display settings changed.
-pub fn encode(job: &Job<Event>, buffer: &PictureBuffer) {
-    buffer.encode_all(&job.cancel, |tile| job.send(Event::Tile(tile)));
+/// Shows the whole picture of render `number` again, after its display settings changed.
+pub fn encode(job: &Job<Event>, number: usize, buffer: &PictureBuffer) {
+    buffer.encode_all(&job.cancel, |tile| {
+        job.send(Event::Encoded { number, tile });
+    });
+}
+
+/// Makes small pictures of renders, as they are shown with their displays.
+pub fn make_thumbnails(job: &Job<Event>, renders: &[(usize, Arc<PictureBuffer>)]) {
+    for (number, buffer) in renders {
+        let image = buffer.thumbnail();
+        job.send(Event::Thumbnail {
+            number: *number,
+            image,
+        });
+    }
 }
 
 /// Writes a scene file.

@@ -13,10 +13,11 @@ use crate::gui::dialogs::{
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
+use crate::gui::renders::{self, StripState};
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
 use crate::gui::theme;
-use crate::gui::top_bar::{self, Asked, View};
+use crate::gui::top_bar::{self, Recent, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
 use crate::gui::{error_colors, error_plot};
@@ -28,9 +29,20 @@ const REPORT_REFRESH: Duration = Duration::from_millis(500);
 /// The same while costs are measured: drawing counts among the processor time of what is measured.
 const MEASURING_REFRESH: Duration = Duration::from_secs(1);
 
+/// What was asked for in the window.
+#[derive(Clone, Debug)]
+pub(super) struct WindowAsked {
+    /// By name.
+    pub commands: Vec<Command>,
+    /// About the files opened last.
+    pub recent: Option<Recent>,
+    /// About the renders of this session.
+    pub render: Option<renders::Asked>,
+}
+
 impl App {
     /// Draws the window; returns what was asked for.
-    pub(super) fn window_ui(&mut self, ui: &mut Ui) -> Asked {
+    pub(super) fn window_ui(&mut self, ui: &mut Ui) -> WindowAsked {
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| {
             Frame::new()
@@ -39,7 +51,7 @@ impl App {
         };
         let state = self.top_bar_state();
         let name = self.document.name();
-        let mut asked = Panel::top("top bar")
+        let mut bar_asked = Panel::top("top bar")
             .frame(bar(10, 6))
             .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
             .inner;
@@ -52,7 +64,7 @@ impl App {
             .default_size(theme::PANEL_WIDTH)
             .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
             .show_collapsible(ui, &mut open, |ui| {
-                self.panels_ui(ui, &mut asked.commands);
+                self.panels_ui(ui, &mut bar_asked.commands);
             });
         self.panel_open = open;
         let mut open = self.error_plot.open;
@@ -64,10 +76,33 @@ impl App {
                 self.error_plot.plot_ui(ui, self.picture.as_ref());
             });
         self.error_plot.open = open;
+        let render = self.renders_ui(ui, bar(12, 8));
         CentralPanel::default()
             .frame(Frame::new())
             .show(ui, |ui| self.central_ui(ui));
-        asked
+        WindowAsked {
+            commands: bar_asked.commands,
+            recent: bar_asked.recent,
+            render,
+        }
+    }
+
+    /// Draws the strip of renders; returns what was asked for there.
+    fn renders_ui(&mut self, ui: &mut Ui, frame: Frame) -> Option<renders::Asked> {
+        let mut open = self.renders.open;
+        let shown = self.shown_picture();
+        let state = StripState {
+            present: self.picture.as_ref(),
+            shown: self.shown_number(),
+            can_save: shown.is_some_and(|picture| picture.texture().is_some()),
+        };
+        let response = Panel::bottom("renders")
+            .frame(frame)
+            .default_size(renders::HEIGHT)
+            .size_range(renders::LEAST_HEIGHT..=320.0)
+            .show_collapsible(ui, &mut open, |ui| self.renders.strip_ui(ui, &state));
+        self.renders.open = open;
+        response.and_then(|response| response.inner)
     }
 
     fn status_ui(&self, ui: &mut Ui) {
@@ -82,10 +117,10 @@ impl App {
             Activity::Preparing {
                 share: self.build_progress.fraction(),
             }
-        } else if let Some(picture) = &self.picture {
+        } else if let Some(picture) = self.picture_on_screen().or(self.picture.as_ref()) {
             Activity::Picture {
                 picture,
-                outdated: self.picture_is_outdated(),
+                outdated: self.is_outdated(picture),
             }
         } else {
             Activity::Idle
@@ -126,12 +161,17 @@ impl App {
                             }
                         });
                         let can_measure_costs = self.top_bar_state().allows(Command::MeasureCosts);
+                        let shown = match self.shown_render {
+                            Some(number) => self.renders.picture(number),
+                            None => self.picture.as_ref(),
+                        };
+                        let layers = shown.map_or(&[][..], |p| p.buffer.layers());
                         let mut state = PanelState {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
                             threads: &mut self.threads,
                             shown_layer: &mut self.shown_layer,
-                            layers: self.picture.as_ref().map_or(&[], |p| p.buffer.layers()),
+                            layers,
                             structure,
                             costs: &self.costs,
                             can_measure_costs,
@@ -148,18 +188,16 @@ impl App {
             problem_ui(ui, problem);
         }
         let area = ui.available_rect_before_wrap();
-        let frame = viewport::frame_in(
-            area,
-            &self.document.scene.render,
-            ui.ctx().pixels_per_point(),
-        );
+        let showing_picture = self.picture_on_screen().is_some();
+        let scene = self.picture_on_screen().map(|picture| &picture.scene);
+        let settings = &scene.unwrap_or(&self.document.scene).render;
+        let frame = viewport::frame_in(area, settings, ui.ctx().pixels_per_point());
         viewport::backdrop_ui(ui, area, frame);
         if self.document.scene.objects.is_empty() {
             self.empty_ui(ui, area);
             hovered_files_ui(ui, area);
             return;
         }
-        let showing_picture = self.view == View::Picture && self.picture.is_some();
         self.preview_ui(ui, frame, showing_picture);
         if showing_picture {
             self.picture_ui(ui, frame);
@@ -169,7 +207,7 @@ impl App {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
         }
-        let picture = self.picture.as_ref().filter(|_| showing_picture);
+        let picture = self.picture_on_screen();
         if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
             error_colors::legend_ui(ui, frame, scale);
         }
@@ -187,7 +225,11 @@ impl App {
             return;
         };
         let sky = state.prepared.sky.as_ref();
-        let picture = self.picture.as_ref().filter(|_| under_picture);
+        let shown = match self.shown_render {
+            Some(number) => self.renders.picture(number),
+            None => self.picture.as_ref(),
+        };
+        let picture = shown.filter(|_| under_picture);
         let mut scene = picture.map_or(&self.document.scene, |picture| &picture.scene);
         // While an edit that adds or removes objects is prepared, the triangles are still those of the scene before.
         let stale;
@@ -216,7 +258,7 @@ impl App {
     }
 
     fn picture_ui(&self, ui: &Ui, frame: Rect) {
-        if let Some(texture) = self.picture.as_ref().and_then(Picture::texture) {
+        if let Some(texture) = self.shown_picture().and_then(Picture::texture) {
             image_ui(ui, texture, frame, Color32::WHITE);
         }
     }

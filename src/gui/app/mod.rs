@@ -10,6 +10,7 @@
 //! - `opening`: scenes and meshes from files
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `rendering`: preparing, rendering, showing the picture
+//! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
 //! - `measuring`: what effects cost
 //! - `layout`: where everything is drawn
@@ -20,6 +21,7 @@ mod layout;
 mod measuring;
 mod opening;
 mod rendering;
+mod renders;
 mod reporting;
 mod saving;
 
@@ -37,6 +39,7 @@ use super::messages::Messages;
 use super::orbit;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
+use super::renders::Renders;
 use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
@@ -92,6 +95,11 @@ pub struct App {
     /// Why the scene as it is cannot be rendered.
     problem: Option<String>,
     picture: Option<Picture>,
+    renders: Renders,
+    /// The number of the render before the present one that is looked at; `None` for the present one.
+    shown_render: Option<usize>,
+    /// The number of the last render that was remembered.
+    render_count: usize,
     /// The name of the scene of the last picture.
     picture_of: String,
     error_plot: ErrorPlot,
@@ -150,6 +158,9 @@ impl App {
             build_progress: Progress::new(),
             problem: None,
             picture: None,
+            renders: Renders::default(),
+            shown_render: None,
+            render_count: 0,
             picture_of: String::new(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
@@ -195,6 +206,19 @@ impl App {
     #[must_use]
     pub fn picture(&self) -> Option<&Picture> {
         self.picture.as_ref()
+    }
+
+    /// The renders before the present one.
+    #[must_use]
+    pub fn renders(&self) -> &Renders {
+        &self.renders
+    }
+
+    /// The picture that is looked at: of the present render, or of one before it.
+    #[must_use]
+    pub fn picture_on_screen(&self) -> Option<&Picture> {
+        let is_shown = self.view == View::Picture;
+        self.shown_picture().filter(|_| is_shown)
     }
 
     /// The renders of this session and their errors.
@@ -253,9 +277,11 @@ impl App {
                 Phase::Ready
             },
             is_measuring: self.is_measuring_costs(),
-            has_picture: self.picture.as_ref().is_some_and(|p| p.texture().is_some()),
+            has_picture: self.shown_picture().is_some_and(|p| p.texture().is_some()),
             panel_open: self.panel_open,
             error_plot_open: self.error_plot.open,
+            renders_open: self.renders.open,
+            has_renders: self.picture.is_some() || !self.renders.entries().is_empty(),
             modified: self.document.is_modified(),
             edit: self.edit_state(),
             recent: &self.keeping.recent,
@@ -294,6 +320,12 @@ impl App {
                     picture.show_tile(ctx, tile);
                 }
             }
+            Event::Encoded { number, tile } => {
+                if let Some(picture) = self.picture_of_mut(number) {
+                    picture.show_tile(ctx, tile);
+                }
+            }
+            Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
             Event::Rendered { hash, stats } => self.rendered(hash, stats),
             Event::RenderFailed(text) => self.render_failed(&text),
             Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
@@ -363,6 +395,8 @@ impl App {
             Command::ShowPicture => self.view = View::Picture,
             Command::TogglePanel => self.panel_open = !self.panel_open,
             Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
+            Command::ToggleRenders => self.renders.open = !self.renders.open,
+            Command::ShowOlderRender | Command::ShowNewerRender => self.show_neighbour(command),
             Command::Render => self.ask_for_render(),
             Command::Cancel => self.cancel(),
             Command::Report => self.show_report(ctx),
@@ -490,6 +524,9 @@ impl eframe::App for App {
             Some(Recent::Forget) => self.forget_recent(),
             None => {}
         }
+        if let Some(asked) = asked.render {
+            self.carry_out_asked(&ctx, asked);
+        }
         self.report_ui(&ctx);
         self.dialogs_ui(&ctx);
         for command in commands {
@@ -509,6 +546,7 @@ impl eframe::App for App {
         self.restart_edited_render();
         self.update_background_work();
         self.start_waiting_report();
+        self.update_thumbnails();
         self.keep_work(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);

@@ -110,7 +110,10 @@ impl App {
         self.costs = CostState::Unknown;
         self.preparing = None;
         self.problem = None;
-        self.put_picture_away();
+        self.hide_past_render();
+        if let Some(picture) = self.picture.take() {
+            self.keep_render(picture);
+        }
         self.waiting_render = None;
     }
 

@@ -12,7 +12,8 @@ use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::error_plot::name_of_render;
 use crate::gui::jobs::Lane;
 use crate::gui::pick::world_bounds;
-use crate::gui::picture::{Outcome, Picture, PictureBuffer};
+use crate::gui::picture::{Outcome, Picture};
+use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::preview_image::PreviewImage;
 use crate::gui::top_bar::View;
 use crate::gui::worker::{self, Prepared, RenderRequest};
@@ -83,7 +84,8 @@ impl App {
 
     /// Starts a render as soon as its geometry is there; one that runs is given up.
     pub(super) fn ask_for_render(&mut self) {
-        if self.picture.as_ref().is_some_and(Picture::is_running) {
+        if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
+            picture.is_replaced = true;
             self.cancel_render();
         }
         self.cancel_measuring_costs();
@@ -118,21 +120,29 @@ impl App {
         buffer.set_shown(self.shown_layer);
         let progress = RenderProgress::default();
         let name = self.name_of_next_picture();
+        let was_shown = self.view == View::Picture && self.shown_render.is_none();
+        self.hide_past_render();
         let mut picture = Picture::new(
+            0,
             name,
             scene.clone(),
             Arc::clone(&buffer),
             progress.clone(),
             asked,
         );
-        let previous = self.put_picture_away();
-        if let Some(previous) = previous.filter(|_| self.view == View::Picture) {
-            picture.continue_from(previous);
+        if let Some(mut previous) = self.picture.take() {
+            if was_shown {
+                picture.continue_from(&mut previous);
+            }
+            self.keep_render(previous);
         }
+        picture.number = self.render_count + 1;
+        let number = picture.number;
         self.picture = Some(picture);
         self.view = View::Picture;
 
         let request = RenderRequest {
+            number,
             scene,
             previous: self.prepared.as_ref().map(|p| p.prepared.scene.clone()),
             primary_hits: self.primary_hits.clone(),
@@ -155,17 +165,11 @@ impl App {
         name
     }
 
-    /// Makes room for another picture; the error plot keeps its curve.
-    pub(super) fn put_picture_away(&mut self) -> Option<Picture> {
-        let picture = self.picture.take()?;
-        self.error_plot.keep(&picture);
-        Some(picture)
-    }
-
     /// Starts a render anew whose scene was edited while it is looked at. In the preview, editing goes on beside it.
     pub(super) fn restart_edited_render(&mut self) {
         let is_running = self.picture.as_ref().is_some_and(Picture::is_running);
-        if is_running && self.view == View::Picture && self.picture_is_outdated() {
+        let is_shown = self.view == View::Picture && self.shown_render.is_none();
+        if is_running && is_shown && self.picture.as_ref().is_some_and(|p| self.is_outdated(p)) {
             self.ask_for_render();
         }
     }
@@ -203,7 +207,7 @@ impl App {
 
     /// Shows the picture with other display settings: they change no radiance.
     pub(super) fn show_picture_with(&mut self, display: Display) {
-        let Some(picture) = &mut self.picture else {
+        let Some(picture) = self.shown_picture_mut() else {
             return;
         };
         picture.scene.display = display;
@@ -214,24 +218,26 @@ impl App {
     /// Shows a layer of the picture, or all of it.
     pub(super) fn show_layer(&mut self, layer: Option<Layer>) {
         self.shown_layer = layer;
-        if let Some(picture) = &self.picture {
+        if let Some(picture) = self.shown_picture() {
             picture.buffer.set_shown(layer);
             self.encode_picture();
         }
     }
 
-    fn encode_picture(&mut self) {
-        let shown = self.picture.as_ref().filter(|p| p.texture().is_some());
-        if let Some(buffer) = shown.map(|picture| Arc::clone(&picture.buffer)) {
-            self.jobs
-                .start(Lane::Encode, move |job| worker::encode(job, &buffer));
+    /// Has the picture that is looked at encoded anew. One that runs shows nothing before its first tile.
+    pub(super) fn encode_picture(&mut self) {
+        let shown = self.shown_picture();
+        let shown = shown.filter(|picture| !picture.is_running() || picture.texture().is_some());
+        let shown = shown.map(|picture| (picture.number, Arc::clone(&picture.buffer)));
+        if let Some((number, buffer)) = shown {
+            self.jobs.start(Lane::Encode, move |job| {
+                worker::encode(job, number, &buffer);
+            });
         }
     }
 
-    /// Whether the picture is of another scene than the one being edited.
-    pub(super) fn picture_is_outdated(&self) -> bool {
-        self.picture
-            .as_ref()
-            .is_some_and(|picture| !same_picture(&picture.scene, &self.document.scene))
+    /// Whether `picture` is of another scene than the one being edited.
+    pub(super) fn is_outdated(&self, picture: &Picture) -> bool {
+        !same_picture(&picture.scene, &self.document.scene)
     }
 }

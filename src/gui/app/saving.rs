@@ -55,7 +55,9 @@ impl App {
     }
 
     pub(super) fn write_picture(&mut self, path: PathBuf) {
-        let Some(picture) = &self.picture else { return };
+        let Some(picture) = self.shown_picture() else {
+            return;
+        };
         let buffer = Arc::clone(&picture.buffer);
         let display = picture.scene.display;
         let output = self.document.scene.output;
@@ -69,8 +71,7 @@ impl App {
         match result {
             Ok(()) => {
                 let whole = self
-                    .picture
-                    .as_ref()
+                    .shown_picture()
                     .is_some_and(|p| matches!(p.outcome, Outcome::Finished { .. }));
                 let what = if whole {
                     "Saved"

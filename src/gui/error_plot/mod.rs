@@ -36,26 +36,24 @@ pub struct ErrorPlot {
     pub open: bool,
     /// Oldest first, with their numbers.
     past: VecDeque<(usize, Curve)>,
-    /// Renders before the present one that were kept.
-    count: usize,
     /// The number of the render that the mouse is on in the list.
     pointed_at: Option<usize>,
 }
 
 impl ErrorPlot {
     /// Keeps a render that makes room for another. One that was given up before it said anything is forgotten, so that renders
-    /// that edits start anew do not crowd the plot.
-    pub fn keep(&mut self, picture: &Picture) {
+    /// that edits start anew do not crowd the plot. Returns whether it is kept.
+    pub fn keep(&mut self, picture: &Picture) -> bool {
         let curve = Curve::of(picture);
         let is_given_up = !matches!(picture.outcome, Outcome::Finished { .. });
         if curve.points.is_empty() || is_given_up && slope(&curve.points).is_none() {
-            return;
+            return false;
         }
-        self.count += 1;
         if self.past.len() == MOST_PAST {
             self.past.pop_front();
         }
-        self.past.push_back((self.count, curve));
+        self.past.push_back((picture.number, curve));
+        true
     }
 
     /// The renders before the present one, oldest first.
@@ -119,8 +117,8 @@ impl ErrorPlot {
         egui::ScrollArea::vertical()
             .auto_shrink(false)
             .show(ui, |ui| {
-                if let Some((_, curve)) = present {
-                    entry_ui(ui, theme::ACCENT, self.count + 1, curve);
+                if let Some((picture, curve)) = present {
+                    entry_ui(ui, theme::ACCENT, picture.number, curve);
                 }
                 for (number, curve) in self.past.iter().rev() {
                     if entry_ui(ui, color_of_curve(*number), *number, curve) {

@@ -77,6 +77,11 @@ impl UndoHistory {
     /// Takes note of the scene as it is now, once a gesture is over. What was undone before is forgotten as soon as something
     /// else is edited.
     pub fn record(&mut self, scene: &Scene, selection: &Selection) {
+        self.record_as(scene, selection, None);
+    }
+
+    /// [`UndoHistory::record`], with a name for what was done where that is known better than it shows.
+    pub fn record_as(&mut self, scene: &Scene, selection: &Selection, name: Option<String>) {
         if same_scene(&self.present.scene, scene) {
             if self.present.selection != *selection {
                 self.present.selection = selection.clone();
@@ -88,7 +93,7 @@ impl UndoHistory {
             selection: selection.clone(),
         };
         let before = std::mem::replace(&mut self.present, now);
-        let name = name_of_change(&before.scene, scene);
+        let name = name.unwrap_or_else(|| name_of_change(&before.scene, scene));
         self.past.push_back(Step::new(before, scene, name));
         self.future.clear();
         self.forget_oldest();
@@ -154,7 +159,9 @@ fn own_bytes(scene: &Scene, neighbour: &Scene) -> usize {
         + images.map(|(_, image)| image_bytes(image)).sum::<usize>()
 }
 
-fn mesh_bytes(mesh: &TriangleMesh) -> usize {
+/// Bytes of the vertices and triangles of `mesh`.
+#[must_use]
+pub fn mesh_bytes(mesh: &TriangleMesh) -> usize {
     let normals = mesh.normals.as_ref().map_or(0, Vec::len);
     (mesh.positions.len() + normals) * size_of::<DVec3>() + size_of_val(&*mesh.triangles)
 }

@@ -1,0 +1,163 @@
+//! Which picture is looked at: that of the present render, or one of those before it.
+
+use super::App;
+use crate::gui::commands::Command;
+use crate::gui::jobs::Lane;
+use crate::gui::picture::Picture;
+use crate::gui::renders::{Asked, Freed, Renders};
+use crate::gui::top_bar::View;
+use crate::gui::worker;
+
+impl App {
+    /// The picture that is looked at, where there is one.
+    pub(super) fn shown_picture(&self) -> Option<&Picture> {
+        match self.shown_render {
+            Some(number) => self.renders.picture(number),
+            None => self.picture.as_ref(),
+        }
+    }
+
+    pub(super) fn shown_picture_mut(&mut self) -> Option<&mut Picture> {
+        match self.shown_render {
+            Some(number) => self.renders.picture_mut(number),
+            None => self.picture.as_mut(),
+        }
+    }
+
+    /// The picture of render `number`.
+    pub(super) fn picture_of_mut(&mut self, number: usize) -> Option<&mut Picture> {
+        match &mut self.picture {
+            Some(picture) if picture.number == number => Some(picture),
+            _ => self.renders.picture_mut(number),
+        }
+    }
+
+    /// The number of the render that is looked at.
+    pub(super) fn shown_number(&self) -> Option<usize> {
+        let present = self.picture.as_ref().map(|picture| picture.number);
+        self.shown_render.or(present)
+    }
+
+    /// Does what was asked for in the strip.
+    pub(super) fn carry_out_asked(&mut self, ctx: &egui::Context, asked: Asked) {
+        match asked {
+            Asked::Show(number) => self.show_render(number),
+            Asked::Restore(number) => self.restore_render(number),
+            Asked::Forget(number) => {
+                if self.shown_render == Some(number) {
+                    self.show_present_render();
+                }
+                free(self.renders.forget(number));
+            }
+            Asked::Command(command) => self.carry_out(ctx, command),
+        }
+    }
+
+    /// Shows the picture of render `number`.
+    pub(super) fn show_render(&mut self, number: usize) {
+        self.view = View::Picture;
+        if self.shown_number() == Some(number) {
+            return;
+        }
+        self.hide_past_render();
+        let is_present = self.picture.as_ref().is_some_and(|p| p.number == number);
+        self.shown_render = (!is_present).then_some(number);
+        let display = self.document.scene.display;
+        let layer = self.shown_layer;
+        if let Some(picture) = self.shown_picture_mut() {
+            picture.scene.display = display;
+            picture.buffer.set_display(display);
+            picture.buffer.set_shown(layer);
+            self.encode_picture();
+        } else {
+            self.messages.news(format!(
+                "Of render {number} only the small picture is left; its settings can be restored"
+            ));
+        }
+    }
+
+    /// Goes back to the present render.
+    pub(super) fn show_present_render(&mut self) {
+        if let Some(number) = self.picture.as_ref().map(|picture| picture.number) {
+            self.show_render(number);
+        } else {
+            self.hide_past_render();
+            self.view = View::Preview;
+        }
+    }
+
+    /// Takes a picture of the past off the screen, where one is looked at.
+    pub(super) fn hide_past_render(&mut self) {
+        if let Some(number) = self.shown_render.take() {
+            self.jobs.cancel(Lane::Encode);
+            if let Some(picture) = self.renders.picture_mut(number) {
+                picture.hide();
+            }
+        }
+    }
+
+    /// Shows the render before or after the one that is looked at.
+    pub(super) fn show_neighbour(&mut self, command: Command) {
+        let past = self.renders.entries().iter();
+        let mut numbers: Vec<usize> = past.map(|entry| entry.facts.number).collect();
+        numbers.extend(self.picture.as_ref().map(|picture| picture.number));
+        let here = numbers.iter().position(|n| Some(*n) == self.shown_number());
+        let there = match (here, command) {
+            (Some(here), Command::ShowOlderRender) => here.checked_sub(1),
+            (Some(here), _) => Some(here + 1),
+            (None, _) => numbers.len().checked_sub(1),
+        };
+        if let Some(&number) = there.and_then(|there| numbers.get(there)) {
+            self.show_render(number);
+        }
+    }
+
+    /// Makes the scene what it was for render `number`, as one step to undo.
+    fn restore_render(&mut self, number: usize) {
+        let present = self.picture.as_ref().filter(|p| p.number == number);
+        let past = self.renders.entry(number).map(|entry| &entry.scene);
+        let Some(scene) = present.map(|picture| &picture.scene).or(past).cloned() else {
+            return;
+        };
+        self.document.record_edit(&self.selection);
+        self.document.scene = scene;
+        let name = format!("restoring the settings of render {number}");
+        self.document.record_edit_as(&self.selection, name);
+        self.messages
+            .news(format!("The scene is that of render {number}"));
+    }
+
+    /// Remembers a render that makes room for another, if it is worth it.
+    pub(super) fn keep_render(&mut self, picture: Picture) {
+        let is_in_plot = self.error_plot.keep(&picture);
+        let is_wanted = Renders::wants(&picture);
+        if is_in_plot || is_wanted {
+            self.render_count = picture.number;
+        } else {
+            self.renders.forget_thumbnail(picture.number);
+        }
+        free(if is_wanted {
+            self.renders.keep(picture, &self.document.scene)
+        } else {
+            vec![Freed::of(picture)]
+        });
+    }
+
+    /// Has small pictures made of renders that have none.
+    pub(super) fn update_thumbnails(&mut self) {
+        if self.jobs.is_busy(Lane::Thumbnails) {
+            return;
+        }
+        let missing = self.renders.without_thumbnail(self.picture.as_ref());
+        if !missing.is_empty() {
+            self.jobs.start(Lane::Thumbnails, move |job| {
+                worker::make_thumbnails(job, &missing);
+            });
+        }
+    }
+}
+
+/// Gives back memory on another thread: it may take longer than the window has for a frame.
+fn free(freed: Vec<Freed>) {
+    rayon::spawn(move || drop(freed));
+}

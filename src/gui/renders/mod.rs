@@ -1,0 +1,402 @@
+//! The renders of this session: a strip of small pictures, each with its settings, time, noise and hash.
+//!
+//! The present render is not in here, but in the window; it joins the others when the next one takes its place. All pixels are kept
+//! while they fit into [`BUDGET_BYTES`]. Beyond that the oldest renders lose first their layers, then their pixels; their small
+//! pictures, their figures and their settings stay.
+
+mod strip;
+
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{ColorImage, TextureHandle, TextureOptions};
+
+use super::picture::{Outcome, Picture};
+use super::picture_buffer::PictureBuffer;
+use super::status_bar::duration;
+use super::undo::mesh_bytes;
+use super::widgets::{chosen_percent, counted, percent};
+use crate::render::Image;
+use crate::scene::{Choice, Mode, RenderSettings, Scene};
+
+pub use strip::{Asked, HEIGHT, LEAST_HEIGHT, StripState};
+
+/// Memory for the pixels and meshes of renders before the present one, in bytes.
+pub const BUDGET_BYTES: u64 = 1 << 30;
+/// Renders that are remembered.
+const MOST_RENDERS: usize = 500;
+
+/// What there is to say about a render.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// Its number among the renders of this session.
+    pub number: usize,
+    /// What sets it apart from the one before.
+    pub name: String,
+    /// What was computed.
+    pub render: RenderSettings,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// How long it took.
+    pub elapsed: Duration,
+    /// Its noise, where that is known: 0.03 is 3 %.
+    pub noise: Option<f64>,
+}
+
+impl Facts {
+    /// Those of `picture`.
+    #[must_use]
+    pub fn of(picture: &Picture) -> Self {
+        let last = picture.errors().last();
+        let noise = match &picture.outcome {
+            Outcome::Finished { stats, .. } => stats.error.map(|error| error.noise().value),
+            _ => last.map(|point| point.error.noise().value),
+        };
+        Self {
+            number: picture.number,
+            name: picture.name.clone(),
+            render: picture.scene.render.clone(),
+            outcome: picture.outcome.clone(),
+            elapsed: picture.elapsed(),
+            noise,
+        }
+    }
+
+    /// The settings that matter most, in a line.
+    #[must_use]
+    pub fn settings(&self) -> String {
+        let render = &self.render;
+        let samples = counted(render.samples_per_pixel as usize, "sample", "samples");
+        let mut parts = vec![
+            render.mode.name().to_owned(),
+            format!("{} × {}", render.width, render.height),
+            samples,
+        ];
+        if render.mode == Mode::Path {
+            parts.push(counted(render.max_bounces as usize, "bounce", "bounces"));
+        }
+        if let Some(noise) = render.stop.noise {
+            parts.push(format!("down to {}", chosen_percent(noise)));
+        }
+        parts.join(", ")
+    }
+
+    /// Time and noise, in a line.
+    #[must_use]
+    pub fn result(&self) -> String {
+        let time = duration(self.elapsed);
+        let ending = match self.outcome {
+            Outcome::Running => " so far",
+            Outcome::Finished { .. } => "",
+            Outcome::Cancelled => ", cancelled",
+            Outcome::Failed => ", failed",
+        };
+        match self.noise {
+            Some(noise) => format!("{time}{ending} · noise {}", percent(noise)),
+            None => format!("{time}{ending}"),
+        }
+    }
+
+    /// The hash of a finished picture.
+    #[must_use]
+    pub fn hash(&self) -> Option<&str> {
+        match &self.outcome {
+            Outcome::Finished { hash, .. } => Some(hash),
+            _ => None,
+        }
+    }
+}
+
+/// A render before the present one.
+#[derive(Debug)]
+pub struct Entry {
+    /// What there is to say about it.
+    pub facts: Facts,
+    /// The scene as it was.
+    pub scene: Scene,
+    /// Its picture, as long as that is kept.
+    pub picture: Option<Picture>,
+}
+
+/// The renders before the present one, and whether the strip shows.
+#[derive(Default)]
+pub struct Renders {
+    /// Whether the strip shows.
+    pub open: bool,
+    entries: Vec<Entry>,
+    /// Small pictures by number, of the present render too.
+    thumbnails: Vec<(usize, TextureHandle)>,
+}
+
+impl std::fmt::Debug for Renders {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Renders")
+            .field("entries", &self.entries)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Renders {
+    /// The renders, oldest first.
+    #[must_use]
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The picture of render `number`, if it is still kept.
+    #[must_use]
+    pub fn picture(&self, number: usize) -> Option<&Picture> {
+        self.entry(number)?.picture.as_ref()
+    }
+
+    /// [`Renders::picture`], to change what of it is shown.
+    pub fn picture_mut(&mut self, number: usize) -> Option<&mut Picture> {
+        let mut entries = self.entries.iter_mut();
+        let entry = entries.find(|entry| entry.facts.number == number)?;
+        entry.picture.as_mut()
+    }
+
+    /// Render `number`.
+    #[must_use]
+    pub fn entry(&self, number: usize) -> Option<&Entry> {
+        let mut entries = self.entries.iter();
+        entries.find(|entry| entry.facts.number == number)
+    }
+
+    /// Whether `picture` is one to remember: it is finished, or the user ended it with something to see.
+    #[must_use]
+    pub fn wants(picture: &Picture) -> bool {
+        let is_seen = picture.first_tile.is_some();
+        is_seen && !picture.is_replaced && !picture.is_running()
+    }
+
+    /// Takes in a render that makes room for another. `present`: the scene being edited, whose meshes are in memory anyway. Returns
+    /// what is to be given back of memory, which may take longer than a frame.
+    pub fn keep(&mut self, mut picture: Picture, present: &Scene) -> Vec<Freed> {
+        picture.hide();
+        self.entries.push(Entry {
+            facts: Facts::of(&picture),
+            scene: picture.scene.clone(),
+            picture: Some(picture),
+        });
+        self.trim(present, BUDGET_BYTES)
+    }
+
+    /// Forgets render `number`.
+    pub fn forget(&mut self, number: usize) -> Vec<Freed> {
+        let index = self.entries.iter().position(|e| e.facts.number == number);
+        let entry = index.map(|index| self.entries.remove(index));
+        self.thumbnails.retain(|(known, _)| *known != number);
+        let picture = entry.and_then(|entry| entry.picture);
+        picture.map(Freed::of).into_iter().collect()
+    }
+
+    /// Gives up what does not fit into `budget` bytes, the oldest first.
+    fn trim(&mut self, present: &Scene, budget: u64) -> Vec<Freed> {
+        let mut freed = Vec::new();
+        while self.entries.len() > MOST_RENDERS || self.mesh_bytes(present) > budget {
+            let oldest = self.entries[0].facts.number;
+            freed.extend(self.forget(oldest));
+        }
+        let budget = budget - self.mesh_bytes(present);
+        let mut bytes: u64 = self.entries.iter().map(Entry::pixel_bytes).sum();
+        for entry in &self.entries {
+            if bytes <= budget {
+                return freed;
+            }
+            if let Some(picture) = &entry.picture {
+                let before = entry.pixel_bytes();
+                freed.push(Freed(None, picture.buffer.take_layers()));
+                bytes -= before - entry.pixel_bytes();
+            }
+        }
+        for entry in &mut self.entries {
+            if bytes <= budget {
+                return freed;
+            }
+            bytes -= entry.pixel_bytes();
+            freed.extend(entry.picture.take().map(Freed::of));
+        }
+        freed
+    }
+
+    /// Bytes of meshes that only these renders hold: none that the scene `present` has.
+    fn mesh_bytes(&self, present: &Scene) -> u64 {
+        let mut known: HashSet<_> = present.meshes.values().map(Arc::as_ptr).collect();
+        let meshes = self.entries.iter().flat_map(|e| e.scene.meshes.values());
+        let own = meshes.filter(|mesh| known.insert(Arc::as_ptr(mesh)));
+        own.map(|mesh| mesh_bytes(mesh) as u64).sum()
+    }
+
+    /// The renders whose small picture is missing, `present` among them.
+    #[must_use]
+    pub fn without_thumbnail(&self, present: Option<&Picture>) -> Vec<(usize, Arc<PictureBuffer>)> {
+        let kept = self
+            .entries
+            .iter()
+            .filter_map(|entry| entry.picture.as_ref());
+        let present = present.filter(|picture| Self::wants(picture));
+        let missing = |picture: &&Picture| self.thumbnail(picture.number).is_none();
+        kept.chain(present)
+            .filter(missing)
+            .map(|picture| (picture.number, Arc::clone(&picture.buffer)))
+            .collect()
+    }
+
+    /// Takes in the small picture of render `number`.
+    pub fn set_thumbnail(&mut self, ctx: &egui::Context, number: usize, image: ColorImage) {
+        let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
+        self.thumbnails.retain(|(known, _)| *known != number);
+        self.thumbnails.push((number, texture));
+    }
+
+    /// Forgets the small picture of render `number`: it is not that of a render that took the number over.
+    pub fn forget_thumbnail(&mut self, number: usize) {
+        self.thumbnails.retain(|(known, _)| *known != number);
+    }
+
+    fn thumbnail(&self, number: usize) -> Option<&TextureHandle> {
+        let mut thumbnails = self.thumbnails.iter();
+        thumbnails
+            .find(|(known, _)| *known == number)
+            .map(|(_, texture)| texture)
+    }
+}
+
+impl Entry {
+    /// Bytes of the pixels that are kept.
+    fn pixel_bytes(&self) -> u64 {
+        self.picture
+            .as_ref()
+            .map_or(0, |picture| picture.buffer.bytes())
+    }
+}
+
+/// Memory that is to be given back; dropping it does so.
+#[derive(Debug)]
+pub struct Freed(
+    #[expect(dead_code, reason = "held to be dropped")] Option<Arc<PictureBuffer>>,
+    #[expect(dead_code, reason = "held to be dropped")] Vec<Image>,
+);
+
+impl Freed {
+    /// The pixels of `picture`; what of it is on the screen goes at once.
+    #[must_use]
+    pub fn of(picture: Picture) -> Self {
+        Self(Some(picture.buffer), Vec::new())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::TriangleMesh;
+    use crate::math::DVec3;
+    use crate::render::{Layer, RenderProgress, RenderStats};
+    use crate::scene::Display;
+    use std::time::Instant;
+
+    const SIDE: u32 = 64;
+    const PLANE: u64 = 12 * SIDE as u64 * SIDE as u64;
+
+    fn picture(number: usize) -> Picture {
+        let layers = vec![Layer::Emission, Layer::Shadow, Layer::Error];
+        let buffer = PictureBuffer::new([SIDE; 2], layers, Display::default(), 8192).unwrap();
+        let mut picture = Picture::new(
+            number,
+            format!("render {number}"),
+            Scene::default(),
+            Arc::new(buffer),
+            RenderProgress::default(),
+            Instant::now(),
+        );
+        picture.first_tile = Some(Duration::from_millis(5));
+        picture.end(Outcome::Finished {
+            hash: "0123456789".to_owned(),
+            stats: Box::new(RenderStats::default()),
+        });
+        picture
+    }
+
+    #[test]
+    fn the_oldest_lose_their_layers_and_then_their_pixels_but_never_their_figures() {
+        let present = Scene::default();
+        let mut renders = Renders::default();
+        for number in 1..=4 {
+            assert!(Renders::wants(&picture(number)));
+            assert!(renders.keep(picture(number), &present).is_empty());
+        }
+        let kept = |renders: &Renders| -> Vec<u64> {
+            renders
+                .entries
+                .iter()
+                .map(|e| e.pixel_bytes() / PLANE)
+                .collect()
+        };
+        assert_eq!(kept(&renders), [4, 4, 4, 4]);
+        renders.trim(&present, 11 * PLANE);
+        assert_eq!(kept(&renders), [1, 1, 4, 4]);
+        renders.trim(&present, 3 * PLANE);
+        assert_eq!(kept(&renders), [0, 1, 1, 1]);
+        assert!(renders.picture(1).is_none());
+        assert_eq!(renders.entry(1).unwrap().facts.hash(), Some("0123456789"));
+        assert_eq!(renders.forget(2).len(), 1);
+        assert_eq!(renders.entries().len(), 3);
+    }
+
+    #[test]
+    fn meshes_that_only_old_renders_hold_are_given_up_with_them() {
+        let mesh = Arc::new(TriangleMesh {
+            positions: vec![DVec3::ZERO; 1000],
+            ..TriangleMesh::default()
+        });
+        let present = Scene {
+            meshes: [("ram".to_owned(), Arc::clone(&mesh))].into(),
+            ..Scene::default()
+        };
+        let mut renders = Renders::default();
+        for number in 1..=2 {
+            let mut picture = picture(number);
+            picture.scene = present.clone();
+            renders.keep(picture, &present);
+        }
+        assert_eq!(renders.mesh_bytes(&present), 0);
+        assert_eq!(
+            renders.mesh_bytes(&Scene::default()),
+            24_000,
+            "counted once"
+        );
+        renders.trim(&present, 8 * PLANE);
+        assert_eq!(renders.entries().len(), 2);
+        renders.trim(&Scene::default(), 23_999);
+        assert!(renders.entries().is_empty());
+    }
+
+    #[test]
+    fn a_render_that_an_edit_replaced_is_not_remembered() {
+        let mut replaced = picture(1);
+        replaced.is_replaced = true;
+        assert!(!Renders::wants(&replaced));
+        let mut unseen = picture(1);
+        unseen.first_tile = None;
+        assert!(!Renders::wants(&unseen));
+    }
+
+    #[test]
+    fn a_render_is_described_in_two_lines() {
+        let mut facts = Facts::of(&picture(3));
+        facts.elapsed = Duration::from_millis(1500);
+        facts.noise = Some(0.0123);
+        assert_eq!(facts.settings(), "direct, 640 × 480, 16 samples");
+        assert_eq!(facts.result(), "1.5 s · noise 1.2 %");
+        facts.outcome = Outcome::Cancelled;
+        facts.render.mode = Mode::Path;
+        facts.render.stop.noise = Some(0.01);
+        assert_eq!(
+            facts.settings(),
+            "path, 640 × 480, 16 samples, 8 bounces, down to 1 %"
+        );
+        assert_eq!(facts.result(), "1.5 s, cancelled · noise 1.2 %");
+    }
+}
