@@ -167,6 +167,17 @@ impl Metrics {
         })
     }
 
+    /// The difference to draw white. A few wild pixels do not darken the others, unless only those differ; where nothing differs
+    /// any scale is right.
+    #[must_use]
+    pub fn white(&self) -> f64 {
+        let largest = self.largest.map_or(0.0, |largest| largest.value);
+        [self.percentile_999, largest]
+            .into_iter()
+            .find(|&value| value > 0.0)
+            .unwrap_or(1.0)
+    }
+
     /// Whether the pictures are the same, bit for bit: they have one [hash](Image::hash).
     #[must_use]
     pub fn identical(&self) -> bool {

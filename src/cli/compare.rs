@@ -113,7 +113,7 @@ fn write_difference(
     let (image, white) = if io::holds_layers(path) {
         (signed_difference(&a.image, &b.image)?, None)
     } else {
-        let white = white(metrics);
+        let white = metrics.white();
         (scaled_difference(&a.image, &b.image, white)?, Some(white))
     };
     io::write_image(&image, &[], &Display::default(), &Output::default(), path)?;
@@ -121,16 +121,6 @@ fn write_difference(
         file: path.display().to_string(),
         white,
     })
-}
-
-/// The difference that is drawn white. A few wild pixels do not darken the others, unless only those differ; where nothing
-/// differs any scale is right.
-fn white(metrics: &Metrics) -> f64 {
-    let largest = metrics.largest.map_or(0.0, |largest| largest.value);
-    [metrics.percentile_999, largest]
-        .into_iter()
-        .find(|&value| value > 0.0)
-        .unwrap_or(1.0)
 }
 
 fn facts(

@@ -53,6 +53,12 @@ pub enum Command {
     ShowOlderRender,
     /// Show the picture of the render after the shown one.
     ShowNewerRender,
+    /// Compare the shown picture with another render, or stop comparing.
+    Compare,
+    /// Compare the shown picture with an image file.
+    CompareFile,
+    /// Show the other of two compared pictures.
+    Flip,
     /// Start rendering, in place of a running render.
     Render,
     /// Stop the running render or report.
@@ -67,7 +73,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 32] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -96,6 +102,9 @@ impl Command {
         Self::ToggleRenders,
         Self::ShowOlderRender,
         Self::ShowNewerRender,
+        Self::Compare,
+        Self::CompareFile,
+        Self::Flip,
         Self::ShowShortcuts,
     ];
 
@@ -127,6 +136,9 @@ impl Command {
             Self::ToggleRenders => "Renders",
             Self::ShowOlderRender => "Older render",
             Self::ShowNewerRender => "Newer render",
+            Self::Compare => "Compare with another render",
+            Self::CompareFile => "Compare with image…",
+            Self::Flip => "Flip",
             Self::Render => "Render",
             Self::Cancel => "Cancel",
             Self::Report => "Report…",
@@ -163,6 +175,9 @@ impl Command {
             Self::ToggleRenders => "Show the renders of this session, to look at them again",
             Self::ShowOlderRender => "Show the picture of the render before this one",
             Self::ShowNewerRender => "Show the picture of the render after this one",
+            Self::Compare => "Compare the shown picture with the render before it; again to stop",
+            Self::CompareFile => "Compare the shown picture with one from a file (PNG, EXR, HDR)",
+            Self::Flip => "Show the other one of two compared pictures",
             Self::Render => "Render the picture; restarts a running render",
             Self::Cancel => "Stop the running render, report, measurement or load",
             Self::MeasureCosts => {
@@ -210,6 +225,9 @@ impl Command {
             Self::ToggleRenders => const { &[plain(Key::F6)] },
             Self::ShowOlderRender => const { &[plain(Key::PageUp)] },
             Self::ShowNewerRender => const { &[plain(Key::PageDown)] },
+            Self::Compare => const { &[plain(Key::C)] },
+            Self::CompareFile => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::C)] },
+            Self::Flip => const { &[plain(Key::X)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
             Self::Report => const { &[command_shift(Key::R)] },

@@ -33,6 +33,12 @@ pub enum Lane {
     Encode,
     /// Making small pictures of renders.
     Thumbnails,
+    /// Measuring how far two pictures are apart.
+    Compare,
+    /// Converting the picture that is compared with for the screen.
+    EncodeOther,
+    /// Reading a picture to compare with.
+    CompareFile,
     /// Writing the scene.
     SaveScene,
     /// Writing the picture.
@@ -57,7 +63,7 @@ pub enum Lane {
     Recent,
 }
 
-const LANES: usize = 16;
+const LANES: usize = 19;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

@@ -8,7 +8,7 @@
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`], [`picture_buffer`]: the render as it fills in
-//! - [`renders`]: the renders of this session
+//! - [`renders`], [`compare`]: the renders of this session, one against another
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`]: what effects cost
@@ -20,6 +20,7 @@
 
 pub mod app;
 pub mod commands;
+pub mod compare;
 pub mod costs;
 pub mod dialogs;
 pub mod document;

@@ -95,11 +95,7 @@ impl Picture {
             self.first_tile = Some(self.started.elapsed());
         }
         let size = self.buffer.texture_size();
-        let texture = self.texture.get_or_insert_with(|| {
-            let empty = ColorImage::filled(size, Color32::TRANSPARENT);
-            ctx.load_texture("picture", empty, TEXTURE_OPTIONS)
-        });
-        texture.set_partial(tile.position, tile.pixels, TEXTURE_OPTIONS);
+        put_tile(ctx, &mut self.texture, size, tile);
     }
 
     /// Goes on showing what `previous` showed until the first tiles are there, where both are of one size.
@@ -173,6 +169,20 @@ impl Picture {
     pub fn mrays_per_second(&self) -> f64 {
         self.progress.rays() as f64 / self.elapsed().as_secs_f64().max(1e-9) / 1e6
     }
+}
+
+/// Puts a tile into `texture`, which is made of `size` texels where it is not there.
+pub(super) fn put_tile(
+    ctx: &egui::Context,
+    texture: &mut Option<TextureHandle>,
+    size: [usize; 2],
+    tile: EncodedTile,
+) {
+    let texture = texture.get_or_insert_with(|| {
+        let empty = ColorImage::filled(size, Color32::TRANSPARENT);
+        ctx.load_texture("picture", empty, TEXTURE_OPTIONS)
+    });
+    texture.set_partial(tile.position, tile.pixels, TEXTURE_OPTIONS);
 }
 
 /// Time that the rest of some work takes at the pace so far; `None` while that is a guess. `done`: the done part, `0..=1`.

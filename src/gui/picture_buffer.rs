@@ -124,6 +124,25 @@ impl PictureBuffer {
         })
     }
 
+    /// A picture that is whole, without layers.
+    #[must_use]
+    pub fn of_image(image: Image, display: Display, largest_texture: u32) -> Self {
+        let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
+        Self {
+            width: image.width,
+            height: image.height,
+            step: image.width.max(image.height).div_ceil(largest).max(1),
+            layers: Vec::new(),
+            is_bare: AtomicBool::new(false),
+            state: Mutex::new(BufferState {
+                planes: vec![image],
+                shown: 0,
+                display,
+                error_scale: None,
+            }),
+        }
+    }
+
     /// The layers that are kept beside the picture.
     #[must_use]
     pub fn layers(&self) -> &[Layer] {

@@ -55,6 +55,10 @@ pub struct TopBarState<'a> {
     pub error_plot_open: bool,
     /// Whether the renders of this session show.
     pub renders_open: bool,
+    /// Whether there is something to compare the shown picture with, or that is done.
+    pub can_compare: bool,
+    /// Whether two pictures are compared.
+    pub is_comparing: bool,
     /// Whether there are renders to look at.
     pub has_renders: bool,
     /// Whether the scene has unsaved changes.
@@ -109,7 +113,9 @@ impl TopBarState<'_> {
     #[must_use]
     pub fn allows(self, command: Command) -> bool {
         match command {
-            Command::SavePicture | Command::ShowPicture => self.has_picture,
+            Command::SavePicture | Command::ShowPicture | Command::CompareFile => self.has_picture,
+            Command::Compare => self.can_compare,
+            Command::Flip => self.is_comparing,
             Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
             Command::Cancel => self.is_measuring || self.is_busy(),
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
@@ -133,7 +139,11 @@ impl TopBarState<'_> {
     /// Why `command` cannot be asked for now, where it cannot.
     fn why_not(self, command: Command) -> &'static str {
         match command {
-            Command::SavePicture | Command::ShowPicture => "There is no picture yet: press Render",
+            Command::SavePicture | Command::ShowPicture | Command::CompareFile => {
+                "There is no picture yet: press Render"
+            }
+            Command::Compare => "It takes two renders to compare",
+            Command::Flip => "No pictures are compared",
             Command::ShowOlderRender | Command::ShowNewerRender => "Nothing was rendered yet",
             Command::Cancel => "Nothing is rendered now",
             Command::Undo => "Nothing was edited yet",
@@ -248,7 +258,13 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();
-            for command in [Command::ShowOlderRender, Command::ShowNewerRender] {
+            for command in [
+                Command::ShowOlderRender,
+                Command::ShowNewerRender,
+                Command::Compare,
+                Command::CompareFile,
+                Command::Flip,
+            ] {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();
@@ -279,6 +295,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         Command::TogglePanel => state.panel_open,
         Command::ToggleErrorPlot => state.error_plot_open,
         Command::ToggleRenders => state.renders_open,
+        Command::Compare => state.is_comparing,
         _ => false,
     };
     let label = match (command, state.edit) {

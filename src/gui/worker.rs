@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
+use super::compare::{Distance, Side};
 use super::costs::PAIRS;
 use super::jobs::Job;
 use super::keeping::{Begun, Lost};
@@ -65,6 +66,17 @@ pub enum Event {
         number: usize,
         /// It.
         tile: EncodedTile,
+    },
+    /// How far the compared pictures are apart and the texels of the difference, or why that cannot be said.
+    Compared(Result<(Distance, [usize; 2]), String>),
+    /// A piece of a picture beside the one that is looked at.
+    CompareTile(Side, EncodedTile),
+    /// A picture to compare with, and remarks on it.
+    ComparisonRead {
+        /// Its file.
+        path: PathBuf,
+        /// It, or why there is none.
+        result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
     },
     /// A small picture of a render.
     Thumbnail {

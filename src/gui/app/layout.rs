@@ -20,7 +20,7 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
-use crate::gui::{error_colors, error_plot};
+use crate::gui::{compare, error_colors, error_plot};
 use crate::io;
 use crate::math::DBounds;
 
@@ -187,6 +187,7 @@ impl App {
         if let Some(problem) = &self.problem {
             problem_ui(ui, problem);
         }
+        self.comparison_bar_ui(ui);
         let area = ui.available_rect_before_wrap();
         let showing_picture = self.picture_on_screen().is_some();
         let scene = self.picture_on_screen().map(|picture| &picture.scene);
@@ -207,11 +208,28 @@ impl App {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
         }
+        if showing_picture {
+            let name = self.shown_name();
+            if let Some(comparison) = &mut self.comparison {
+                comparison.show_ui(ui, frame, frame, &name);
+            }
+        }
         let picture = self.picture_on_screen();
         if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
             error_colors::legend_ui(ui, frame, scale);
         }
         hovered_files_ui(ui, area);
+    }
+
+    /// Draws the bar over two compared pictures, where they are looked at.
+    fn comparison_bar_ui(&mut self, ui: &mut Ui) {
+        let name = self.shown_name();
+        let is_shown = self.picture_on_screen().is_some();
+        let comparison = self.comparison.as_mut().filter(|_| is_shown);
+        match comparison.and_then(|comparison| comparison.bar_ui(ui, &name)) {
+            Some(compare::Asked::Close) => self.stop_comparing(),
+            None => {}
+        }
     }
 
     /// Draws the preview; under a picture that is not whole, that picture's own view, dimmed.

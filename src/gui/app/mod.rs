@@ -5,6 +5,7 @@
 //! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. Everything slow is a job;
 //! see [`super::jobs`] for how jobs and window talk.
 //!
+//! - `comparing`: the shown picture against another
 //! - `editing`: undoing, copying, removing
 //! - `keeping`: unsaved work and recent files on disk
 //! - `opening`: scenes and meshes from files
@@ -15,6 +16,7 @@
 //! - `measuring`: what effects cost
 //! - `layout`: where everything is drawn
 
+mod comparing;
 mod editing;
 mod keeping;
 mod layout;
@@ -29,6 +31,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::commands::Command;
+use super::compare::Comparison;
 use super::costs::CostState;
 use super::dialogs::{Dialog, Intent};
 use super::document::Document;
@@ -100,6 +103,7 @@ pub struct App {
     shown_render: Option<usize>,
     /// The number of the last render that was remembered.
     render_count: usize,
+    comparison: Option<Comparison>,
     /// The name of the scene of the last picture.
     picture_of: String,
     error_plot: ErrorPlot,
@@ -161,6 +165,7 @@ impl App {
             renders: Renders::default(),
             shown_render: None,
             render_count: 0,
+            comparison: None,
             picture_of: String::new(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
@@ -219,6 +224,12 @@ impl App {
     pub fn picture_on_screen(&self) -> Option<&Picture> {
         let is_shown = self.view == View::Picture;
         self.shown_picture().filter(|_| is_shown)
+    }
+
+    /// What the shown picture is compared with.
+    #[must_use]
+    pub fn comparison(&self) -> Option<&Comparison> {
+        self.comparison.as_ref()
     }
 
     /// The renders of this session and their errors.
@@ -281,6 +292,8 @@ impl App {
             panel_open: self.panel_open,
             error_plot_open: self.error_plot.open,
             renders_open: self.renders.open,
+            can_compare: self.can_compare(),
+            is_comparing: self.comparison.is_some(),
             has_renders: self.picture.is_some() || !self.renders.entries().is_empty(),
             modified: self.document.is_modified(),
             edit: self.edit_state(),
@@ -325,6 +338,17 @@ impl App {
                     picture.show_tile(ctx, tile);
                 }
             }
+            Event::Compared(result) => {
+                if let Some(comparison) = &mut self.comparison {
+                    comparison.set_distance(result);
+                }
+            }
+            Event::CompareTile(side, tile) => {
+                if let Some(comparison) = &mut self.comparison {
+                    comparison.show_tile(ctx, side, tile);
+                }
+            }
+            Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
             Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
             Event::Rendered { hash, stats } => self.rendered(hash, stats),
             Event::RenderFailed(text) => self.render_failed(&text),
@@ -397,6 +421,9 @@ impl App {
             Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
             Command::ToggleRenders => self.renders.open = !self.renders.open,
             Command::ShowOlderRender | Command::ShowNewerRender => self.show_neighbour(command),
+            Command::Compare => self.toggle_comparison(),
+            Command::CompareFile => self.ask_for_path(super::dialogs::files::FilePurpose::Compare),
+            Command::Flip => self.flip(),
             Command::Render => self.ask_for_render(),
             Command::Cancel => self.cancel(),
             Command::Report => self.show_report(ctx),
@@ -547,6 +574,7 @@ impl eframe::App for App {
         self.update_background_work();
         self.start_waiting_report();
         self.update_thumbnails();
+        self.update_comparison();
         self.keep_work(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);

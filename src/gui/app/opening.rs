@@ -239,6 +239,11 @@ impl App {
                     self.set_background(path);
                 }
             }
+            FilePurpose::Compare => {
+                for path in paths.into_iter().take(1) {
+                    self.compare_with_file(path);
+                }
+            }
             FilePurpose::ReportFolder | FilePurpose::ReportReference => {
                 for path in paths.into_iter().take(1) {
                     self.report.set_path(purpose, &path);
@@ -262,9 +267,10 @@ impl App {
         let here = std::env::current_dir().unwrap_or_default();
         let folder = self.document.path().and_then(Path::parent).unwrap_or(&here);
         match purpose {
-            FilePurpose::Open | FilePurpose::AddMesh | FilePurpose::ReportReference => {
-                folder.join("")
-            }
+            FilePurpose::Open
+            | FilePurpose::AddMesh
+            | FilePurpose::ReportReference
+            | FilePurpose::Compare => folder.join(""),
             FilePurpose::ReportFolder => self.report.folder(),
             FilePurpose::SetBackground => match &self.document.scene.background {
                 // Others are likely beside it.

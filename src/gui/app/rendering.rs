@@ -96,9 +96,7 @@ impl App {
 
     fn start_render(&mut self, asked: Instant) {
         let scene = self.document.scene.clone();
-        let largest = self.preview.as_ref().map_or(2048, |preview| {
-            preview.device().limits().max_texture_dimension_2d
-        });
+        let largest = self.largest_texture();
         let size = &scene.render;
         let mut layers = if scene.output.layers {
             Layer::all_of(&scene)
@@ -213,6 +211,7 @@ impl App {
         picture.scene.display = display;
         picture.buffer.set_display(display);
         self.encode_picture();
+        self.encode_other();
     }
 
     /// Shows a layer of the picture, or all of it.
@@ -221,6 +220,7 @@ impl App {
         if let Some(picture) = self.shown_picture() {
             picture.buffer.set_shown(layer);
             self.encode_picture();
+            self.encode_other();
         }
     }
 

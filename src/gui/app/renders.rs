@@ -43,6 +43,7 @@ impl App {
         match asked {
             Asked::Show(number) => self.show_render(number),
             Asked::Restore(number) => self.restore_render(number),
+            Asked::Compare(number) => self.compare_with(number),
             Asked::Forget(number) => {
                 if self.shown_render == Some(number) {
                     self.show_present_render();

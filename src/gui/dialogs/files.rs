@@ -30,6 +30,8 @@ pub enum FilePurpose {
     ReportFolder,
     /// A picture that a report measures against.
     ReportReference,
+    /// A picture to compare with.
+    Compare,
 }
 
 impl FilePurpose {
@@ -44,6 +46,7 @@ impl FilePurpose {
             Self::SavePicture => "Save picture",
             Self::ReportFolder => "Folder of the report",
             Self::ReportReference => "Reference of the report",
+            Self::Compare => "Compare with image",
         }
     }
 
@@ -55,6 +58,7 @@ impl FilePurpose {
             Self::AddMesh => "Add",
             Self::SetBackground | Self::ReportFolder | Self::ReportReference => "Use",
             Self::SaveScene | Self::SavePicture => "Save",
+            Self::Compare => "Compare",
         }
     }
 
@@ -80,7 +84,7 @@ impl FilePurpose {
             Self::SaveScene => vec!["toml"],
             Self::SavePicture => vec!["png", "exr"],
             Self::ReportFolder => Vec::new(),
-            Self::ReportReference => [RADIANCE_EXTENSIONS, &["png"]].concat(),
+            Self::ReportReference | Self::Compare => [RADIANCE_EXTENSIONS, &["png"]].concat(),
         }
     }
 
@@ -124,7 +128,7 @@ pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
             .pick_file()
             .map(|path| vec![path]),
         FilePurpose::ReportFolder => dialog.pick_folder().map(|path| vec![path]),
-        FilePurpose::ReportReference => dialog
+        FilePurpose::ReportReference | FilePurpose::Compare => dialog
             .add_filter("Pictures", &extensions)
             .pick_file()
             .map(|path| vec![path]),

@@ -36,6 +36,8 @@ pub enum Asked {
     Show(usize),
     /// Make the scene what it was for this render.
     Restore(usize),
+    /// Compare the shown picture with that of this render.
+    Compare(usize),
     /// Forget this render.
     Forget(usize),
     /// A command of the window.
@@ -77,6 +79,7 @@ impl Renders {
                 let shown = facts.iter().find(|f| Some(f.number) == state.shown);
                 if let Some(shown) = shown {
                     asked = self.words_ui(ui, state, shown).or(asked);
+                    asked = self.compare_ui(ui, state, &facts).or(asked);
                 }
             });
         });
@@ -124,7 +127,7 @@ impl Renders {
         let response = response.on_hover_text(tooltip);
         let mut asked = response.clicked().then_some(Asked::Show(facts.number));
         response.context_menu(|ui| {
-            asked = self.menu_ui(ui, facts).or(asked);
+            asked = self.menu_ui(ui, state, facts).or(asked);
         });
         asked
     }
@@ -149,7 +152,7 @@ impl Renders {
     }
 
     /// What can be done with a render.
-    fn menu_ui(&self, ui: &mut Ui, facts: &Facts) -> Option<Asked> {
+    fn menu_ui(&self, ui: &mut Ui, state: &StripState<'_>, facts: &Facts) -> Option<Asked> {
         let number = facts.number;
         let mut asked = None;
         let is_past = self.entry(number).is_some();
@@ -160,6 +163,12 @@ impl Renders {
                 true,
                 Asked::Restore(number),
             ),
+            (
+                "Compare shown picture with this",
+                "Show both with a divider, in turn, or their difference",
+                self.can_compare(state, number),
+                Asked::Compare(number),
+            ),
             ("Forget", FORGET_TOOLTIP, is_past, Asked::Forget(number)),
         ] {
             let response = ui.add_enabled(is_possible, Button::new(name));
@@ -168,6 +177,47 @@ impl Renders {
                 ui.close();
             }
         }
+        asked
+    }
+
+    /// Whether the shown picture can be compared with that of render `number`.
+    fn can_compare(&self, state: &StripState<'_>, number: usize) -> bool {
+        let present = state.present.filter(|picture| !picture.is_running());
+        let is_there = present.is_some_and(|picture| picture.number == number)
+            || self.picture(number).is_some();
+        is_there && state.can_save && state.shown != Some(number)
+    }
+
+    /// What the shown picture can be compared with, as a menu.
+    fn compare_ui(&self, ui: &mut Ui, state: &StripState<'_>, all: &[&Facts]) -> Option<Asked> {
+        /// Renders on offer, the newest first: the others have the menus of their small pictures.
+        const MOST: usize = 12;
+        let mut asked = None;
+        ui.add_enabled_ui(state.can_save, |ui| {
+            let menu = ui.menu_button("Compare with…", |ui| {
+                let others = all.iter().rev();
+                let others = others.filter(|facts| self.can_compare(state, facts.number));
+                for facts in others.take(MOST) {
+                    let name = format!("{}  {}", facts.number, facts.name);
+                    if ui.button(name).on_hover_text(facts.settings()).clicked() {
+                        asked = Some(Asked::Compare(facts.number));
+                        ui.close();
+                    }
+                }
+                ui.separator();
+                let command = Command::CompareFile;
+                let file = ui
+                    .button("Image file…")
+                    .on_hover_text(command.description());
+                if file.clicked() {
+                    asked = Some(Asked::Command(command));
+                    ui.close();
+                }
+            });
+            menu.response
+                .on_hover_text("Show another picture against this one, and how far they are apart")
+                .on_disabled_hover_text("There is no picture to compare");
+        });
         asked
     }
 

@@ -1,0 +1,181 @@
+//! The picture that is looked at against another one.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::App;
+use crate::gui::compare::{self, Comparison, Mode, Side};
+use crate::gui::document::name_of;
+use crate::gui::jobs::Lane;
+use crate::gui::picture_buffer::PictureBuffer;
+use crate::gui::top_bar::View;
+use crate::gui::worker::Event;
+use crate::io;
+
+impl App {
+    /// What the picture of render `number` is called in a comparison.
+    fn name_in_comparison(&self, number: usize) -> String {
+        let present = self.picture.as_ref().filter(|p| p.number == number);
+        let past = self.renders.entry(number).map(|entry| &entry.facts.name);
+        let name = present.map(|picture| &picture.name).or(past);
+        format!("{number}  {}", name.map_or("", String::as_str))
+    }
+
+    /// What the picture that is looked at is called.
+    pub(super) fn shown_name(&self) -> String {
+        self.shown_number()
+            .map_or_else(String::new, |number| self.name_in_comparison(number))
+    }
+
+    /// Whether there is another render to compare the shown one with.
+    pub(super) fn can_compare(&self) -> bool {
+        self.comparison.is_some() || self.shown_picture().is_some() && self.neighbour().is_some()
+    }
+
+    /// The newest render with a picture that is not the shown one.
+    fn neighbour(&self) -> Option<usize> {
+        let past = self.renders.entries().iter().rev();
+        let past = past.filter(|entry| entry.picture.is_some());
+        let mut past = past.map(|entry| entry.facts.number);
+        past.find(|number| Some(*number) != self.shown_number())
+            .or_else(|| {
+                let present = self.picture.as_ref().filter(|p| !p.is_running())?;
+                (Some(present.number) != self.shown_number()).then_some(present.number)
+            })
+    }
+
+    /// Compares the shown render with the newest other one, or stops comparing.
+    pub(super) fn toggle_comparison(&mut self) {
+        if self.comparison.is_some() {
+            self.stop_comparing();
+        } else if let Some(number) = self.neighbour() {
+            self.compare_with(number);
+        }
+    }
+
+    /// Compares the picture that is looked at with that of render `number`.
+    pub(super) fn compare_with(&mut self, number: usize) {
+        let name = self.name_in_comparison(number);
+        let picture = match &self.picture {
+            Some(picture) if picture.number == number => Some(picture),
+            _ => self.renders.picture(number),
+        };
+        let Some(buffer) = picture.map(|picture| Arc::clone(&picture.buffer)) else {
+            return;
+        };
+        self.begin_comparing(Comparison::new(name, Some(number), buffer));
+    }
+
+    /// Reads the picture in `path` to compare with.
+    pub(super) fn compare_with_file(&mut self, path: PathBuf) {
+        let largest = self.largest_texture();
+        self.jobs.start(Lane::CompareFile, move |job| {
+            let result = io::read_image(&path).map_err(|error| error.to_string());
+            let result = result.map(|file| {
+                let display = crate::scene::Display::default();
+                let buffer = PictureBuffer::of_image(file.image, display, largest);
+                (Arc::new(buffer), file.warnings)
+            });
+            job.send(Event::ComparisonRead { path, result });
+        });
+    }
+
+    pub(super) fn comparison_read(
+        &mut self,
+        path: &Path,
+        result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
+    ) {
+        match result {
+            Ok((buffer, warnings)) => {
+                if !warnings.is_empty() {
+                    let title = format!("Compared with {}, with remarks", name_of(path));
+                    self.messages.warning(title, warnings.join("\n"));
+                }
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                let name = name.to_string_lossy().into_owned();
+                self.begin_comparing(Comparison::new(name, None, buffer));
+            }
+            Err(error) => self.messages.error("Cannot compare", error),
+        }
+    }
+
+    fn begin_comparing(&mut self, mut comparison: Comparison) {
+        self.view = View::Picture;
+        if let Some(before) = &self.comparison {
+            comparison.mode = before.mode;
+        }
+        self.comparison = Some(comparison);
+        self.jobs.cancel(Lane::Compare);
+        self.encode_other();
+    }
+
+    pub(super) fn stop_comparing(&mut self) {
+        if let Some(comparison) = self.comparison.take() {
+            self.jobs.cancel(Lane::Compare);
+            self.jobs.cancel(Lane::EncodeOther);
+            // The last holder of a large picture gives it back elsewhere.
+            rayon::spawn(move || drop(comparison.buffer));
+        }
+    }
+
+    /// Shows the other of two compared pictures.
+    pub(super) fn flip(&mut self) {
+        if let Some(comparison) = &mut self.comparison {
+            comparison.mode = Mode::Flip;
+            comparison.shows_other = !comparison.shows_other;
+        }
+    }
+
+    /// Has the other picture encoded as the shown one is.
+    pub(super) fn encode_other(&mut self) {
+        let Some(comparison) = &self.comparison else {
+            return;
+        };
+        let buffer = Arc::clone(&comparison.buffer);
+        buffer.set_display(self.document.scene.display);
+        buffer.set_shown(self.shown_layer);
+        self.jobs.start(Lane::EncodeOther, move |job| {
+            buffer.encode_all(&job.cancel, |tile| {
+                job.send(Event::CompareTile(Side::Other, tile));
+            });
+        });
+    }
+
+    /// Has measured what is compared, where it is looked at and not known.
+    pub(super) fn update_comparison(&mut self) {
+        if self.jobs.is_busy(Lane::Compare) || self.picture_on_screen().is_none() {
+            return;
+        }
+        let shown = self.shown_picture();
+        let shown = shown.map(|p| (p.number, p.is_running(), Arc::clone(&p.buffer)));
+        let (Some((number, is_running, a)), Some(comparison)) = (shown, &mut self.comparison)
+        else {
+            return;
+        };
+        if !comparison.must_measure(number, is_running) {
+            return;
+        }
+        let b = Arc::clone(&comparison.buffer);
+        let largest = self.largest_texture();
+        self.jobs.start(Lane::Compare, move |job| {
+            let compared = compare::compare(&a.image(), &b.image(), largest);
+            match compared {
+                Ok((distance, difference)) => {
+                    let size = difference.texture_size();
+                    job.send(Event::Compared(Ok((distance, size))));
+                    difference.encode_all(&job.cancel, |tile| {
+                        job.send(Event::CompareTile(Side::Difference, tile));
+                    });
+                }
+                Err(why) => job.send(Event::Compared(Err(why))),
+            }
+        });
+    }
+
+    /// Most texels a side that the graphics driver takes.
+    pub(super) fn largest_texture(&self) -> u32 {
+        self.preview.as_ref().map_or(2048, |preview| {
+            preview.device().limits().max_texture_dimension_2d
+        })
+    }
+}

@@ -1,0 +1,253 @@
+//! Two pictures side by side: the one that is looked at, A, and another one, B, a render of this session or a file.
+//!
+//! They are shown with a divider between them, in turn, or as their difference; and it is measured how far they are apart, as
+//! `raymini compare` does, on the linear values.
+
+mod bar;
+mod wipe;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::{TextureHandle, TextureId};
+
+use super::picture::put_tile;
+use super::picture_buffer::{EncodedTile, PictureBuffer};
+use crate::analysis::{Metrics, scaled_difference};
+use crate::render::Image;
+use crate::scene::{Choice, Display};
+
+pub use bar::Asked;
+
+/// Time between two measures of a picture that still changes.
+const INTERVAL: Duration = Duration::from_secs(2);
+
+/// How two pictures are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// A at the left of a divider, B at the right.
+    #[default]
+    Wipe,
+    /// One after the other.
+    Flip,
+    /// How far they are apart.
+    Difference,
+}
+
+impl Choice for Mode {
+    const ALL: &'static [(Self, &'static str)] = &[
+        (Self::Wipe, "wipe"),
+        (Self::Flip, "flip"),
+        (Self::Difference, "difference"),
+    ];
+}
+
+/// Which of the pictures beside A a tile belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// B.
+    Other,
+    /// The difference of both.
+    Difference,
+}
+
+/// How far two pictures are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// Root of the mean squared difference, in the unit of the pictures.
+    pub rmse: f64,
+    /// Mean squared difference relative to B.
+    pub relmse: f64,
+    /// Pixels that differ in any bit.
+    pub differing_pixels: u64,
+    /// Pixels that are left out, as one of the pictures has no finite value there.
+    pub non_finite_pixels: u64,
+    /// The difference that is drawn white.
+    pub white: f64,
+}
+
+/// What a comparison found: the distance, and the picture of the difference.
+pub type Compared = Result<(Distance, Arc<PictureBuffer>), String>;
+
+/// Measures how far `a` is from `b`, and draws where; `largest_texture`: see [`PictureBuffer::new`].
+///
+/// # Errors
+/// When the sizes differ, in words.
+pub fn compare(a: &Image, b: &Image, largest_texture: u32) -> Compared {
+    let metrics = Metrics::measure(a, b).map_err(|error| error.to_string())?;
+    let white = metrics.white();
+    let difference = scaled_difference(a, b, white).map_err(|error| error.to_string())?;
+    let distance = Distance {
+        rmse: metrics.errors.rmse(),
+        relmse: metrics.errors.relmse,
+        differing_pixels: metrics.differing_pixels,
+        non_finite_pixels: metrics.non_finite_a.max(metrics.non_finite_b),
+        white,
+    };
+    let buffer = PictureBuffer::of_image(difference, Display::default(), largest_texture);
+    Ok((distance, Arc::new(buffer)))
+}
+
+/// What A was when it was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Measured {
+    /// The number of its render.
+    number: usize,
+    /// Whether it was to change.
+    was_running: bool,
+    at: Instant,
+}
+
+/// A comparison that is looked at.
+pub struct Comparison {
+    /// How it is shown.
+    pub mode: Mode,
+    /// Whether B shows where one shows at a time.
+    pub shows_other: bool,
+    /// What B is called.
+    pub name: String,
+    /// The number of B's render, where it is one.
+    pub number: Option<usize>,
+    /// B's pixels.
+    pub buffer: Arc<PictureBuffer>,
+    /// Where the divider is, `0..=1` of the width.
+    divider: f32,
+    measured: Option<Measured>,
+    distance: Option<Result<Distance, String>>,
+    /// Texels of the difference.
+    difference_size: [usize; 2],
+    other_texture: Option<TextureHandle>,
+    difference_texture: Option<TextureHandle>,
+}
+
+impl std::fmt::Debug for Comparison {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Comparison")
+            .field("name", &self.name)
+            .field("mode", &self.mode)
+            .field("distance", &self.distance)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Comparison {
+    /// A comparison with the picture in `buffer`, called `name`, that of render `number` where it is one.
+    #[must_use]
+    pub fn new(name: String, number: Option<usize>, buffer: Arc<PictureBuffer>) -> Self {
+        Self {
+            mode: Mode::default(),
+            shows_other: false,
+            name,
+            number,
+            buffer,
+            divider: 0.5,
+            measured: None,
+            distance: None,
+            difference_size: [0; 2],
+            other_texture: None,
+            difference_texture: None,
+        }
+    }
+
+    /// How far the pictures are apart, or why that cannot be said; `None` until it is known.
+    #[must_use]
+    pub fn distance(&self) -> Option<&Result<Distance, String>> {
+        self.distance.as_ref()
+    }
+
+    /// Whether A, render `number`, is to be measured: it is another one, or has changed and the last time is long enough ago.
+    /// Takes note that it is.
+    pub fn must_measure(&mut self, number: usize, is_running: bool) -> bool {
+        let is_due = self.measured.is_none_or(|measured| {
+            measured.number != number
+                || measured.was_running && (!is_running || measured.at.elapsed() > INTERVAL)
+        });
+        if is_due {
+            if self
+                .measured
+                .is_some_and(|measured| measured.number != number)
+            {
+                self.distance = None;
+                self.difference_texture = None;
+            }
+            self.measured = Some(Measured {
+                number,
+                was_running: is_running,
+                at: Instant::now(),
+            });
+        }
+        is_due
+    }
+
+    /// Takes in how far the pictures are apart, and the size of the picture of the difference.
+    pub fn set_distance(&mut self, result: Result<(Distance, [usize; 2]), String>) {
+        self.distance = Some(result.map(|(distance, size)| {
+            if self.difference_size != size {
+                self.difference_texture = None;
+            }
+            self.difference_size = size;
+            distance
+        }));
+    }
+
+    /// Puts a piece of a picture on the screen.
+    pub fn show_tile(&mut self, ctx: &egui::Context, side: Side, tile: EncodedTile) {
+        let (texture, size) = match side {
+            Side::Other => (&mut self.other_texture, self.buffer.texture_size()),
+            Side::Difference => (&mut self.difference_texture, self.difference_size),
+        };
+        put_tile(ctx, texture, size, tile);
+    }
+
+    fn other(&self) -> Option<TextureId> {
+        self.other_texture.as_ref().map(TextureHandle::id)
+    }
+
+    fn difference(&self) -> Option<TextureId> {
+        let is_known = matches!(self.distance, Some(Ok(_)));
+        self.difference_texture
+            .as_ref()
+            .filter(|_| is_known)
+            .map(TextureHandle::id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn comparison() -> Comparison {
+        let buffer = PictureBuffer::of_image(Image::black(4, 4), Display::default(), 64);
+        Comparison::new("other".to_owned(), Some(1), Arc::new(buffer))
+    }
+
+    #[test]
+    fn pictures_are_compared_as_the_command_does() {
+        let a = Image {
+            width: 2,
+            height: 1,
+            pixels: vec![[1.0; 3], [0.5; 3]],
+        };
+        let b = Image {
+            pixels: vec![[1.0; 3]; 2],
+            ..a.clone()
+        };
+        let (distance, difference) = compare(&a, &b, 64).unwrap();
+        assert!((distance.rmse - 0.125_f64.sqrt()).abs() < 1e-12);
+        assert!((distance.relmse - 0.125 / 1.01).abs() < 1e-6);
+        assert_eq!((distance.differing_pixels, distance.white), (1, 0.5));
+        assert_eq!(difference.image().pixels, [[0.0; 3], [1.0; 3]]);
+        let error = compare(&a, &Image::black(3, 1), 64).unwrap_err();
+        assert!(error.contains("2×1 and 3×1"), "{error}");
+    }
+
+    #[test]
+    fn a_picture_is_measured_when_it_is_new_and_when_it_is_done() {
+        let mut comparison = comparison();
+        assert!(comparison.must_measure(2, true));
+        assert!(!comparison.must_measure(2, true));
+        assert!(comparison.must_measure(2, false));
+        assert!(!comparison.must_measure(2, false));
+        assert!(comparison.must_measure(3, false));
+    }
+}
