@@ -14,6 +14,8 @@
 //! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
 //! - `measuring`: what effects cost
+//! - `news`: what jobs have to say
+//! - `obeying`: what the user asks for by name
 //! - `layout`: where everything is drawn
 
 mod comparing;
@@ -21,6 +23,8 @@ mod editing;
 mod keeping;
 mod layout;
 mod measuring;
+mod news;
+mod obeying;
 mod opening;
 mod rendering;
 mod renders;
@@ -37,9 +41,8 @@ use super::dialogs::{Dialog, Intent};
 use super::document::Document;
 use super::edit::Part;
 use super::error_plot::ErrorPlot;
-use super::jobs::{Jobs, Lane, News};
+use super::jobs::{Jobs, Lane};
 use super::messages::Messages;
-use super::orbit;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
 use super::renders::Renders;
@@ -298,162 +301,6 @@ impl App {
             modified: self.document.is_modified(),
             edit: self.edit_state(),
             recent: &self.keeping.recent,
-        }
-    }
-
-    /// Takes in what background jobs have to say, for a few milliseconds at most.
-    fn take_news(&mut self, ctx: &egui::Context) {
-        const BUDGET_SECONDS: f64 = 0.004;
-        let started = Instant::now();
-        while let Some(news) = self.jobs.next_event() {
-            match news {
-                News::Event(event) => self.take_event(ctx, event),
-                News::Panicked(lane, message) => self.job_failed(lane, &message),
-            }
-            if started.elapsed().as_secs_f64() > BUDGET_SECONDS {
-                ctx.request_repaint();
-                return;
-            }
-        }
-        if !self.jobs.is_busy(Lane::Load) {
-            self.loading = None;
-        }
-    }
-
-    fn take_event(&mut self, ctx: &egui::Context, event: Event) {
-        match event {
-            Event::SceneLoaded { paths, result } => {
-                self.scene_loaded(&paths, result.map(|loaded| *loaded));
-            }
-            Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
-            Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
-            Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
-            Event::Tile(tile) => {
-                if let Some(picture) = &mut self.picture {
-                    picture.show_tile(ctx, tile);
-                }
-            }
-            Event::Encoded { number, tile } => {
-                if let Some(picture) = self.picture_of_mut(number) {
-                    picture.show_tile(ctx, tile);
-                }
-            }
-            Event::Compared(result) => {
-                if let Some(comparison) = &mut self.comparison {
-                    comparison.set_distance(result);
-                }
-            }
-            Event::CompareTile(side, tile) => {
-                if let Some(comparison) = &mut self.comparison {
-                    comparison.show_tile(ctx, side, tile);
-                }
-            }
-            Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
-            Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
-            Event::Rendered { hash, stats } => self.rendered(hash, stats),
-            Event::RenderFailed(text) => self.render_failed(&text),
-            Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
-            Event::PictureSaved { path, result } => self.picture_saved(&path, result),
-            Event::PathsChosen(answer) => self.paths_chosen(answer),
-            Event::ReportGrew(findings) => self.report.set_findings(findings),
-            Event::Reported(result) => self.reported(&result),
-            Event::CostsMeasured { scene, result } => self.costs_measured(scene, result),
-            Event::KeepingBegun { recent, begun } => self.keeping_begun(recent, begun),
-            Event::WorkKept(result) => self.work_kept(result),
-            Event::Restored { lost, result } => self.restored(lost, result),
-            Event::RecentChanged(recent) => self.keeping.recent = recent,
-            Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
-            Event::Listed(listing) => {
-                if let Some(Dialog::Path(field)) = &mut self.dialog {
-                    field.set_listing(listing);
-                }
-            }
-        }
-    }
-
-    /// A job ended by a fault of the program.
-    fn job_failed(&mut self, lane: Lane, message: &str) {
-        match lane {
-            Lane::Load => self.loading = None,
-            Lane::Render => self.end_picture(super::picture::Outcome::Failed),
-            Lane::SaveScene => self.after_saving = None,
-            Lane::Report => self.report.fail_by_fault(),
-            Lane::Costs => self.costs = CostState::Unknown,
-            _ => {}
-        }
-        let text =
-            format!("This is a fault of the program, and your scene is still here: {message}");
-        self.messages.error("Something went wrong", text);
-    }
-
-    /// Carries out what the user asked for.
-    fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
-        if !self.top_bar_state().allows(command) && command != Command::Cancel {
-            return;
-        }
-        self.document.record_edit(&self.selection);
-        if self.carry_out_edit(ctx, command) {
-            return;
-        }
-        match command {
-            Command::Open => self.ask_for_path(super::dialogs::files::FilePurpose::Open),
-            Command::AddMesh => self.ask_for_path(super::dialogs::files::FilePurpose::AddMesh),
-            Command::SetBackground => {
-                self.ask_for_path(super::dialogs::files::FilePurpose::SetBackground);
-            }
-            Command::SaveScene => self.save_scene(),
-            Command::SaveSceneAs => {
-                self.ask_for_path(super::dialogs::files::FilePurpose::SaveScene);
-            }
-            Command::SavePicture => {
-                self.ask_for_path(super::dialogs::files::FilePurpose::SavePicture);
-            }
-            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            Command::FrameAll => self.frame(&self.bounds()),
-            Command::FrameSelected => self.frame(&self.selected_bounds()),
-            Command::ResetCamera => {
-                self.document.scene.camera = self.document.home;
-                self.view = View::Preview;
-            }
-            Command::ShowPreview => self.view = View::Preview,
-            Command::ShowPicture => self.view = View::Picture,
-            Command::TogglePanel => self.panel_open = !self.panel_open,
-            Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
-            Command::ToggleRenders => self.renders.open = !self.renders.open,
-            Command::ShowOlderRender | Command::ShowNewerRender => self.show_neighbour(command),
-            Command::Compare => self.toggle_comparison(),
-            Command::CompareFile => self.ask_for_path(super::dialogs::files::FilePurpose::Compare),
-            Command::Flip => self.flip(),
-            Command::Render => self.ask_for_render(),
-            Command::Cancel => self.cancel(),
-            Command::Report => self.show_report(ctx),
-            Command::MeasureCosts => self.measure_costs(),
-            Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
-            _ => {}
-        }
-    }
-
-    /// Moves the camera to where it sees all of `bounds`; an empty box moves nothing.
-    fn frame(&mut self, bounds: &DBounds) {
-        let scene = &mut self.document.scene;
-        let size = super::preview::uniforms::picture_size(scene);
-        scene.camera = orbit::frame_all(&scene.camera, size, bounds);
-        self.view = View::Preview;
-    }
-
-    /// Stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
-    fn cancel(&mut self) {
-        if self.is_rendering() {
-            self.cancel_render();
-        } else if self.report.is_running() {
-            self.cancel_report();
-        } else if self.is_measuring_costs() {
-            self.cancel_measuring_costs();
-        } else if self.loading.take().is_some() {
-            self.jobs.cancel(Lane::Load);
-            self.messages.news("Loading cancelled");
-        } else {
-            self.report.open = false;
         }
     }
 

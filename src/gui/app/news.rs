@@ -1,0 +1,97 @@
+//! What background jobs have to say.
+
+use std::time::Instant;
+
+use super::App;
+use crate::gui::costs::CostState;
+use crate::gui::dialogs::Dialog;
+use crate::gui::jobs::{Lane, News};
+use crate::gui::picture::Outcome;
+use crate::gui::worker::Event;
+
+impl App {
+    /// Takes in what background jobs have to say, for a few milliseconds at most.
+    pub(super) fn take_news(&mut self, ctx: &egui::Context) {
+        const BUDGET_SECONDS: f64 = 0.004;
+        let started = Instant::now();
+        while let Some(news) = self.jobs.next_event() {
+            match news {
+                News::Event(event) => self.take_event(ctx, event),
+                News::Panicked(lane, message) => self.job_failed(lane, &message),
+            }
+            if started.elapsed().as_secs_f64() > BUDGET_SECONDS {
+                ctx.request_repaint();
+                return;
+            }
+        }
+        if !self.jobs.is_busy(Lane::Load) {
+            self.loading = None;
+        }
+    }
+
+    fn take_event(&mut self, ctx: &egui::Context, event: Event) {
+        match event {
+            Event::SceneLoaded { paths, result } => {
+                self.scene_loaded(&paths, result.map(|loaded| *loaded));
+            }
+            Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
+            Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
+            Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
+            Event::Tile(tile) => {
+                if let Some(picture) = &mut self.picture {
+                    picture.show_tile(ctx, tile);
+                }
+            }
+            Event::Encoded { number, tile } => {
+                if let Some(picture) = self.picture_of_mut(number) {
+                    picture.show_tile(ctx, tile);
+                }
+            }
+            Event::Compared(result) => {
+                if let Some(comparison) = &mut self.comparison {
+                    comparison.set_distance(result);
+                }
+            }
+            Event::CompareTile(side, tile) => {
+                if let Some(comparison) = &mut self.comparison {
+                    comparison.show_tile(ctx, side, tile);
+                }
+            }
+            Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
+            Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
+            Event::Rendered { hash, stats } => self.rendered(hash, stats),
+            Event::RenderFailed(text) => self.render_failed(&text),
+            Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
+            Event::PictureSaved { path, result } => self.picture_saved(&path, result),
+            Event::PathsChosen(answer) => self.paths_chosen(answer),
+            Event::ReportGrew(findings) => self.report.set_findings(findings),
+            Event::Reported(result) => self.reported(&result),
+            Event::CostsMeasured { scene, result } => self.costs_measured(scene, result),
+            Event::KeepingBegun { recent, begun } => self.keeping_begun(recent, begun),
+            Event::WorkKept(result) => self.work_kept(result),
+            Event::Restored { lost, result } => self.restored(lost, result),
+            Event::RecentChanged(recent) => self.keeping.recent = recent,
+            Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
+            Event::Listed(listing) => {
+                if let Some(Dialog::Path(field)) = &mut self.dialog {
+                    field.set_listing(listing);
+                }
+            }
+        }
+    }
+
+    /// A job ended by a fault of the program.
+    fn job_failed(&mut self, lane: Lane, message: &str) {
+        match lane {
+            Lane::Load => self.loading = None,
+            Lane::Render => self.end_picture(Outcome::Failed),
+            Lane::SaveScene => self.after_saving = None,
+            Lane::Report => self.report.fail_by_fault(),
+            Lane::Costs => self.costs = CostState::Unknown,
+            _ => {}
+        }
+        let text =
+            format!("This is a fault of the program, and your scene is still here: {message}");
+        self.messages.error("Something went wrong", text);
+    }
+}

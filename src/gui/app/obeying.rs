@@ -1,0 +1,84 @@
+//! What the user asks for by menu, button or key.
+
+use super::App;
+use crate::gui::commands::Command;
+use crate::gui::dialogs::Dialog;
+use crate::gui::dialogs::files::FilePurpose;
+use crate::gui::jobs::Lane;
+use crate::gui::orbit;
+use crate::gui::preview;
+use crate::gui::top_bar::View;
+use crate::math::DBounds;
+
+impl App {
+    /// Carries out what the user asked for.
+    pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
+        if !self.top_bar_state().allows(command) && command != Command::Cancel {
+            return;
+        }
+        self.document.record_edit(&self.selection);
+        if self.carry_out_edit(ctx, command) {
+            return;
+        }
+        match command {
+            Command::Open => self.ask_for_path(FilePurpose::Open),
+            Command::AddMesh => self.ask_for_path(FilePurpose::AddMesh),
+            Command::SetBackground => {
+                self.ask_for_path(FilePurpose::SetBackground);
+            }
+            Command::SaveScene => self.save_scene(),
+            Command::SaveSceneAs => {
+                self.ask_for_path(FilePurpose::SaveScene);
+            }
+            Command::SavePicture => {
+                self.ask_for_path(FilePurpose::SavePicture);
+            }
+            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            Command::FrameAll => self.frame(&self.bounds()),
+            Command::FrameSelected => self.frame(&self.selected_bounds()),
+            Command::ResetCamera => {
+                self.document.scene.camera = self.document.home;
+                self.view = View::Preview;
+            }
+            Command::ShowPreview => self.view = View::Preview,
+            Command::ShowPicture => self.view = View::Picture,
+            Command::TogglePanel => self.panel_open = !self.panel_open,
+            Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
+            Command::ToggleRenders => self.renders.open = !self.renders.open,
+            Command::ShowOlderRender | Command::ShowNewerRender => self.show_neighbour(command),
+            Command::Compare => self.toggle_comparison(),
+            Command::CompareFile => self.ask_for_path(FilePurpose::Compare),
+            Command::Flip => self.flip(),
+            Command::Render => self.ask_for_render(),
+            Command::Cancel => self.cancel(),
+            Command::Report => self.show_report(ctx),
+            Command::MeasureCosts => self.measure_costs(),
+            Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
+            _ => {}
+        }
+    }
+
+    /// Moves the camera to where it sees all of `bounds`; an empty box moves nothing.
+    fn frame(&mut self, bounds: &DBounds) {
+        let scene = &mut self.document.scene;
+        let size = preview::uniforms::picture_size(scene);
+        scene.camera = orbit::frame_all(&scene.camera, size, bounds);
+        self.view = View::Preview;
+    }
+
+    /// Stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
+    fn cancel(&mut self) {
+        if self.is_rendering() {
+            self.cancel_render();
+        } else if self.report.is_running() {
+            self.cancel_report();
+        } else if self.is_measuring_costs() {
+            self.cancel_measuring_costs();
+        } else if self.loading.take().is_some() {
+            self.jobs.cancel(Lane::Load);
+            self.messages.news("Loading cancelled");
+        } else {
+            self.report.open = false;
+        }
+    }
+}
