@@ -59,6 +59,14 @@ pub enum Command {
     CompareFile,
     /// Show the other of two compared pictures.
     Flip,
+    /// Show all of the picture.
+    ShowWhole,
+    /// Show each pixel of the picture as one of the screen.
+    ShowFullSize,
+    /// Show the picture larger.
+    Enlarge,
+    /// Show the picture smaller.
+    Reduce,
     /// Start rendering, in place of a running render.
     Render,
     /// Stop the running render or report.
@@ -73,7 +81,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 36] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -105,6 +113,10 @@ impl Command {
         Self::Compare,
         Self::CompareFile,
         Self::Flip,
+        Self::ShowWhole,
+        Self::ShowFullSize,
+        Self::Enlarge,
+        Self::Reduce,
         Self::ShowShortcuts,
     ];
 
@@ -139,6 +151,10 @@ impl Command {
             Self::Compare => "Compare with another render",
             Self::CompareFile => "Compare with image…",
             Self::Flip => "Flip",
+            Self::ShowWhole => "Whole picture",
+            Self::ShowFullSize => "100 %",
+            Self::Enlarge => "Enlarge",
+            Self::Reduce => "Reduce",
             Self::Render => "Render",
             Self::Cancel => "Cancel",
             Self::Report => "Report…",
@@ -178,6 +194,10 @@ impl Command {
             Self::Compare => "Compare the shown picture with the render before it; again to stop",
             Self::CompareFile => "Compare the shown picture with one from a file (PNG, EXR, HDR)",
             Self::Flip => "Show the other one of two compared pictures",
+            Self::ShowWhole => "Show all of the picture",
+            Self::ShowFullSize => "Show each pixel of the picture as one pixel of the screen",
+            Self::Enlarge => "Show the picture larger",
+            Self::Reduce => "Show the picture smaller",
             Self::Render => "Render the picture; restarts a running render",
             Self::Cancel => "Stop the running render, report, measurement or load",
             Self::MeasureCosts => {
@@ -228,6 +248,10 @@ impl Command {
             Self::Compare => const { &[plain(Key::C)] },
             Self::CompareFile => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::C)] },
             Self::Flip => const { &[plain(Key::X)] },
+            Self::ShowWhole => const { &[plain(Key::Num3)] },
+            Self::ShowFullSize => const { &[plain(Key::Num4)] },
+            Self::Enlarge => const { &[plain(Key::Plus), plain(Key::Equals)] },
+            Self::Reduce => const { &[plain(Key::Minus)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
             Self::Report => const { &[command_shift(Key::R)] },

@@ -33,6 +33,8 @@ pub enum Lane {
     Encode,
     /// Making small pictures of renders.
     Thumbnails,
+    /// Counting how bright a picture is.
+    Histogram,
     /// Measuring how far two pictures are apart.
     Compare,
     /// Converting the picture that is compared with for the screen.
@@ -63,7 +65,7 @@ pub enum Lane {
     Recent,
 }
 
-const LANES: usize = 19;
+const LANES: usize = 20;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

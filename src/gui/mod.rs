@@ -9,6 +9,7 @@
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`], [`picture_buffer`]: the render as it fills in
 //! - [`renders`], [`compare`]: the renders of this session, one against another
+//! - [`zoom`], [`look`], [`inspector`], [`histogram`]: a picture looked at closely
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`]: what effects cost
@@ -27,10 +28,13 @@ pub mod document;
 pub mod edit;
 pub mod error_colors;
 pub mod error_plot;
+pub mod histogram;
 pub mod icons;
+pub mod inspector;
 pub mod jobs;
 pub mod keeping;
 pub mod log_plot;
+pub mod look;
 pub mod messages;
 pub mod orbit;
 pub mod panels;
@@ -50,6 +54,7 @@ pub mod undo;
 pub mod viewport;
 pub mod widgets;
 pub mod worker;
+pub mod zoom;
 
 pub use app::{App, AppOptions, FileDialogs};
 pub use start::{GuiError, OpenRequest, run};

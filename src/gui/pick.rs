@@ -10,6 +10,8 @@ use crate::scene::{Camera, RenderSettings};
 pub struct Picked {
     /// Index of the object in the description.
     pub object: usize,
+    /// Which triangle of the prepared scene.
+    pub triangle: u32,
     /// Where, in world space.
     pub point: DVec3,
 }
@@ -36,6 +38,7 @@ pub fn pick(
     let point = camera.eye + prepared.direction(x, y) * distance;
     point.is_finite().then(|| Picked {
         object: geometry.object_of(hit.triangle),
+        triangle: hit.triangle,
         point,
     })
 }

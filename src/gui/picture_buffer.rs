@@ -9,9 +9,11 @@ use std::sync::{Mutex, PoisonError};
 
 use egui::{Color32, ColorImage};
 
-use super::error_colors;
+use super::histogram::Histogram;
+use super::inspector::PixelValues;
+use super::look::Look;
 use crate::control::CancelToken;
-use crate::render::{Image, Layer, TilePixels, display};
+use crate::render::{Image, Layer, TilePixels};
 use crate::scene::Display;
 
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
@@ -51,7 +53,7 @@ struct BufferState {
     /// Which of them is on the screen.
     shown: usize,
     display: Display,
-    /// The error with the last colour, see [`error_colors`]; `None` while nothing is known of it.
+    /// The error with the last colour, see [`super::error_colors`]; `None` while nothing is known of it.
     error_scale: Option<f32>,
 }
 
@@ -61,27 +63,6 @@ impl BufferState {
         match layer {
             Some(Layer::Error) => Look::Error(self.error_scale.unwrap_or_default()),
             _ => Look::Light(self.display),
-        }
-    }
-}
-
-/// How values become colours.
-#[derive(Clone, Copy, Debug)]
-enum Look {
-    /// As light.
-    Light(Display),
-    /// As an error on a scale up to this one.
-    Error(f32),
-}
-
-impl Look {
-    fn color(self, rgb: [f32; 3]) -> Color32 {
-        match self {
-            Self::Light(display) => {
-                let [r, g, b] = display::encode_8(rgb, &display);
-                Color32::from_rgb(r, g, b)
-            }
-            Self::Error(scale) => error_colors::color(rgb, scale),
         }
     }
 }
@@ -222,7 +203,7 @@ impl PictureBuffer {
     /// Takes in the error of every pixel, where it is kept. What shows it needs [`PictureBuffer::encode_all`].
     pub fn set_error(&self, errors: Image) {
         if let Some(index) = self.layers().iter().position(|&kept| kept == Layer::Error) {
-            let scale = error_colors::scale_of(&errors);
+            let scale = super::error_colors::scale_of(&errors);
             let mut state = self.lock();
             state.planes[index + 1] = errors;
             state.error_scale = Some(scale);
@@ -294,6 +275,49 @@ impl PictureBuffer {
                 show(tile);
             }
         }
+    }
+
+    /// What is at column and row `[x, y]`; `None` outside the picture.
+    #[must_use]
+    pub fn values_at(&self, [x, y]: [u32; 2]) -> Option<PixelValues> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let state = self.lock();
+        let layer = self.layer(state.shown);
+        let linear = state.planes[state.shown].pixel(x, y);
+        let error = self.layers().iter().position(|&kept| kept == Layer::Error);
+        let error = error.filter(|_| state.error_scale.is_some() && layer.is_none());
+        Some(PixelValues {
+            linear,
+            color: state.look(layer).color(linear),
+            error: error.map(|index| state.planes[index + 1].pixel(x, y)),
+        })
+    }
+
+    /// How often each brightness is on the screen. Of a large picture some pixels of every row count for all.
+    #[must_use]
+    pub fn histogram(&self) -> Histogram {
+        /// Pixels counted about: more make no visible difference.
+        const ENOUGH: u64 = 1 << 20;
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let step = usize::try_from(pixels / ENOUGH)
+            .unwrap_or(usize::MAX)
+            .max(1);
+        let mut histogram = Histogram::default();
+        for y in 0..self.height {
+            // The window may want the picture in between.
+            let state = self.lock();
+            let look = state.look(self.layer(state.shown));
+            let image = &state.planes[state.shown];
+            // Another column first in each row, so that no column is left out.
+            let first = y % u32::try_from(step).unwrap_or(u32::MAX);
+            for x in (first..self.width).step_by(step) {
+                let linear = image.pixel(x, y);
+                histogram.count(linear, look.color(linear));
+            }
+        }
+        histogram
     }
 
     /// A small picture of the whole, whatever layer is on the screen.
@@ -515,8 +539,8 @@ mod tests {
         let mut shown = Vec::new();
         buffer.encode_all(&CancelToken::new(), |band| shown.push(band));
         let colors = &shown[0].pixels.pixels;
-        assert_eq!(colors[0], error_colors::color([0.0; 3], 1.0));
-        assert_eq!(colors[1], error_colors::color([1.0; 3], 1.0));
+        assert_eq!(colors[0], crate::gui::error_colors::color([0.0; 3], 1.0));
+        assert_eq!(colors[1], crate::gui::error_colors::color([1.0; 3], 1.0));
 
         // Tiles bring no error, so what is on the screen stays.
         let (region, rgb) = tile(Region::full(16, 16), 0.25);

@@ -57,6 +57,8 @@ pub struct TopBarState<'a> {
     pub renders_open: bool,
     /// Whether there is something to compare the shown picture with, or that is done.
     pub can_compare: bool,
+    /// Whether a picture is on the screen.
+    pub is_picture_shown: bool,
     /// Whether two pictures are compared.
     pub is_comparing: bool,
     /// Whether there are renders to look at.
@@ -116,6 +118,9 @@ impl TopBarState<'_> {
             Command::SavePicture | Command::ShowPicture | Command::CompareFile => self.has_picture,
             Command::Compare => self.can_compare,
             Command::Flip => self.is_comparing,
+            Command::ShowWhole | Command::ShowFullSize | Command::Enlarge | Command::Reduce => {
+                self.is_picture_shown
+            }
             Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
             Command::Cancel => self.is_measuring || self.is_busy(),
             Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
@@ -144,6 +149,9 @@ impl TopBarState<'_> {
             }
             Command::Compare => "It takes two renders to compare",
             Command::Flip => "No pictures are compared",
+            Command::ShowWhole | Command::ShowFullSize | Command::Enlarge | Command::Reduce => {
+                "No picture is on the screen"
+            }
             Command::ShowOlderRender | Command::ShowNewerRender => "Nothing was rendered yet",
             Command::Cancel => "Nothing is rendered now",
             Command::Undo => "Nothing was edited yet",
@@ -254,6 +262,15 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
                 Command::TogglePanel,
                 Command::ToggleErrorPlot,
                 Command::ToggleRenders,
+            ] {
+                menu_item_ui(ui, state, command, asked);
+            }
+            ui.separator();
+            for command in [
+                Command::ShowWhole,
+                Command::ShowFullSize,
+                Command::Enlarge,
+                Command::Reduce,
             ] {
                 menu_item_ui(ui, state, command, asked);
             }

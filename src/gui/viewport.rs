@@ -10,6 +10,7 @@ use super::orbit::{self, DistanceLimits, PictureSize};
 use super::pick::{self, Picked};
 use super::selection::Selection;
 use super::theme;
+use super::zoom::Zoom;
 use crate::math::{DBounds, DVec2, DVec3};
 use crate::render::PreparedGeometry;
 use crate::scene::{Light, RenderSettings, Scene};
@@ -38,6 +39,8 @@ enum Drag {
         index: usize,
         depth: f64,
     },
+    /// The picture that is looked at.
+    Picture,
 }
 
 /// What the central area remembers from frame to frame.
@@ -78,9 +81,9 @@ pub fn frame_in(area: Rect, settings: &RenderSettings, pixels_per_point: f32) ->
 /// Draws the ground around the frame and an edge.
 pub fn backdrop_ui(ui: &Ui, area: Rect, frame: Rect) {
     let visuals = ui.visuals();
-    ui.painter()
-        .rect_filled(area, CornerRadius::ZERO, theme::backdrop(visuals));
-    ui.painter().rect_stroke(
+    let painter = ui.painter().with_clip_rect(area);
+    painter.rect_filled(area, CornerRadius::ZERO, theme::backdrop(visuals));
+    painter.rect_stroke(
         frame,
         CornerRadius::ZERO,
         Stroke::new(1.0, visuals.widgets.noninteractive.bg_stroke.color),
@@ -89,30 +92,53 @@ pub fn backdrop_ui(ui: &Ui, area: Rect, frame: Rect) {
 }
 
 impl Viewport {
-    /// Lets the mouse move camera and lights and select things. Returns whether the camera moved.
-    pub fn interact_ui(&mut self, ui: &Ui, frame: Rect, view: &mut ViewportScene<'_>) -> bool {
+    /// Lets the mouse move camera and lights and select things. Returns whether the camera moved. `visible`: what of the frame is
+    /// seen; `zoom`: that of the picture, where one is looked at in place of the preview: the wheel and the buttons that pan are for it,
+    /// and every drag while it is enlarged.
+    pub fn interact_ui(
+        &mut self,
+        ui: &Ui,
+        frame: Rect,
+        visible: Rect,
+        mut zoom: Option<&mut Zoom>,
+        view: &mut ViewportScene<'_>,
+    ) -> bool {
         let response = ui
             .interact(
-                frame,
+                frame.intersect(visible),
                 ui.scope_id().with("viewport"),
                 Sense::click_and_drag(),
             )
             .accessible_name("Viewport");
         let before = view.scene.camera;
-        self.drag_ui(ui, &response, frame, view);
+        self.drag_ui(ui, &response, frame, zoom.as_deref_mut(), view);
         click(&response, frame, view);
-        scroll(ui, &response, frame, view);
+        match zoom {
+            Some(zoom) => zoom.scroll_ui(ui, &response),
+            None => scroll(ui, &response, frame, view),
+        }
         view.scene.camera != before
     }
 
-    fn drag_ui(&mut self, ui: &Ui, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
+    fn drag_ui(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        frame: Rect,
+        zoom: Option<&mut Zoom>,
+        view: &mut ViewportScene<'_>,
+    ) {
         let size = picture_size(frame);
         if response.drag_started()
             && let Some(start) = ui.input(|input| input.pointer.press_origin())
         {
             let shift = ui.input(|input| input.modifiers.shift);
             let primary = response.drag_started_by(PointerButton::Primary);
-            self.drag = match marker_at(view.scene, frame, start).filter(|_| primary && !shift) {
+            let is_for_picture = |zoom: &Zoom| zoom.is_enlarged() || !primary || shift;
+            let marker = marker_at(view.scene, frame, start);
+            let marker = marker.filter(|_| primary && !shift && zoom.is_none());
+            self.drag = match marker {
+                _ if zoom.as_deref().is_some_and(is_for_picture) => Drag::Picture,
                 Some((index, depth)) => {
                     *view.selection = Selection::Light(index);
                     Drag::Light { index, depth }
@@ -135,6 +161,11 @@ impl Viewport {
         let from = in_frame(frame, position - delta);
         match self.drag {
             Drag::None => {}
+            Drag::Picture => {
+                if let Some(zoom) = zoom {
+                    zoom.pan(delta);
+                }
+            }
             Drag::Orbit => {
                 let radians =
                     HALF_TURNS_PER_HEIGHT * std::f64::consts::PI / f64::from(frame.height());

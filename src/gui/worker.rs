@@ -14,6 +14,7 @@ use eframe::wgpu;
 
 use super::compare::{Distance, Side};
 use super::costs::PAIRS;
+use super::histogram::Histogram;
 use super::jobs::Job;
 use super::keeping::{Begun, Lost};
 use super::picture_buffer::{EncodedTile, PictureBuffer};
@@ -78,6 +79,8 @@ pub enum Event {
         /// It, or why there is none.
         result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
     },
+    /// How bright the picture on the screen is.
+    HistogramMade(Histogram),
     /// A small picture of a render.
     Thumbnail {
         /// The number of the render.

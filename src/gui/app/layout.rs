@@ -20,7 +20,8 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::worker::Event;
-use crate::gui::{compare, error_colors, error_plot};
+use crate::gui::zoom::Place;
+use crate::gui::{compare, error_colors, error_plot, inspector};
 use crate::io;
 use crate::math::DBounds;
 
@@ -77,6 +78,11 @@ impl App {
             });
         self.error_plot.open = open;
         let render = self.renders_ui(ui, bar(12, 8));
+        if self.picture_on_screen().is_some() {
+            Panel::bottom("pixel").frame(bar(12, 1)).show(ui, |ui| {
+                inspector::inspector_ui(ui, self.inspected.as_ref(), self.zoom.scale());
+            });
+        }
         CentralPanel::default()
             .frame(Frame::new())
             .show(ui, |ui| self.central_ui(ui));
@@ -172,6 +178,7 @@ impl App {
                             threads: &mut self.threads,
                             shown_layer: &mut self.shown_layer,
                             layers,
+                            histogram: self.brightness.histogram.as_ref(),
                             structure,
                             costs: &self.costs,
                             can_measure_costs,
@@ -192,18 +199,31 @@ impl App {
         let showing_picture = self.picture_on_screen().is_some();
         let scene = self.picture_on_screen().map(|picture| &picture.scene);
         let settings = &scene.unwrap_or(&self.document.scene).render;
-        let frame = viewport::frame_in(area, settings, ui.ctx().pixels_per_point());
+        let size = [settings.width, settings.height];
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let mut frame = viewport::frame_in(area, settings, pixels_per_point);
+        if showing_picture {
+            frame = self.zoom.frame_in(Place {
+                area,
+                fit: frame,
+                size,
+                pixels_per_point,
+            });
+        }
         viewport::backdrop_ui(ui, area, frame);
         if self.document.scene.objects.is_empty() {
             self.empty_ui(ui, area);
             hovered_files_ui(ui, area);
             return;
         }
-        self.preview_ui(ui, frame, showing_picture);
-        if showing_picture {
-            self.picture_ui(ui, frame);
+        // Behind an enlarged picture it would be larger than a texture may be.
+        if !showing_picture || !self.zoom.is_enlarged() {
+            self.preview_ui(ui, frame, showing_picture);
         }
-        self.interact_ui(ui, frame);
+        if showing_picture {
+            self.picture_ui(ui, frame, area);
+        }
+        self.interact_ui(ui, frame, area);
         if !showing_picture {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
@@ -211,12 +231,12 @@ impl App {
         if showing_picture {
             let name = self.shown_name();
             if let Some(comparison) = &mut self.comparison {
-                comparison.show_ui(ui, frame, frame, &name);
+                comparison.show_ui(ui, frame, frame.intersect(area), &name);
             }
         }
         let picture = self.picture_on_screen();
         if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
-            error_colors::legend_ui(ui, frame, scale);
+            error_colors::legend_ui(ui, frame.intersect(area), scale);
         }
         hovered_files_ui(ui, area);
     }
@@ -271,18 +291,21 @@ impl App {
             Color32::WHITE
         };
         if let Some(texture) = preview.show(scene, triangles, sky, size) {
-            image_ui(ui, texture, frame, tint);
+            image_ui(ui.painter(), texture, frame, tint);
         }
     }
 
-    fn picture_ui(&self, ui: &Ui, frame: Rect) {
+    /// Draws what of the picture lies in `area`.
+    fn picture_ui(&self, ui: &Ui, frame: Rect, area: Rect) {
         if let Some(texture) = self.shown_picture().and_then(Picture::texture) {
-            image_ui(ui, texture, frame, Color32::WHITE);
+            let painter = ui.painter().with_clip_rect(area);
+            image_ui(&painter, texture, frame, Color32::WHITE);
         }
     }
 
     /// Lets the mouse work on the scene. Moving the camera brings the preview back.
-    fn interact_ui(&mut self, ui: &Ui, frame: Rect) {
+    fn interact_ui(&mut self, ui: &Ui, frame: Rect, area: Rect) {
+        let is_picture = self.picture_on_screen().is_some();
         let bounds = self.bounds();
         let geometry = self
             .prepared
@@ -294,8 +317,13 @@ impl App {
             geometry,
             bounds,
         };
-        if self.viewport.interact_ui(ui, frame, &mut view) {
+        let zoom = is_picture.then_some(&mut self.zoom);
+        let viewport = &mut self.viewport;
+        if viewport.interact_ui(ui, frame, area, zoom, &mut view) {
             self.view = View::Preview;
+        }
+        if is_picture {
+            self.inspect_ui(ui);
         }
     }
 
@@ -383,9 +411,9 @@ impl App {
     }
 }
 
-fn image_ui(ui: &Ui, texture: egui::TextureId, frame: Rect, tint: Color32) {
+fn image_ui(painter: &egui::Painter, texture: egui::TextureId, frame: Rect, tint: Color32) {
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-    ui.painter().image(texture, frame, whole, tint);
+    painter.image(texture, frame, whole, tint);
 }
 
 /// Says what happens to files that hang over the window.

@@ -10,6 +10,7 @@
 //! - `keeping`: unsaved work and recent files on disk
 //! - `opening`: scenes and meshes from files
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
+//! - `seeing`: pixels and brightness of the picture on the screen
 //! - `rendering`: preparing, rendering, showing the picture
 //! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
@@ -30,6 +31,7 @@ mod rendering;
 mod renders;
 mod reporting;
 mod saving;
+mod seeing;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -41,6 +43,7 @@ use super::dialogs::{Dialog, Intent};
 use super::document::Document;
 use super::edit::Part;
 use super::error_plot::ErrorPlot;
+use super::inspector::Inspected;
 use super::jobs::{Jobs, Lane};
 use super::messages::Messages;
 use super::picture::Picture;
@@ -53,6 +56,7 @@ use super::top_bar::{Phase, Recent, TopBarState, View};
 use super::undo::Gesture;
 use super::viewport::Viewport;
 use super::worker::{Event, Prepared, ReportRequest};
+use super::zoom::Zoom;
 use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
@@ -107,6 +111,10 @@ pub struct App {
     /// The number of the last render that was remembered.
     render_count: usize,
     comparison: Option<Comparison>,
+    zoom: Zoom,
+    /// What the mouse points at in the picture.
+    inspected: Option<Inspected>,
+    brightness: seeing::Brightness,
     /// The name of the scene of the last picture.
     picture_of: String,
     error_plot: ErrorPlot,
@@ -169,6 +177,9 @@ impl App {
             shown_render: None,
             render_count: 0,
             comparison: None,
+            zoom: Zoom::default(),
+            inspected: None,
+            brightness: seeing::Brightness::default(),
             picture_of: String::new(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
@@ -235,6 +246,18 @@ impl App {
         self.comparison.as_ref()
     }
 
+    /// How the picture is looked at.
+    #[must_use]
+    pub fn zoom(&self) -> &Zoom {
+        &self.zoom
+    }
+
+    /// What the mouse points at in the picture.
+    #[must_use]
+    pub fn inspected(&self) -> Option<&Inspected> {
+        self.inspected.as_ref()
+    }
+
     /// The renders of this session and their errors.
     #[must_use]
     pub fn error_plot(&self) -> &ErrorPlot {
@@ -296,6 +319,7 @@ impl App {
             error_plot_open: self.error_plot.open,
             renders_open: self.renders.open,
             can_compare: self.can_compare(),
+            is_picture_shown: self.picture_on_screen().is_some(),
             is_comparing: self.comparison.is_some(),
             has_renders: self.picture.is_some() || !self.renders.entries().is_empty(),
             modified: self.document.is_modified(),
@@ -390,7 +414,7 @@ impl eframe::App for App {
             // What was typed before is a step of its own.
             self.document.record_edit(&self.selection);
         }
-        let (display_before, layer_before) = (self.document.scene.display, self.shown_layer);
+        let layer_before = self.shown_layer;
         let asked = self.window_ui(ui);
         commands.extend(asked.commands);
         match asked.recent {
@@ -411,8 +435,12 @@ impl eframe::App for App {
         if !self.gesture.goes_on(&ctx) {
             self.document.record_edit(&self.selection);
         }
-        if self.document.scene.display != display_before {
-            self.show_picture_with(self.document.scene.display);
+        let display = self.document.scene.display;
+        if self
+            .shown_picture()
+            .is_some_and(|picture| picture.scene.display != display)
+        {
+            self.show_picture_with(display);
         }
         if self.shown_layer != layer_before {
             self.show_layer(self.shown_layer);
@@ -422,6 +450,7 @@ impl eframe::App for App {
         self.start_waiting_report();
         self.update_thumbnails();
         self.update_comparison();
+        self.update_histogram();
         self.keep_work(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);

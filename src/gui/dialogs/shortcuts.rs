@@ -20,6 +20,23 @@ const MOUSE: [(&str, &str); 7] = [
     ),
 ];
 
+/// What it does over a picture.
+const MOUSE_OVER_PICTURE: [(&str, &str); 4] = [
+    (
+        "Scroll, pinch",
+        "Enlarge the picture about the point under the mouse",
+    ),
+    (
+        "Drag",
+        "Move the enlarged picture; orbit, in the preview, while all of it is seen",
+    ),
+    ("Point", "See the values of the pixel, in the line below"),
+    (
+        "Drag the divider",
+        "See more of one of two compared pictures",
+    ),
+];
+
 /// The sheet of shortcuts; returns whether it stays.
 #[must_use]
 pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
@@ -35,6 +52,11 @@ pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
                 ui.spacing_mut().interact_size.y = 18.0;
                 group_ui(ui, "Mouse, in the preview", |ui| {
                     for (keys, what) in MOUSE {
+                        line_ui(ui, keys, what);
+                    }
+                });
+                group_ui(ui, "Mouse, over a picture", |ui| {
+                    for (keys, what) in MOUSE_OVER_PICTURE {
                         line_ui(ui, keys, what);
                     }
                 });

@@ -17,6 +17,7 @@ pub(super) use settings::StructureInUse;
 
 use super::commands::Command;
 use super::costs::CostState;
+use super::histogram::Histogram;
 use super::selection::Selection;
 use super::widgets::section_ui;
 use crate::render::Layer;
@@ -38,6 +39,8 @@ pub struct PanelState<'a> {
     pub shown_layer: &'a mut Option<Layer>,
     /// The layers that the picture has.
     pub layers: &'a [Layer],
+    /// How bright the picture on the screen is.
+    pub histogram: Option<&'a Histogram>,
     /// What rays look for triangles in, once it is there.
     pub structure: Option<StructureInUse>,
     /// What effects cost.
@@ -80,6 +83,9 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     });
     section_ui(ui, "Plan", false, |ui| plan::plan_ui(ui, state));
     section_ui(ui, "Display", true, |ui| {
+        if let Some(histogram) = state.histogram {
+            histogram.histogram_ui(ui);
+        }
         settings::layers_ui(ui, state);
         settings::display_ui(ui, state.scene);
     });

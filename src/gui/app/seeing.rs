@@ -1,0 +1,136 @@
+//! Looking closely at a picture: what is under the mouse, and how bright it is.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::Ui;
+
+use super::App;
+use crate::gui::document::same_geometry;
+use crate::gui::histogram::Histogram;
+use crate::gui::inspector::{Inspected, Surface};
+use crate::gui::jobs::Lane;
+use crate::gui::orbit::PictureSize;
+use crate::gui::pick;
+use crate::gui::picture::Picture;
+use crate::gui::worker::Event;
+use crate::math::DVec2;
+use crate::render::Layer;
+use crate::scene::Display;
+
+/// Time between two histograms of a picture that still changes.
+const INTERVAL: Duration = Duration::from_secs(1);
+
+/// The histogram, and what it was made of.
+#[derive(Debug, Default)]
+pub struct Brightness {
+    /// As far as it is known.
+    pub histogram: Option<Histogram>,
+    source: Option<Source>,
+}
+
+/// What a histogram was made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Source {
+    number: usize,
+    is_running: bool,
+    display: Display,
+    layer: Option<Layer>,
+    at: Instant,
+}
+
+impl Source {
+    /// Whether the histogram of `self` still holds for `now`.
+    fn holds_for(&self, now: &Self) -> bool {
+        let key = |source: &Self| {
+            (
+                source.number,
+                source.is_running,
+                source.display,
+                source.layer,
+            )
+        };
+        key(self) == key(now) && !(now.is_running && now.at.duration_since(self.at) > INTERVAL)
+    }
+}
+
+impl App {
+    /// Takes note of what the picture on the screen holds under the mouse.
+    pub(super) fn inspect_ui(&mut self, ui: &Ui) {
+        let position = ui.input(|input| input.pointer.hover_pos());
+        let is_free = self.dialog.is_none();
+        let position = position.filter(|&position| {
+            let layer = ui.ctx().layer_id_at(position);
+            is_free && layer.is_none_or(|layer| layer == ui.layer_id())
+        });
+        let pixel = position.and_then(|position| self.zoom.pixel_at(position));
+        self.inspected = pixel.and_then(|pixel| self.inspect(pixel));
+    }
+
+    fn inspect(&self, pixel: [u32; 2]) -> Option<Inspected> {
+        let picture = self.picture_on_screen()?;
+        let values = picture.buffer.values_at(pixel)?;
+        let comparison = self.comparison.as_ref();
+        let other = comparison.and_then(|comparison| comparison.buffer.values_at(pixel));
+        Some(Inspected {
+            pixel,
+            values,
+            other: other.map(|values| values.linear),
+            surface: self.surface_at(picture, pixel),
+        })
+    }
+
+    /// The surface in the middle of a pixel of `picture`, where the triangles are still those it was made of.
+    fn surface_at(&self, picture: &Picture, [x, y]: [u32; 2]) -> Option<Surface> {
+        let state = self.prepared.as_ref()?;
+        let scene = &picture.scene;
+        if !same_geometry(&state.scene, scene) {
+            return None;
+        }
+        let settings = &scene.render;
+        let size = PictureSize {
+            width: settings.width.into(),
+            height: settings.height.into(),
+        };
+        let position = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let geometry = state.prepared.scene.geometry();
+        let picked = pick::pick(geometry, &scene.camera, settings, size, position)?;
+        let object = scene.objects.get(picked.object)?;
+        let name = if object.name.is_empty() {
+            format!("object {}", picked.object + 1)
+        } else {
+            object.name.clone()
+        };
+        let material = object.material.clone();
+        Some(Surface {
+            object: name,
+            material: material.unwrap_or_else(|| "default grey".to_owned()),
+            triangle: picked.triangle,
+            distance: picked.point.distance(scene.camera.eye),
+        })
+    }
+
+    /// Has the histogram of the picture on the screen made, where it is not known.
+    pub(super) fn update_histogram(&mut self) {
+        let Some(picture) = self.picture_on_screen() else {
+            self.brightness = Brightness::default();
+            return;
+        };
+        let now = Source {
+            number: picture.number,
+            is_running: picture.is_running(),
+            display: picture.scene.display,
+            layer: self.shown_layer,
+            at: Instant::now(),
+        };
+        let is_known = self.brightness.source.is_some_and(|s| s.holds_for(&now));
+        if is_known || self.jobs.is_busy(Lane::Histogram) {
+            return;
+        }
+        let buffer = Arc::clone(&picture.buffer);
+        self.brightness.source = Some(now);
+        self.jobs.start(Lane::Histogram, move |job| {
+            job.send(Event::HistogramMade(buffer.histogram()));
+        });
+    }
+}
