@@ -96,7 +96,12 @@ pub enum Event {
         stats: Box<render::RenderStats>,
     },
     /// The running render cannot go on.
-    RenderFailed(String),
+    RenderFailed {
+        /// Why.
+        text: String,
+        /// Whether it was for want of memory.
+        is_short_of_memory: bool,
+    },
     /// The scene was written, or why not.
     SceneSaved {
         /// The file.
@@ -292,7 +297,12 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let prepared = match PreparedScene::prepare(&request.scene, previous, &job.cancel) {
         Ok(Some(prepared)) => prepared,
         Ok(None) => return,
-        Err(error) => return job.send(Event::RenderFailed(error.to_string())),
+        Err(error) => {
+            return job.send(Event::RenderFailed {
+                text: error.to_string(),
+                is_short_of_memory: matches!(error, SceneError::TooLittleMemory { .. }),
+            });
+        }
     };
     let run = RunConfig {
         threads: request.threads,
@@ -309,7 +319,10 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     };
     if let Err(short) = memory.require() {
         request.primary_hits.clear();
-        return job.send(Event::RenderFailed(short.to_string()));
+        return job.send(Event::RenderFailed {
+            text: short.to_string(),
+            is_short_of_memory: true,
+        });
     }
     let prepared = prepared.with_primary_hits(&request.primary_hits);
     let is_first = AtomicBool::new(true);

@@ -48,7 +48,7 @@ use super::jobs::{Jobs, Lane};
 use super::messages::Messages;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
-use super::renders::Renders;
+use super::renders::{Freed, Renders};
 use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
@@ -110,6 +110,8 @@ pub struct App {
     shown_render: Option<usize>,
     /// The number of the last render that was remembered.
     render_count: usize,
+    /// Memory that the next render gives back before it begins.
+    freed: Vec<Freed>,
     comparison: Option<Comparison>,
     zoom: Zoom,
     /// What the mouse points at in the picture.
@@ -176,6 +178,7 @@ impl App {
             renders: Renders::default(),
             shown_render: None,
             render_count: 0,
+            freed: Vec::new(),
             comparison: None,
             zoom: Zoom::default(),
             inspected: None,

@@ -61,7 +61,10 @@ impl App {
             Event::HistogramMade(histogram) => self.brightness.histogram = Some(histogram),
             Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
             Event::Rendered { hash, stats } => self.rendered(hash, stats),
-            Event::RenderFailed(text) => self.render_failed(&text),
+            Event::RenderFailed {
+                text,
+                is_short_of_memory,
+            } => self.render_failed(&text, is_short_of_memory),
             Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
             Event::PictureSaved { path, result } => self.picture_saved(&path, result),
             Event::PathsChosen(answer) => self.paths_chosen(answer),

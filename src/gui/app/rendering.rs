@@ -150,8 +150,12 @@ impl App {
             tile_delay: self.refresh_interval(),
         };
         self.jobs.cancel(Lane::Encode);
-        self.jobs
-            .start(Lane::Render, move |job| worker::render(job, &request));
+        let freed = std::mem::take(&mut self.freed);
+        self.jobs.start(Lane::Render, move |job| {
+            // Before it is looked how much there is.
+            drop(freed);
+            worker::render(job, &request);
+        });
     }
 
     /// What the render that starts now is called among those of this session.
@@ -183,9 +187,12 @@ impl App {
         self.end_picture(Outcome::Finished { hash, stats });
     }
 
-    pub(super) fn render_failed(&mut self, text: &str) {
-        self.messages.error("Cannot render", text);
+    pub(super) fn render_failed(&mut self, text: &str, is_short_of_memory: bool) {
         self.end_picture(Outcome::Failed);
+        if is_short_of_memory && self.free_past_pixels() {
+            return self.ask_for_render();
+        }
+        self.messages.error("Cannot render", text);
         if self.picture.as_ref().is_some_and(|p| p.texture().is_none()) {
             self.view = View::Preview;
         }

@@ -144,6 +144,21 @@ impl App {
         });
     }
 
+    /// Gives up the pixels of all past renders, as a render does not fit beside them; returns whether there were any.
+    pub(super) fn free_past_pixels(&mut self) -> bool {
+        self.hide_past_render();
+        self.freed = self.renders.free_pixels();
+        if self.freed.is_empty() {
+            return false;
+        }
+        self.stop_comparing();
+        self.messages.warning(
+            "Of earlier renders only the small pictures are left",
+            "Their pixels made room for the render that runs now. Their settings can still be restored.",
+        );
+        true
+    }
+
     /// Has small pictures made of renders that have none.
     pub(super) fn update_thumbnails(&mut self) {
         if self.jobs.is_busy(Lane::Thumbnails) {

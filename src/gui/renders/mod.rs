@@ -221,6 +221,15 @@ impl Renders {
         freed
     }
 
+    /// Gives up all pixels.
+    pub fn free_pixels(&mut self) -> Vec<Freed> {
+        let pictures = self
+            .entries
+            .iter_mut()
+            .filter_map(|entry| entry.picture.take());
+        pictures.map(Freed::of).collect()
+    }
+
     /// Bytes of meshes that only these renders hold: none that the scene `present` has.
     fn mesh_bytes(&self, present: &Scene) -> u64 {
         let mut known: HashSet<_> = present.meshes.values().map(Arc::as_ptr).collect();
@@ -343,6 +352,9 @@ mod tests {
         assert_eq!(renders.entry(1).unwrap().facts.hash(), Some("0123456789"));
         assert_eq!(renders.forget(2).len(), 1);
         assert_eq!(renders.entries().len(), 3);
+        assert_eq!(renders.free_pixels().len(), 2);
+        assert_eq!(kept(&renders), [0, 0, 0]);
+        assert!(renders.free_pixels().is_empty());
     }
 
     #[test]
