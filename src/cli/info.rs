@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use serde::Serialize;
+use serde_json::Value;
 
+use crate::analysis::report::percent;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, MeshFile, PNG_HASH_KEYWORD};
+use crate::io::{self, MeshFile, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
 use crate::math::DBounds;
 use crate::render::Image;
 use crate::scene::{Choice, Scene};
@@ -80,6 +82,12 @@ struct PictureFacts {
     height: usize,
     /// Hash of the radiance the picture was made from, where it is known.
     image_hash: Option<String>,
+    /// The text of the scene file that was rendered, where the picture tells.
+    scene: Option<String>,
+    /// What that says about rendering.
+    settings: Option<Value>,
+    /// How wrong the picture is, where it tells.
+    error: Option<WrittenError>,
     warnings: Vec<String>,
 }
 
@@ -122,8 +130,8 @@ fn facts(path: &Path) -> Result<Facts> {
             let warnings = [loaded.warnings, loaded.scene.warnings()].concat();
             Ok(Facts::Scene(scene_facts(&loaded.scene, warnings)))
         }
-        Some("png") => Ok(Facts::Picture(png_facts(path)?)),
-        Some("exr" | "hdr") => Ok(Facts::Picture(radiance_facts(path)?)),
+        Some("png") => Ok(Facts::Picture(with_origin(png_facts(path)?, path)?)),
+        Some("exr" | "hdr") => Ok(Facts::Picture(with_origin(radiance_facts(path)?, path)?)),
         _ => {
             let file = io::load_mesh(path, &cancel, &progress)?.ok_or_else(cancelled)?;
             Ok(Facts::Mesh(mesh_facts(file)))
@@ -187,6 +195,9 @@ fn png_facts(path: &Path) -> Result<PictureFacts> {
         width: info.width as usize,
         height: info.height as usize,
         image_hash: hash.map(|chunk| chunk.text.clone()),
+        scene: None,
+        settings: None,
+        error: None,
         warnings: Vec::new(),
     })
 }
@@ -206,7 +217,27 @@ fn radiance_facts(path: &Path) -> Result<PictureFacts> {
         width: map.width() as usize,
         height: map.height() as usize,
         image_hash: image.map(|image| image.hash()),
+        scene: None,
+        settings: None,
+        error: None,
         warnings: file.warnings,
+    })
+}
+
+/// The facts, with what the file tells of how the picture came to be.
+fn with_origin(facts: PictureFacts, path: &Path) -> Result<PictureFacts> {
+    let origin =
+        WrittenOrigin::of_file(path).map_err(|reason| anyhow!("{}: {reason}", path.display()))?;
+    let table = origin
+        .scene
+        .as_ref()
+        .and_then(|text| text.parse::<toml::Table>().ok());
+    let settings = table.and_then(|mut table| table.remove("render"));
+    Ok(PictureFacts {
+        settings: settings.map(serde_json::to_value).transpose()?,
+        scene: origin.scene,
+        error: origin.error,
+        ..facts
     })
 }
 
@@ -289,6 +320,23 @@ fn describe(path: &Path, facts: &Facts) -> String {
                     .clone()
                     .unwrap_or_else(|| "unknown: not a picture by RayMini".to_owned()),
             );
+            if let Some(error) = &picture.error {
+                line(
+                    "error",
+                    format!(
+                        "noise {}, rmse {:.3e}, estimated at {:.1} samples per pixel",
+                        percent(error.relmse.sqrt()),
+                        error.rmse,
+                        error.samples_per_pixel
+                    ),
+                );
+            }
+            if picture.scene.is_some() {
+                line(
+                    "scene",
+                    "in the file: open or render it as a scene".to_owned(),
+                );
+            }
             &picture.warnings
         }
     };

@@ -16,7 +16,7 @@ use super::plan::PlannedFeature;
 use super::trace::TraceArguments;
 use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
-use crate::io;
+use crate::io::{self, Origin};
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Clamped, Ending, ErrorEstimate, Image, Interval,
     PictureMemory, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RenderStats,
@@ -450,10 +450,14 @@ fn write_picture(
     output: &Path,
 ) -> Result<(PathBuf, Option<anyhow::Error>)> {
     let RenderOutcome { image, layers, .. } = outcome;
-    let Err(error) = io::write_image(image, layers, &scene.display, &scene.output, output) else {
+    let origin = Origin {
+        scene,
+        error: outcome.stats.error.as_ref(),
+    };
+    let Err(error) = io::write_render(image, layers, &origin, output) else {
         return Ok((output.to_owned(), None));
     };
-    match io::rescue_image(image, layers, &scene.display, &scene.output, output) {
+    match io::rescue_render(image, layers, &origin, output) {
         Ok(place) => {
             let failure = anyhow!("{error}; the picture is in {} instead", place.display());
             Ok((place, Some(failure)))

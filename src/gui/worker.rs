@@ -28,10 +28,10 @@ use crate::control::Progress;
 use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
 use crate::math::DBounds;
 use crate::render::{
-    self, Image, Layer, OnRound, PictureMemory, PreparedScene, PrimaryHitStore, RenderOutcome,
-    RenderProgress, Round, RunConfig, TilePixels, Watch,
+    self, ErrorEstimate, Image, Layer, OnRound, PictureMemory, PreparedScene, PrimaryHitStore,
+    RenderOutcome, RenderProgress, Round, RunConfig, TilePixels, Watch,
 };
-use crate::scene::{Object, Output, Scene, SceneError};
+use crate::scene::{Object, Scene, SceneError};
 
 /// What a job tells the window. Failures are sentences for the user.
 #[derive(Debug)]
@@ -409,21 +409,16 @@ pub fn save_scene(job: &Job<Event>, scene: Scene, path: PathBuf) {
     job.send(Event::SceneSaved { path, result });
 }
 
-/// Writes the picture as the window shows it.
+/// Writes the picture of `scene` as the window shows it.
 pub fn save_picture(
     job: &Job<Event>,
     buffer: &PictureBuffer,
-    display: &crate::scene::Display,
-    output: &Output,
+    scene: &Scene,
+    error: Option<&ErrorEstimate>,
     path: PathBuf,
 ) {
-    let result = io::write_image(
-        &buffer.image(),
-        &buffer.layer_images(),
-        display,
-        output,
-        &path,
-    );
+    let origin = io::Origin { scene, error };
+    let result = io::write_render(&buffer.image(), &buffer.layer_images(), &origin, &path);
     let result = result.map_err(|error| error.to_string());
     job.send(Event::PictureSaved { path, result });
 }

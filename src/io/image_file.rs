@@ -12,9 +12,10 @@ use exr::prelude::{
 };
 
 use super::atomic::{check_writable, write_atomically};
+use super::origin::{Origin, OriginTexts};
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
-use crate::scene::{Display, Output, PngBits};
+use crate::scene::{Display, Output, PngBits, Scene};
 
 /// Keyword of the PNG text that holds [`Image::hash`] of the picture before it was quantised.
 pub const PNG_HASH_KEYWORD: &str = "raymini.image_hash";
@@ -73,9 +74,39 @@ pub fn write_image(
     output: &Output,
     path: &Path,
 ) -> Result<(), ImageFileError> {
+    let texts = OriginTexts::default();
+    write(image, layers, (display, output), &texts, path)
+}
+
+/// [`write_image`] of a render, as its scene says; the file tells what was rendered, so that it can be opened.
+///
+/// # Errors
+/// Those of [`write_image`].
+pub fn write_render(
+    image: &Image,
+    layers: &[(Layer, Image)],
+    origin: &Origin<'_>,
+    path: &Path,
+) -> Result<(), ImageFileError> {
+    let Scene {
+        display, output, ..
+    } = origin.scene;
+    let texts = origin.texts(path);
+    write(image, layers, (display, output), &texts, path)
+}
+
+fn write(
+    image: &Image,
+    layers: &[(Layer, Image)],
+    (display, output): (&Display, &Output),
+    texts: &OriginTexts,
+    path: &Path,
+) -> Result<(), ImageFileError> {
     let written = match format_of(path)? {
-        Format::Png => write_atomically(path, |file| write_png(image, display, *output, file)),
-        Format::Exr => exr_bytes(image, layers)
+        Format::Png => {
+            write_atomically(path, |file| write_png(image, display, *output, texts, file))
+        }
+        Format::Exr => exr_bytes(image, layers, texts)
             .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes))),
     };
     written.map_err(|reason| unwritable(path, reason))
@@ -86,11 +117,10 @@ pub fn write_image(
 ///
 /// # Errors
 /// Those of [`write_image`].
-pub fn rescue_image(
+pub fn rescue_render(
     image: &Image,
     layers: &[(Layer, Image)],
-    display: &Display,
-    output: &Output,
+    origin: &Origin<'_>,
     path: &Path,
 ) -> Result<PathBuf, ImageFileError> {
     let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
@@ -101,7 +131,7 @@ pub fn rescue_image(
         .tempfile_in(&folder)
         .map_err(|reason| unwritable(&folder, reason))?
         .into_temp_path();
-    write_image(image, layers, display, output, &file)?;
+    write_render(image, layers, origin, &file)?;
     let kept = file.keep();
     kept.map_err(|error| unwritable(&error.path, error.error))
 }
@@ -130,6 +160,7 @@ fn write_png(
     image: &Image,
     display: &Display,
     output: Output,
+    texts: &OriginTexts,
     file: &mut dyn Write,
 ) -> io::Result<()> {
     let mut encoder = png::Encoder::new(file, image.width, image.height);
@@ -145,6 +176,9 @@ fn write_png(
     )?;
     encoder.add_text_chunk(PNG_HASH_KEYWORD.to_owned(), image.hash())?;
     let mut writer = encoder.write_header()?;
+    for chunk in texts.png_chunks() {
+        writer.write_text_chunk(&chunk)?;
+    }
     let mut rows = writer.stream_writer()?;
     for row in image.pixels.chunks_exact(image.width as usize) {
         let encoded: Vec<u8> = match output.png_bits {
@@ -161,12 +195,12 @@ fn write_png(
     Ok(writer.finish()?)
 }
 
-fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
+fn exr_bytes(image: &Image, layers: &[(Layer, Image)], texts: &OriginTexts) -> io::Result<Vec<u8>> {
     let size = (image.width as usize, image.height as usize);
     if layers.is_empty() {
         // Read where it is: channels apart would take as much memory again.
         let pixel = |at: ExrVec2<usize>| image.pixels[at.y() * size.0 + at.x()].into();
-        return exr_file(&exr_image(size, SpecificChannels::rgb(pixel)));
+        return exr_file(&exr_image(size, SpecificChannels::rgb(pixel), texts));
     }
     let named = layers
         .iter()
@@ -184,15 +218,18 @@ fn exr_bytes(image: &Image, layers: &[(Layer, Image)]) -> io::Result<Vec<u8>> {
                 })
         })
         .collect();
-    exr_file(&exr_image(size, AnyChannels::sort(channels)))
+    exr_file(&exr_image(size, AnyChannels::sort(channels), texts))
 }
 
-fn exr_image<C>(size: (usize, usize), channels: C) -> ExrImage<ExrLayer<C>> {
+fn exr_image<C>(size: (usize, usize), channels: C, texts: &OriginTexts) -> ExrImage<ExrLayer<C>> {
     ExrImage {
         attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
         layer_data: ExrLayer {
             channel_data: channels,
-            attributes: LayerAttributes::default(),
+            attributes: LayerAttributes {
+                other: texts.exr_attributes().collect(),
+                ..LayerAttributes::default()
+            },
             size: size.into(),
             encoding: Encoding::SMALL_LOSSLESS,
         },

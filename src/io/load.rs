@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
+use super::origin::WrittenOrigin;
 use super::radiance_file::{RADIANCE_EXTENSIONS, RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
 use super::whole_file::read_bounded_file;
@@ -16,6 +17,9 @@ use crate::scene::{Background, Object, Scene, SceneError, presets};
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
 const MOST_SCENE_BYTES: u64 = 16 << 20;
+
+/// File name extensions, in lower case, of pictures that may tell what was rendered.
+pub const RENDER_EXTENSIONS: &[&str] = &["png", "exr"];
 
 /// A scene ready to be prepared.
 #[derive(Clone, Debug)]
@@ -111,6 +115,7 @@ pub fn load_scenes(
 ) -> Result<Option<LoadedScene>, LoadError> {
     match paths {
         [path] if is_scene_file(path) => load_scene_file(path, cancel, progress),
+        [path] if is_render_file(path) => load_render_file(path, cancel, progress),
         _ => match paths.iter().find(|path| is_scene_file(path)) {
             Some(path) => Err(LoadError::SceneAmongMeshes { path: path.clone() }),
             None => load_bare_meshes(paths, cancel, progress),
@@ -149,11 +154,17 @@ pub fn load_image(
 /// # Errors
 /// What the system says.
 pub fn save_scene(scene: &Scene, path: &Path) -> Result<(), SaveError> {
-    let error = |reason| SaveError {
+    let written = portable_text(scene, path)
+        .and_then(|text| write_atomically(path, |file| file.write_all(text.as_bytes())));
+    written.map_err(|reason| SaveError {
         path: path.to_owned(),
         reason,
-    };
-    let absolute = std::path::absolute(path).map_err(error)?;
+    })
+}
+
+/// The text of a scene file at `path`: paths of meshes and images are relative to it.
+pub(super) fn portable_text(scene: &Scene, path: &Path) -> io::Result<String> {
+    let absolute = std::path::absolute(path)?;
     let folder = absolute.parent().unwrap_or(&absolute);
     let mut portable = scene.clone();
     for object in &mut portable.objects {
@@ -162,8 +173,7 @@ pub fn save_scene(scene: &Scene, path: &Path) -> Result<(), SaveError> {
     if let Background::Image { image, .. } = &mut portable.background {
         *image = relative_path(image, folder);
     }
-    let text = scene_file::write(&portable);
-    write_atomically(path, |file| file.write_all(text.as_bytes())).map_err(error)
+    Ok(scene_file::write(&portable))
 }
 
 /// Changes values of a loaded scene as [`scene_file::apply_overrides`] does, and loads meshes and images that are new by it; their
@@ -202,6 +212,16 @@ pub fn override_scene(
 pub fn is_scene_file(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Whether `path` is taken for a picture that may tell what was rendered.
+#[must_use]
+pub fn is_render_file(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| {
+        RENDER_EXTENSIONS
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    })
 }
 
 /// Whether `path` is taken for an image that can be a background.
@@ -264,7 +284,36 @@ fn load_scene_file(
             error.utf8_error().valid_up_to() + 1
         ))
     })?;
-    let file = SceneFile::parse(&text, &path.display().to_string())?;
+    load_text(&text, &path.display().to_string(), path, cancel, progress)
+}
+
+/// The scene of which a picture was rendered.
+fn load_render_file(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<LoadedScene>, LoadError> {
+    let origin = WrittenOrigin::of_file(path).and_then(|origin| {
+        let missing = "this picture does not tell what was rendered, as pictures of RayMini do";
+        origin.scene.ok_or_else(|| missing.to_owned())
+    });
+    let text = origin.map_err(|reason| LoadError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    })?;
+    let name = format!("the scene in {}", path.display());
+    load_text(&text, &name, path, cancel, progress)
+}
+
+/// The scene of a `text` that errors call `name`, beside the file at `path`.
+fn load_text(
+    text: &str,
+    name: &str,
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<LoadedScene>, LoadError> {
+    let file = SceneFile::parse(text, name)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut warnings = Vec::new();
     let scene = load_parts(&file, folder, &mut warnings, cancel, progress)?;

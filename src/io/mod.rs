@@ -12,6 +12,7 @@ mod mesh_writing;
 pub mod npy;
 pub mod obj;
 pub mod off;
+mod origin;
 mod picture_file;
 pub mod ply;
 mod radiance_file;
@@ -25,16 +26,18 @@ mod whole_file;
 pub use atomic::{check_writable, exit_process, write_atomically};
 pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{
-    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_image, write_image,
+    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_render, write_image,
+    write_render,
 };
 pub use load::{
-    LoadError, LoadedScene, SaveError, absolute_image, absolute_mesh, demo_scene, image_warnings,
-    is_image_file, is_scene_file, load_image, load_mesh, load_scene, load_scenes, mesh_warnings,
-    override_scene, save_scene,
+    LoadError, LoadedScene, RENDER_EXTENSIONS, SaveError, absolute_image, absolute_mesh,
+    demo_scene, image_warnings, is_image_file, is_render_file, is_scene_file, load_image,
+    load_mesh, load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
 pub use mesh_reading::{Malformed, Place};
+pub use origin::{Origin, WrittenError, WrittenOrigin};
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};
 pub use radiance_file::{
     RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, parse_radiance,

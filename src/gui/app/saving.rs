@@ -59,11 +59,12 @@ impl App {
             return;
         };
         let buffer = Arc::clone(&picture.buffer);
-        let display = picture.scene.display;
-        let output = self.document.scene.output;
+        let mut scene = picture.scene.clone();
+        scene.output = self.document.scene.output;
+        let error = picture.errors().last().map(|point| point.error);
         self.messages.news("Saving the picture…");
         self.jobs.start(Lane::SavePicture, move |job| {
-            worker::save_picture(job, &buffer, &display, &output, path);
+            worker::save_picture(job, &buffer, &scene, error.as_ref(), path);
         });
     }
 
@@ -90,7 +91,9 @@ impl App {
     /// Whether what is to be opened could join the scene instead.
     pub(super) fn can_add(intent: &Intent) -> bool {
         match intent {
-            Intent::Open(paths) => !paths.iter().any(|path| io::is_scene_file(path)),
+            Intent::Open(paths) => !paths
+                .iter()
+                .any(|path| io::is_scene_file(path) || io::is_render_file(path)),
             Intent::Close => false,
         }
     }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::gui::jobs::Job;
 use crate::gui::worker::Event;
-use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS};
+use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS};
 
 /// An answer faster than this is no user's.
 const NO_USER_IS_FASTER: Duration = Duration::from_millis(150);
@@ -78,7 +78,7 @@ impl FilePurpose {
     #[must_use]
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::Open => [&["toml"], READABLE_EXTENSIONS].concat(),
+            Self::Open => [&["toml"], READABLE_EXTENSIONS, RENDER_EXTENSIONS].concat(),
             Self::AddMesh => READABLE_EXTENSIONS.to_vec(),
             Self::SetBackground => RADIANCE_EXTENSIONS.to_vec(),
             Self::SaveScene => vec!["toml"],

@@ -1,0 +1,225 @@
+//! What a picture's file tells about how it came to be: the scene with its settings, so that it can be opened and rendered again, and
+//! how wrong the picture is.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, Text};
+use png::text_metadata::ITXtChunk;
+use serde::{Deserialize, Serialize};
+
+use super::load::portable_text;
+use super::whole_file::open_file;
+use crate::render::ErrorEstimate;
+use crate::scene::Scene;
+
+/// Keyword of the PNG text, and name of the OpenEXR attribute, that holds the text of the scene file.
+const SCENE_KEYWORD: &str = "raymini.scene";
+/// The same of the error.
+const ERROR_KEYWORD: &str = "raymini.error";
+
+/// The most bytes of such a text that are read.
+const MOST_BYTES: usize = 16 << 20;
+
+/// How a picture came to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin<'a> {
+    /// What was rendered.
+    pub scene: &'a Scene,
+    /// How wrong it was then, where that is known.
+    pub error: Option<&'a ErrorEstimate>,
+}
+
+/// How wrong a picture is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrittenError {
+    /// Root of the mean square error, in units of radiance.
+    pub rmse: f64,
+    /// Mean of error² / (truth² + 0.01).
+    pub relmse: f64,
+    /// Mean samples of a pixel.
+    pub samples_per_pixel: f64,
+}
+
+/// What a picture's file tells of its origin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrittenOrigin {
+    /// The scene file; meshes and images relative to the picture's folder.
+    pub scene: Option<String>,
+    /// How wrong the picture is.
+    pub error: Option<WrittenError>,
+}
+
+/// What is written into a file: keywords and their texts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OriginTexts(Vec<(&'static str, String)>);
+
+impl Origin<'_> {
+    /// What to write into a file at `path`.
+    pub(super) fn texts(&self, path: &Path) -> OriginTexts {
+        let error = self.error.map(|error| WrittenError {
+            rmse: error.rmse.value,
+            relmse: error.relmse.value,
+            samples_per_pixel: error.samples_per_pixel,
+        });
+        // What cannot be said in the file is no reason to have no picture.
+        let scene = portable_text(self.scene, path).ok();
+        let error = error.and_then(|error| serde_json::to_string(&error).ok());
+        let scene = scene.map(|text| (SCENE_KEYWORD, text));
+        let error = error.map(|text| (ERROR_KEYWORD, text));
+        OriginTexts(scene.into_iter().chain(error).collect())
+    }
+}
+
+impl OriginTexts {
+    /// The chunks of a PNG file.
+    pub fn png_chunks(&self) -> impl Iterator<Item = ITXtChunk> {
+        self.0.iter().map(|(keyword, text)| {
+            let mut chunk = ITXtChunk::new(*keyword, text);
+            chunk.compressed = true;
+            chunk
+        })
+    }
+
+    /// The attributes of an OpenEXR file.
+    pub fn exr_attributes(&self) -> impl Iterator<Item = (Text, AttributeValue)> {
+        self.0.iter().map(|(keyword, text)| {
+            let bytes = text.as_bytes().into();
+            let text = AttributeValue::Text(Text::from_bytes_unchecked(bytes));
+            (Text::from(*keyword), text)
+        })
+    }
+}
+
+impl WrittenOrigin {
+    fn of_png(info: &png::Info<'_>) -> Self {
+        let text = |keyword: &str| {
+            let chunk = info.utf8_text.iter().find(|chunk| chunk.keyword == keyword);
+            let mut chunk = chunk?.clone();
+            chunk.decompress_text_with_limit(MOST_BYTES).ok()?;
+            chunk.get_text().ok()
+        };
+        Self::of_texts(text)
+    }
+
+    /// What the file at `path` tells: nothing where it is no picture of a kind that can.
+    ///
+    /// # Errors
+    /// Why it cannot be read, in a plain sentence that does not name the file.
+    pub fn of_file(path: &Path) -> Result<Self, String> {
+        let mut file = BufReader::new(open_file(path, "a picture")?);
+        let begin = file.fill_buf().map_err(|error| error.to_string())?;
+        if begin.starts_with(b"\x89PNG") {
+            let reader = png::Decoder::new(file).read_info();
+            let reader = reader.map_err(|error| format!("not a whole PNG file: {error}"))?;
+            return Ok(Self::of_png(reader.info()));
+        }
+        if begin.starts_with(&exr::meta::magic_number::BYTES) {
+            let meta = MetaData::read_from_buffered(file, false);
+            let meta = meta.map_err(|error| format!("not a whole OpenEXR file: {error}"))?;
+            return Ok(Self::of_exr(&meta));
+        }
+        Ok(Self::default())
+    }
+
+    fn of_exr(meta: &MetaData) -> Self {
+        let text = |keyword: &str| {
+            let attributes = &meta.headers.first()?.own_attributes.other;
+            match attributes.get(&Text::from(keyword))? {
+                AttributeValue::Text(text) => String::from_utf8(text.as_slice().to_vec()).ok(),
+                _ => None,
+            }
+        };
+        Self::of_texts(text)
+    }
+
+    fn of_texts(text: impl Fn(&str) -> Option<String>) -> Self {
+        let error = text(ERROR_KEYWORD);
+        Self {
+            scene: text(SCENE_KEYWORD),
+            error: error.and_then(|text| serde_json::from_str(&text).ok()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{CancelToken, Progress};
+    use crate::io::{
+        LoadedScene, absolute_mesh, demo_scene, load_scene, save_scene, write_image, write_render,
+    };
+    use crate::math::Degrees;
+    use crate::render::{Image, Interval};
+    use crate::scene::{Display, Output};
+    use std::fs;
+
+    fn load(path: &Path) -> Result<LoadedScene, String> {
+        let loaded = load_scene(path, &CancelToken::new(), &Progress::new());
+        let loaded = loaded.map_err(|error| error.to_string())?;
+        Ok(loaded.expect("nobody cancels"))
+    }
+
+    fn interval(value: f64) -> Interval {
+        Interval {
+            value,
+            low: 0.0,
+            high: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_render_is_opened_as_the_scene_that_was_rendered() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mesh = folder.path().join("three.off");
+        fs::write(&mesh, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").expect("written");
+        let mut scene = demo_scene();
+        scene.camera.vertical_fov = Degrees(31.25);
+        scene.objects[1].name = "Widder \u{1f40f} am Fluß".to_owned();
+        scene.objects[1].mesh = absolute_mesh(&mesh.to_string_lossy(), Path::new("."));
+        let error = ErrorEstimate {
+            samples_per_pixel: 7.5,
+            rmse: interval(0.25),
+            relmse: interval(0.125),
+            percentile_999: 0.0,
+            unmeasured_pixels: 0,
+        };
+        let origin = Origin {
+            scene: &scene,
+            error: Some(&error),
+        };
+        let plain = folder.path().join("scene.toml");
+        save_scene(&scene, &plain).expect("saved");
+        let expected = load(&plain).expect("a scene file").scene;
+        for name in ["picture.png", "picture.exr"] {
+            let path = folder.path().join(name);
+            write_render(&Image::black(3, 2), &[], &origin, &path).expect("written");
+            assert_eq!(load(&path).expect("a render").scene, expected, "{name}");
+            let found = WrittenOrigin::of_file(&path).expect("a picture");
+            let written = WrittenError {
+                rmse: 0.25,
+                relmse: 0.125,
+                samples_per_pixel: 7.5,
+            };
+            assert_eq!(found.error, Some(written), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_picture_that_does_not_tell_is_refused_in_words() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for name in ["picture.png", "picture.exr"] {
+            let path = folder.path().join(name);
+            let (display, output) = (Display::default(), Output::default());
+            write_image(&Image::black(3, 2), &[], &display, &output, &path).expect("written");
+            let expected = format!(
+                "{}: this picture does not tell what was rendered, as pictures of RayMini do",
+                path.display()
+            );
+            assert_eq!(load(&path).expect_err("no scene"), expected);
+            fs::write(&path, "\u{0}").expect("written");
+            assert_eq!(load(&path).expect_err("no picture"), expected);
+        }
+    }
+}
