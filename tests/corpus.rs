@@ -37,7 +37,10 @@ fn replay(target: &str, check: fn(&[u8])) {
 
 #[test]
 fn meshes_from_the_corpus_are_read_or_refused() {
-    replay("off", hostile::off::check);
+    replay("off", hostile::mesh::check_off);
+    replay("obj", hostile::mesh::check_obj);
+    replay("ply", hostile::mesh::check_ply);
+    replay("stl", hostile::mesh::check_stl);
 }
 
 #[test]

@@ -3,4 +3,4 @@
 #[path = "../../tests/hostile/mod.rs"]
 mod hostile;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| hostile::off::check(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| hostile::mesh::check_off(bytes));

@@ -28,6 +28,9 @@ pub const READABLE_FORMATS: &str = "OFF, OBJ, PLY and STL";
 pub const READABLE_EXTENSIONS: &[&str] = &["off", "obj", "ply", "stl"];
 
 impl MeshFormat {
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Off, Self::Obj, Self::Ply, Self::Stl];
+
     /// The format that files with this name's extension have.
     #[must_use]
     pub fn of_extension(path: &Path) -> Option<Self> {
@@ -83,8 +86,11 @@ impl MeshFormat {
         })
     }
 
-    /// Reads a file of this format from its bytes; `None` when cancelled.
-    pub(super) fn parse(
+    /// Reads a file of this format from its bytes; `None` when cancelled. `progress` advances by the bytes.
+    ///
+    /// # Errors
+    /// The first place that breaks the format's rules.
+    pub fn parse(
         self,
         bytes: &[u8],
         cancel: &CancelToken,
@@ -150,24 +156,16 @@ fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::io::mesh_reading::trials;
     use crate::math::DVec3;
-
-    const ALL: [MeshFormat; 4] = [
-        MeshFormat::Off,
-        MeshFormat::Obj,
-        MeshFormat::Ply,
-        MeshFormat::Stl,
-    ];
 
     #[test]
     fn every_format_is_listed_where_users_look() {
-        for (format, extension) in ALL.into_iter().zip(READABLE_EXTENSIONS) {
+        for (format, extension) in MeshFormat::ALL.into_iter().zip(READABLE_EXTENSIONS) {
             let path = Path::new("a").with_extension(extension.to_uppercase());
             assert_eq!(MeshFormat::of_extension(&path), Some(format));
             assert!(READABLE_FORMATS.contains(format.name()));
         }
-        assert_eq!(ALL.len(), READABLE_EXTENSIONS.len());
+        assert_eq!(MeshFormat::ALL.len(), READABLE_EXTENSIONS.len());
     }
 
     /// A file is what its content says, whatever its name.
@@ -175,7 +173,7 @@ mod tests {
     fn what_is_written_is_known_by_its_content() {
         let mut mesh = shapes::icosphere(1);
         for round in 0..2 {
-            for format in ALL {
+            for format in MeshFormat::ALL {
                 let mut bytes = Vec::new();
                 format.write(&mesh, &mut bytes).expect("a vector takes all");
                 for name in ["a", "a.off", "a.obj", "a.ply", "a.stl", "a.txt"] {
@@ -194,13 +192,8 @@ mod tests {
     #[test]
     fn meshes_go_through_all_formats_unchanged() {
         let parse = |format: MeshFormat, bytes: &[u8]| -> TriangleMesh {
-            let file = match format {
-                MeshFormat::Off => trials::read(off::parse, bytes),
-                MeshFormat::Obj => trials::read(obj::parse, bytes),
-                MeshFormat::Ply => trials::read(ply::parse, bytes),
-                MeshFormat::Stl => trials::read(stl::parse, bytes),
-            };
-            let file = file.expect("is right");
+            let file = format.parse(bytes, &CancelToken::new(), &Progress::new());
+            let file = file.expect("is right").expect("nobody cancels");
             assert_eq!(file.format, format.name());
             file.mesh
         };
@@ -225,8 +218,8 @@ mod tests {
         let mut with_normals = round.clone();
         with_normals.normals = Some(extreme.positions.clone());
         for mesh in [round, short, extreme, with_normals] {
-            for first in ALL {
-                for second in ALL {
+            for first in MeshFormat::ALL {
+                for second in MeshFormat::ALL {
                     let read = through(second, &through(first, &mesh));
                     if [first, second].contains(&MeshFormat::Stl) {
                         let corners = |mesh: &TriangleMesh| -> Vec<_> {
@@ -245,7 +238,11 @@ mod tests {
     #[test]
     fn what_a_format_does_not_hold_is_said() {
         let mut mesh = shapes::icosphere(0);
-        assert!(ALL.iter().all(|format| format.losses(&mesh).is_empty()));
+        assert!(
+            MeshFormat::ALL
+                .iter()
+                .all(|format| format.losses(&mesh).is_empty())
+        );
         mesh.positions.push(DVec3::ZERO);
         let unused = "1 vertex without triangle is left out: STL holds triangles alone";
         assert_eq!(MeshFormat::Stl.losses(&mesh), [unused]);

@@ -284,7 +284,8 @@ impl<'a> Reader<'a> {
         let end = self.cursor.position();
         let notes = &self.notes;
         let some_have = notes.with_normals.count > 0;
-        let mesh = if some_have && notes.without_normals.count == 0 {
+        let all_have = some_have && notes.without_normals.count == 0;
+        let mesh = if all_have && !self.triangles.is_empty() {
             let (watch, last_line) = (&mut self.watch, self.cursor.line());
             let split = split::by_normals(
                 self.positions,

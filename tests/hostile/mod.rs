@@ -3,7 +3,7 @@
 //! `tests/corpus.rs` runs them over the files in `fuzz/corpus`, and the targets in `fuzz/targets`, which include this module by
 //! its path, over what the fuzzer thinks of.
 
-pub mod off;
+pub mod mesh;
 pub mod picture;
 pub mod radiance;
 pub mod rays;

@@ -3,7 +3,7 @@
 use super::{Bar, Case, Effort};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
-use crate::io::{self, scene_file};
+use crate::io::{self, MeshFormat, scene_file};
 use crate::render::PreparedScene;
 
 pub const CASES: &[Case] = &[
@@ -23,7 +23,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "damaged meshes",
-        tried: "mutated OFF files: files that are taken with an index out of range or a corner that is not finite",
+        tried: "mutated files of every mesh format: files that are taken with an index out of range or a corner that is not finite",
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: damaged_meshes,
@@ -132,11 +132,15 @@ fn impossible_settings(_: Effort) -> f64 {
 }
 
 fn damaged_meshes(effort: Effort) -> f64 {
-    let mut whole = Vec::new();
-    io::off::write(&shapes::icosphere(1), &mut whole).expect("a vector takes all");
+    let whole = MeshFormat::ALL.map(|format| {
+        let mut bytes = Vec::new();
+        let written = format.write(&shapes::icosphere(1), &mut bytes);
+        written.expect("a vector takes all");
+        (format, bytes)
+    });
     let mut random = Random::new(31);
     let mut wrong = 0;
-    for _ in 0..effort.pick(2_000, 100_000) {
+    for (format, whole) in whole.iter().cycle().take(effort.pick(2_000, 100_000)) {
         let mut bytes = whole.clone();
         for _ in 0..=random.bits() % 4 {
             let place = usize::try_from(random.bits() % bytes.len() as u64).expect("a small file");
@@ -151,7 +155,7 @@ fn damaged_meshes(effort: Effort) -> f64 {
                 }
             }
         }
-        let Ok(Some(file)) = io::off::parse(&bytes, &CancelToken::new(), &Progress::new()) else {
+        let Ok(Some(file)) = format.parse(&bytes, &CancelToken::new(), &Progress::new()) else {
             continue;
         };
         let mesh = &file.mesh;

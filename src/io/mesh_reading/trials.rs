@@ -21,6 +21,12 @@ pub fn read(parse: Parse, bytes: &[u8]) -> Result<MeshFile, Malformed> {
     Ok(file)
 }
 
+/// [`read`] of bytes that are right.
+pub fn read_right(parse: Parse, bytes: &[u8]) -> MeshFile {
+    read(parse, bytes)
+        .unwrap_or_else(|error| panic!("{error} in {}", String::from_utf8_lossy(bytes)))
+}
+
 /// What the reader says is wrong with the bytes.
 pub fn error(parse: Parse, bytes: &[u8]) -> String {
     match read(parse, bytes) {

@@ -10,9 +10,7 @@ const FACES: &str = "f 1 2 3\nf 1 3 4\n";
 const MORE: &str = "vt 0 0\nvn 0 0 1\nvn 0 0 -2\n";
 
 fn read(text: impl AsRef<[u8]>) -> MeshFile {
-    let text = text.as_ref();
-    trials::read(parse, text)
-        .unwrap_or_else(|error| panic!("{error} in {}", String::from_utf8_lossy(text)))
+    trials::read_right(parse, text.as_ref())
 }
 
 fn error(text: impl AsRef<[u8]>) -> String {
@@ -300,6 +298,8 @@ fn what_is_lost_is_said() {
             "1 statement of another kind is ignored (line 14)",
         ]
     );
+    let dropped = read(format!("{SQUARE}{MORE}f 1//1 1//1 2//2\n"));
+    assert_eq!(dropped.mesh.normals, None, "there is nothing to shade");
     for empty in ["", "# nothing\n", "o a\n", "v 0 0 0\np 1\n"] {
         assert_eq!(
             read(empty).warnings.last().map(String::as_str),

@@ -82,9 +82,7 @@ fn binary(is_big: bool, coordinate: &str, length: &str, item: &str) -> Vec<u8> {
 }
 
 fn read(bytes: impl AsRef<[u8]>) -> MeshFile {
-    let bytes = bytes.as_ref();
-    trials::read(parse, bytes)
-        .unwrap_or_else(|error| panic!("{error} in {}", String::from_utf8_lossy(bytes)))
+    trials::read_right(parse, bytes.as_ref())
 }
 
 fn error(bytes: impl AsRef<[u8]>) -> String {
