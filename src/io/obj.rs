@@ -70,10 +70,9 @@ pub fn parse(
         tally: Tally::default(),
         notes: Notes::default(),
     };
-    if reader.statements()?.is_none() {
+    if reader.statements()?.is_none() || reader.early_faces()?.is_none() {
         return Ok(None);
     }
-    reader.early_faces()?;
     reader.finish()
 }
 
@@ -263,11 +262,15 @@ impl<'a> Reader<'a> {
         );
     }
 
-    /// Adds the faces whose vertices came later.
-    fn early_faces(&mut self) -> Result<(), Malformed> {
+    /// Adds the faces whose vertices came later; `None` when cancelled.
+    fn early_faces(&mut self) -> Result<Option<()>, Malformed> {
         let early = std::mem::take(&mut self.early);
+        let position = self.cursor.position();
         let mut start = 0;
-        for (line, end) in early.faces {
+        for (index, (line, end)) in (0..).zip(early.faces) {
+            if self.watch.report_item(index, position).is_none() {
+                return Ok(None);
+            }
             self.corners.clear();
             for corner in &early.corners[start..end] {
                 corner.check(line, self.positions.len(), self.normals.len())?;
@@ -276,7 +279,7 @@ impl<'a> Reader<'a> {
             self.add_face(line);
             start = end;
         }
-        Ok(())
+        Ok(Some(()))
     }
 
     /// The mesh, with normals if all faces have them; `None` when cancelled.
