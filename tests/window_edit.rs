@@ -187,6 +187,10 @@ fn parts_are_copied_pasted_duplicated_and_removed() {
     window.click("Undo removing pyramid 2");
     assert_eq!(window.scene().objects.len(), 2);
     window.click("Edit");
+    assert!(window.has("Redo removing pyramid 2"));
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.has("Redo removing pyramid 2"), "the menu is closed");
+    window.click("Edit");
     window.click("Redo removing pyramid 2");
     assert_eq!(window.scene().objects.len(), 1);
     window

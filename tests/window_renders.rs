@@ -171,6 +171,8 @@ fn renders_are_forgotten_and_outlive_their_scene() {
     assert_eq!(number_on_screen(&window), None);
 
     // A render of the new scene goes on with the numbers.
+    let render = &mut window.harness.state_mut().document_mut().scene.render;
+    (render.width, render.height) = (64, 48);
     window.render();
     assert_eq!(number_on_screen(&window), Some(4));
 }
@@ -200,6 +202,7 @@ fn a_running_render_goes_on_while_another_is_looked_at() {
             .is_some_and(|p| p.is_running() && p.scene.render.shadows == Shadows::Soft)
     });
     assert_eq!(past(&window), [1, 2, 3]);
+    assert_eq!(window.app().picture().unwrap().name, "shadows soft");
     window.click("Cancel");
     window.until("threads have stopped", |app| app.render_threads() == 0);
 }

@@ -291,6 +291,7 @@ impl Command {
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.egui_wants_keyboard_input();
         let in_text_field = ctx.text_edit_focused();
+        let in_menu = egui::Popup::is_any_open(ctx);
         let mut candidates: Vec<(KeyboardShortcut, Self)> = Self::ALL
             .into_iter()
             .flat_map(|command| command.shortcuts().iter().map(move |&keys| (keys, command)))
@@ -301,6 +302,8 @@ impl Command {
                 );
                 (!typing || keys.modifiers.command || is_function_key)
                     && !(in_text_field && command.is_of_text_fields())
+                    // It closes the menu.
+                    && !(in_menu && keys.logical_key == Key::Escape)
             })
             .collect();
         // Ctrl+Shift+S also matches a pressed Ctrl+S pattern: ask for the longer one first.

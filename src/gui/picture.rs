@@ -40,6 +40,8 @@ pub struct Picture {
     pub number: usize,
     /// What it is called among other renders.
     pub name: String,
+    /// What its scene is called.
+    pub scene_name: String,
     /// The scene as it was when the render started.
     pub scene: Scene,
     /// Its pixels.
@@ -66,7 +68,7 @@ impl Picture {
     #[must_use]
     pub fn new(
         number: usize,
-        name: String,
+        [name, scene_name]: [String; 2],
         scene: Scene,
         buffer: Arc<PictureBuffer>,
         progress: RenderProgress,
@@ -75,6 +77,7 @@ impl Picture {
         Self {
             number,
             name,
+            scene_name,
             scene,
             buffer,
             progress,

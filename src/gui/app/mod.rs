@@ -117,8 +117,6 @@ pub struct App {
     /// What the mouse points at in the picture.
     inspected: Option<Inspected>,
     brightness: seeing::Brightness,
-    /// The name of the scene of the last picture.
-    picture_of: String,
     error_plot: ErrorPlot,
     /// The layer of the picture to show, where it is kept; `None` shows all of it.
     shown_layer: Option<Layer>,
@@ -183,7 +181,6 @@ impl App {
             zoom: Zoom::default(),
             inspected: None,
             brightness: seeing::Brightness::default(),
-            picture_of: String::new(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
             waiting_render: None,

@@ -122,7 +122,7 @@ impl App {
         self.hide_past_render();
         let mut picture = Picture::new(
             0,
-            name,
+            [name, self.document.name().to_owned()],
             scene.clone(),
             Arc::clone(&buffer),
             progress.clone(),
@@ -158,13 +158,13 @@ impl App {
         });
     }
 
-    /// What the render that starts now is called among those of this session.
-    fn name_of_next_picture(&mut self) -> String {
-        let before = self.picture.as_ref().map(|picture| &picture.scene);
-        let before = before.map(|scene| (self.picture_of.as_str(), scene));
-        let name = name_of_render(self.document.name(), &self.document.scene, before);
-        self.document.name().clone_into(&mut self.picture_of);
-        name
+    /// What the render that starts now is called among those of this session. One that it takes the place of was none.
+    fn name_of_next_picture(&self) -> String {
+        let present = self.picture.as_ref().filter(|picture| !picture.is_replaced);
+        let present = present.map(|picture| (picture.scene_name.as_str(), &picture.scene));
+        let past = self.renders.entries().last();
+        let past = past.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));
+        name_of_render(self.document.name(), &self.document.scene, present.or(past))
     }
 
     /// Starts a render anew whose scene was edited while it is looked at. In the preview, editing goes on beside it.

@@ -34,6 +34,8 @@ pub struct Facts {
     pub number: usize,
     /// What sets it apart from the one before.
     pub name: String,
+    /// What its scene is called.
+    pub scene_name: String,
     /// What was computed.
     pub render: RenderSettings,
     /// How it ended.
@@ -56,6 +58,7 @@ impl Facts {
         Self {
             number: picture.number,
             name: picture.name.clone(),
+            scene_name: picture.scene_name.clone(),
             render: picture.scene.render.clone(),
             outcome: picture.outcome.clone(),
             elapsed: picture.elapsed(),
@@ -314,7 +317,7 @@ mod tests {
         let buffer = PictureBuffer::new([SIDE; 2], layers, Display::default(), 8192).unwrap();
         let mut picture = Picture::new(
             number,
-            format!("render {number}"),
+            [format!("render {number}"), "room".to_owned()],
             Scene::default(),
             Arc::new(buffer),
             RenderProgress::default(),
