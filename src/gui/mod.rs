@@ -4,7 +4,7 @@
 //! worker threads. It knows nothing of the command line, and nothing outside this module knows egui, eframe or wgpu.
 //!
 //! - [`app`]: state, the order of a frame, opening, saving, rendering
-//! - [`jobs`], [`worker`]: background work and what it says
+//! - [`jobs`], [`worker`], [`event`]: background work and what it says
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`], [`picture_buffer`]: the render as it fills in
@@ -28,6 +28,7 @@ pub mod document;
 pub mod edit;
 pub mod error_colors;
 pub mod error_plot;
+pub mod event;
 pub mod histogram;
 pub mod icons;
 pub mod inspector;

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::App;
 use crate::gui::compare::{self, Comparison, Mode, Side};
 use crate::gui::document::name_of;
+use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::top_bar::View;
-use crate::gui::worker::Event;
 use crate::io;
 
 impl App {

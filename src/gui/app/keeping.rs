@@ -13,9 +13,9 @@ use crate::control::CancelToken;
 use crate::gui::dialogs::Dialog;
 use crate::gui::dialogs::recovery::Answer;
 use crate::gui::document::{Document, same_scene};
+use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::keeping::{self, Begun, Lost, Session};
-use crate::gui::worker::Event;
 use crate::io::{self, LoadedScene};
 use crate::scene::Scene;
 

@@ -10,6 +10,7 @@ use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
 use crate::gui::dialogs::{
     Dialog, buttons_ui, files::FilePurpose, modal_ui, question, recovery, shortcuts_ui,
 };
+use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
@@ -19,7 +20,6 @@ use crate::gui::status_bar::{self, Activity};
 use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
-use crate::gui::worker::Event;
 use crate::gui::zoom::Place;
 use crate::gui::{compare, error_colors, error_plot, inspector};
 use crate::io;

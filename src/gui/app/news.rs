@@ -5,9 +5,9 @@ use std::time::Instant;
 use super::App;
 use crate::gui::costs::CostState;
 use crate::gui::dialogs::Dialog;
+use crate::gui::event::Event;
 use crate::gui::jobs::{Lane, News};
 use crate::gui::picture::Outcome;
-use crate::gui::worker::Event;
 
 impl App {
     /// Takes in what background jobs have to say, for a few milliseconds at most.

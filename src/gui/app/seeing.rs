@@ -7,13 +7,13 @@ use egui::Ui;
 
 use super::App;
 use crate::gui::document::same_geometry;
+use crate::gui::event::Event;
 use crate::gui::histogram::Histogram;
 use crate::gui::inspector::{Inspected, Surface};
 use crate::gui::jobs::Lane;
 use crate::gui::orbit::PictureSize;
 use crate::gui::pick;
 use crate::gui::picture::Picture;
-use crate::gui::worker::Event;
 use crate::math::DVec2;
 use crate::render::Layer;
 use crate::scene::Display;

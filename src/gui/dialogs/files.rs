@@ -6,8 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::gui::event::Event;
 use crate::gui::jobs::Job;
-use crate::gui::worker::Event;
 use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS};
 
 /// An answer faster than this is no user's.

@@ -4,13 +4,13 @@
 //! thread only copies finished bytes into a texture. A picture wider or higher than a texture may be is shown at a whole
 //! fraction of its size, one pixel of every block; nothing but the showing is reduced.
 
+mod reading;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use egui::{Color32, ColorImage};
 
-use super::histogram::Histogram;
-use super::inspector::PixelValues;
 use super::look::Look;
 use crate::control::CancelToken;
 use crate::render::{Image, Layer, TilePixels};
@@ -19,8 +19,6 @@ use crate::scene::Display;
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
 /// copied within a frame.
 const LARGEST_TEXTURE: u32 = 4096;
-/// Most width and height of a thumbnail, in pixels.
-const THUMBNAIL: [u32; 2] = [192, 120];
 /// Rows of one piece of a picture that is encoded anew.
 const ROWS_PER_BAND: u32 = 64;
 
@@ -277,88 +275,6 @@ impl PictureBuffer {
         }
     }
 
-    /// What is at column and row `[x, y]`; `None` outside the picture.
-    #[must_use]
-    pub fn values_at(&self, [x, y]: [u32; 2]) -> Option<PixelValues> {
-        if x >= self.width || y >= self.height {
-            return None;
-        }
-        let state = self.lock();
-        let layer = self.layer(state.shown);
-        let linear = state.planes[state.shown].pixel(x, y);
-        let error = self.layers().iter().position(|&kept| kept == Layer::Error);
-        let error = error.filter(|_| state.error_scale.is_some() && layer.is_none());
-        Some(PixelValues {
-            linear,
-            color: state.look(layer).color(linear),
-            error: error.map(|index| state.planes[index + 1].pixel(x, y)),
-        })
-    }
-
-    /// How often each brightness is on the screen. Of a large picture some pixels of every row count for all.
-    #[must_use]
-    pub fn histogram(&self) -> Histogram {
-        /// Pixels counted about: more make no visible difference.
-        const ENOUGH: u64 = 1 << 20;
-        let pixels = u64::from(self.width) * u64::from(self.height);
-        let step = usize::try_from(pixels / ENOUGH)
-            .unwrap_or(usize::MAX)
-            .max(1);
-        let mut histogram = Histogram::default();
-        for y in 0..self.height {
-            // The window may want the picture in between.
-            let state = self.lock();
-            let look = state.look(self.layer(state.shown));
-            let image = &state.planes[state.shown];
-            // Another column first in each row, so that no column is left out.
-            let first = y % u32::try_from(step).unwrap_or(u32::MAX);
-            for x in (first..self.width).step_by(step) {
-                let linear = image.pixel(x, y);
-                histogram.count(linear, look.color(linear));
-            }
-        }
-        histogram
-    }
-
-    /// A small picture of the whole, whatever layer is on the screen.
-    #[must_use]
-    pub fn thumbnail(&self) -> ColorImage {
-        let block = self
-            .width
-            .div_ceil(THUMBNAIL[0])
-            .max(self.height.div_ceil(THUMBNAIL[1]));
-        let block = block.max(1);
-        let size = [self.width, self.height].map(|side| side.div_ceil(block));
-        let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
-        for y in 0..size[1] {
-            // The window may want the picture in between.
-            let state = self.lock();
-            for x in 0..size[0] {
-                let rgb = self.mean_of_block(&state.planes[0], [x * block, y * block], block);
-                pixels.push(Look::Light(state.display).color(rgb));
-            }
-        }
-        ColorImage::new(size.map(|side| side as usize), pixels)
-    }
-
-    /// The mean of some finite pixels of a square block at `[x, y]`.
-    fn mean_of_block(&self, image: &Image, [x, y]: [u32; 2], block: u32) -> [f32; 3] {
-        /// Pixels looked at along each axis: more make no visible difference.
-        const MOST: u32 = 4;
-        let step = block.div_ceil(MOST);
-        let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for row in (y..(y + block).min(self.height)).step_by(step as usize) {
-            for column in (x..(x + block).min(self.width)).step_by(step as usize) {
-                let pixel = image.pixel(column, row);
-                if pixel.iter().all(|channel| channel.is_finite()) {
-                    sum = std::array::from_fn(|i| sum[i] + pixel[i]);
-                    count += 1.0;
-                }
-            }
-        }
-        sum.map(|channel| channel / f32::max(count, 1.0))
-    }
-
     /// The texels whose pixel lies in the given columns and rows.
     fn encode(
         &self,
@@ -554,23 +470,6 @@ mod tests {
         assert_eq!(buffer.layer_images()[1].1.pixel(1, 0), [0.001; 3]);
         buffer.set_shown(None);
         assert_eq!(buffer.shown_error_scale(), None);
-    }
-
-    #[test]
-    fn a_thumbnail_is_the_mean_of_blocks_and_leaves_out_what_is_not_finite() {
-        let buffer = buffer(400, 100, 8192).unwrap();
-        let region = Region::full(400, 100);
-        let mut rgb = vec![[1.0; 3]; region.pixel_count()];
-        rgb[0] = [f32::NAN, 0.0, 0.0];
-        let whole = TilePixels {
-            region,
-            rgb: &rgb,
-            layers: &[],
-        };
-        assert!(buffer.accept(&whole).is_some());
-        let thumbnail = buffer.thumbnail();
-        assert_eq!(thumbnail.size, [134, 34]);
-        assert!(thumbnail.pixels.iter().all(|&p| p == Color32::WHITE));
     }
 
     #[test]

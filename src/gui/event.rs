@@ -1,0 +1,138 @@
+//! What background jobs tell the window.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::compare::{Distance, Side};
+use super::dialogs::files::Answer;
+use super::dialogs::path_field::Listing;
+use super::histogram::Histogram;
+use super::keeping::{Begun, Lost};
+use super::picture_buffer::{EncodedTile, PictureBuffer};
+use super::report::Findings;
+use super::worker::Prepared;
+use crate::analysis::cost::Costs;
+use crate::analysis::report::ReportError;
+use crate::io::{LoadedScene, MeshFile, RadianceFile};
+use crate::render::RenderStats;
+use crate::scene::Scene;
+
+/// What a job tells the window. Failures are sentences for the user.
+#[derive(Debug)]
+pub enum Event {
+    /// A scene, or meshes as a scene.
+    SceneLoaded {
+        /// The files it came from.
+        paths: Vec<PathBuf>,
+        /// The scene, or why there is none.
+        result: Result<Box<LoadedScene>, String>,
+    },
+    /// A mesh to add to the scene.
+    MeshLoaded {
+        /// Its file.
+        path: PathBuf,
+        /// The mesh, or why there is none.
+        result: Result<MeshFile, String>,
+    },
+    /// An image for the background.
+    ImageLoaded {
+        /// Its file.
+        path: PathBuf,
+        /// The image, or why there is none.
+        result: Result<RadianceFile, String>,
+    },
+    /// The scene is ready to render and to preview, or why it cannot be rendered.
+    Prepared(Result<Box<Prepared>, String>),
+    /// A tile of the running render.
+    Tile(EncodedTile),
+    /// A piece of a picture that is shown anew.
+    Encoded {
+        /// The number of its render.
+        number: usize,
+        /// It.
+        tile: EncodedTile,
+    },
+    /// How far the compared pictures are apart and the texels of the difference, or why that cannot be said.
+    Compared(Result<(Distance, [usize; 2]), String>),
+    /// A piece of a picture beside the one that is looked at.
+    CompareTile(Side, EncodedTile),
+    /// A picture to compare with, and remarks on it.
+    ComparisonRead {
+        /// Its file.
+        path: PathBuf,
+        /// It, or why there is none.
+        result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
+    },
+    /// How bright the picture on the screen is.
+    HistogramMade(Histogram),
+    /// A small picture of a render.
+    Thumbnail {
+        /// The number of the render.
+        number: usize,
+        /// As it is shown.
+        image: egui::ColorImage,
+    },
+    /// The running render is done.
+    Rendered {
+        /// The picture's hash.
+        hash: String,
+        /// What it took.
+        stats: Box<RenderStats>,
+    },
+    /// The running render cannot go on.
+    RenderFailed {
+        /// Why.
+        text: String,
+        /// Whether it was for want of memory.
+        is_short_of_memory: bool,
+    },
+    /// The scene was written, or why not.
+    SceneSaved {
+        /// The file.
+        path: PathBuf,
+        /// What was written.
+        result: Result<Box<Scene>, String>,
+    },
+    /// The picture was written, or why not.
+    PictureSaved {
+        /// The file.
+        path: PathBuf,
+        /// Nothing, or why not.
+        result: Result<(), String>,
+    },
+    /// What effects cost was measured, or why not.
+    CostsMeasured {
+        /// Of this scene.
+        scene: Box<Scene>,
+        /// The costs.
+        result: Result<Box<Costs>, String>,
+    },
+    /// The desktop's file dialog is closed.
+    PathsChosen(Answer),
+    /// What is in the folder that the path field shows.
+    Listed(Listing),
+    /// The running report knows more.
+    ReportGrew(Box<Findings>),
+    /// The running report is whole, or why it cannot go on.
+    Reported(Result<(), ReportError>),
+    /// Why the desktop does not show a folder.
+    FolderNotShown(String),
+    /// Work is kept from now on, or why not.
+    KeepingBegun {
+        /// The files opened last.
+        recent: Vec<PathBuf>,
+        /// Where work goes, and what was lost.
+        begun: Result<Box<Begun>, String>,
+    },
+    /// Unsaved work was written, or why not.
+    WorkKept(Result<(), String>),
+    /// Lost work is back, or why not.
+    Restored {
+        /// Where it was found.
+        lost: Lost,
+        /// The scene.
+        result: Result<Box<LoadedScene>, String>,
+    },
+    /// The files opened last are these now.
+    RecentChanged(Vec<PathBuf>),
+}
