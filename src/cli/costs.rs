@@ -42,7 +42,7 @@ impl MeasuredCosts {
                 progress.advance(done as u64 - progress.done());
             })
         };
-        let costs = super::render::with_progress_bar(how_far, measure)?;
+        let costs = super::progress_bar::show(how_far, measure)?;
         Ok(costs.as_ref().map(Self::new))
     }
 

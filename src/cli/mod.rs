@@ -9,11 +9,14 @@ mod compare;
 mod convert;
 mod costs;
 mod info;
+mod outcome;
 mod plan;
+mod progress_bar;
 mod proofs;
 mod render;
 mod report;
 mod signals;
+mod stats;
 mod trace;
 
 use std::io::{ErrorKind, Write};

@@ -103,7 +103,7 @@ pub(super) fn run(scene: &Scene, pairs: u16, json: bool) -> Result<()> {
     let proofs = Proofs {
         machine: Machine::this(1),
         pairs,
-        cases: super::render::with_progress_bar(how_far, measure)?,
+        cases: super::progress_bar::show(how_far, measure)?,
     };
     if json {
         super::say(&serde_json::to_string_pretty(&proofs)?)?;

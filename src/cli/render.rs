@@ -1,28 +1,24 @@
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde::{Serialize, Serializer};
 
-use super::Signals;
 use super::checkpoint::{CheckpointArguments, CheckpointFile};
 use super::costs::MeasuredCosts;
-use super::plan::PlannedFeature;
+use super::stats::{self, Stats};
 use super::trace::TraceArguments;
+use super::{Signals, outcome, progress_bar};
 use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, Origin};
 use crate::render::{
-    Bands, Checkpoint, CheckpointKeeper, Clamped, Ending, ErrorEstimate, Image, Interval,
-    PictureMemory, PreparedScene, RayCounts, Region, RenderOutcome, RenderProgress, RenderStats,
-    RunConfig, Watch, render_watched, resume,
+    Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
+    RenderOutcome, RenderProgress, RunConfig, Watch, render_watched, resume,
 };
-use crate::scene::{Choice, Mode, RenderSettings, Scene};
+use crate::scene::{Choice, Mode, Scene};
 
 /// What `raymini render` takes.
 #[derive(Debug, Args)]
@@ -92,7 +88,7 @@ impl RenderArguments {
     fn check_files(&self, output: &Path) -> Result<()> {
         io::check_image_path(output)?;
         if let Some(path) = &self.stats {
-            io::check_writable(path).with_context(|| cannot_write_stats(path))?;
+            io::check_writable(path).with_context(|| stats::cannot_write(path))?;
         }
         let others: Vec<&Path> = std::iter::once(output)
             .chain(self.stats.as_deref())
@@ -125,122 +121,6 @@ impl RenderArguments {
         );
         assignments.extend(self.seed.iter().map(|seed| format!("render.seed={seed}")));
         assignments
-    }
-}
-
-/// The stats file.
-#[derive(Debug, Serialize)]
-struct Stats {
-    load_seconds: f64,
-    build_seconds: f64,
-    render_seconds: f64,
-    first_tile_seconds: f64,
-    triangles: u64,
-    accelerator: &'static str,
-    accelerator_bytes: usize,
-    /// `None` where the system does not tell.
-    peak_memory_bytes: Option<u64>,
-    threads: usize,
-    /// Mean of all pixels; written as a whole number where it is one.
-    #[serde(serialize_with = "whole_if_possible")]
-    samples_per_pixel: f64,
-    /// The fewest and the most of a pixel.
-    sample_range: [u32; 2],
-    passes: u32,
-    ending: Ending,
-    rays: RayCounts,
-    error: Option<ErrorFacts>,
-    non_finite_samples: u64,
-    negative_samples: u64,
-    depth_limited_samples: u64,
-    clamped: Clamped,
-    image_hash: String,
-    plan: Vec<PlannedFeature>,
-    /// Where asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    costs: Option<MeasuredCosts>,
-}
-
-impl Stats {
-    /// What `stats` says of a render of `scene`; seconds to load and to build.
-    fn new(
-        stats: &RenderStats,
-        scene: &PreparedScene,
-        [load_seconds, build_seconds]: [f64; 2],
-        hash: &str,
-        plan: Vec<PlannedFeature>,
-    ) -> Self {
-        let accelerator = scene.geometry().accelerator();
-        Self {
-            load_seconds,
-            build_seconds,
-            render_seconds: stats.render_seconds,
-            first_tile_seconds: stats.first_tile_seconds,
-            triangles: u64::from(accelerator.triangle_count()),
-            accelerator: accelerator.name(),
-            accelerator_bytes: accelerator.bytes(),
-            peak_memory_bytes: peak_memory_bytes(),
-            threads: stats.threads,
-            samples_per_pixel: stats.samples_per_pixel,
-            sample_range: stats.sample_range,
-            passes: stats.passes,
-            ending: stats.ending,
-            rays: stats.rays,
-            error: stats.error.as_ref().map(ErrorFacts::from),
-            non_finite_samples: stats.non_finite_samples,
-            negative_samples: stats.negative_samples,
-            depth_limited_samples: stats.depth_limited_samples,
-            clamped: stats.clamped,
-            image_hash: hash.to_owned(),
-            plan,
-            costs: None,
-        }
-    }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::trivially_copy_pass_by_ref,
-    reason = "at least 0, and as serde asks for it"
-)]
-fn whole_if_possible<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if number.fract() == 0.0 {
-        serializer.serialize_u64(*number as u64)
-    } else {
-        serializer.serialize_f64(*number)
-    }
-}
-
-/// The error of a picture as it is written for programs.
-#[derive(Debug, Serialize)]
-struct ErrorFacts {
-    rmse: f64,
-    rmse_interval: [f64; 2],
-    relmse: f64,
-    relmse_interval: [f64; 2],
-    /// √relmse.
-    noise: f64,
-    noise_interval: [f64; 2],
-    percentile_999: f64,
-    unmeasured_pixels: u64,
-    method: &'static str,
-}
-
-impl From<&ErrorEstimate> for ErrorFacts {
-    fn from(error: &ErrorEstimate) -> Self {
-        let ends = |interval: Interval| [interval.low, interval.high];
-        Self {
-            rmse: error.rmse.value,
-            rmse_interval: ends(error.rmse),
-            relmse: error.relmse.value,
-            relmse_interval: ends(error.relmse),
-            noise: error.noise().value,
-            noise_interval: ends(error.noise()),
-            percentile_999: error.percentile_999,
-            unmeasured_pixels: error.unmeasured_pixels,
-            method: "halves of each pixel's sequence, extrapolated by the measured decay; 95 % intervals",
-        }
     }
 }
 
@@ -304,7 +184,7 @@ fn prepare(scene: &Scene, cancel: &CancelToken) -> Result<Option<PreparedScene>>
     let progress = Progress::new();
     let how_far = || (progress.fraction(), "building the tree".to_owned());
     let prepare = || PreparedScene::prepare_watched(scene, None, cancel, &progress);
-    Ok(with_progress_bar(how_far, prepare)?)
+    Ok(progress_bar::show(how_far, prepare)?)
 }
 
 /// Renders `scene`, writes the picture to `output` and the stats, and says what it took. A signal ends that early, with what is
@@ -347,7 +227,7 @@ fn render_scene(
     let kept = &arguments.checkpoint;
     let kept = kept.of_render(scene, &prepared, region, &run);
     let bands = Bands::of(&prepared, Some(region), &run).filter(|_| kept.is_none());
-    let outcome = if let Some(bands) = bands {
+    let rendered = if let Some(bands) = bands {
         bands.memory(&prepared, &run).require()?;
         render_bands(&prepared, &bands, &run)
     } else {
@@ -362,9 +242,9 @@ fn render_scene(
         };
         render_with_progress(&prepared, region, &run, kept.as_ref(), start)
     };
-    let outcome = outcome.ok_or_else(|| anyhow!("rendering was cancelled"))?;
-    let is_interrupted = outcome.stats.ending == Ending::Interrupted;
-    let [fewest, most] = outcome.stats.sample_range;
+    let rendered = rendered.ok_or_else(|| anyhow!("rendering was cancelled"))?;
+    let is_interrupted = rendered.stats.ending == Ending::Interrupted;
+    let [fewest, most] = rendered.stats.sample_range;
     if fewest == 0 && (kept.is_some() || most == 0) {
         let code = interrupted_early(signals);
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
@@ -373,24 +253,24 @@ fn render_scene(
     // Black where nothing is known would be taken for the scene's own black, and must not replace a picture that is whole.
     let unfinished = (fewest == 0).then(|| unfinished_name(output));
     let output = unfinished.as_deref().unwrap_or(output);
-    let (place, failure) = write_picture(&outcome, scene, output)?;
+    let (place, failure) = write_picture(&rendered, scene, output)?;
     if !is_interrupted && failure.is_none() {
         kept.iter().for_each(CheckpointFile::remove);
     }
 
-    let RenderOutcome { image, stats, .. } = &outcome;
+    let RenderOutcome { image, stats, .. } = &rendered;
     let hash = image.hash();
     let plan = super::plan::facts(scene)?;
     let mut facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
     let stats_path = arguments.stats.as_deref();
-    let mut recorded = stats_path.map_or(Ok(()), |path| write_stats(&facts, path));
-    say_what_it_took(&place, image, &hash, stats, settings)?;
+    let mut recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
+    outcome::say(&place, image, &hash, stats, settings)?;
     if is_interrupted {
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
     } else if let Some(pairs) = arguments.costs {
         facts.costs = measure_costs(scene, &prepared, pairs, &run)?;
         if recorded.is_ok() && facts.costs.is_some() {
-            recorded = stats_path.map_or(Ok(()), |path| write_stats(&facts, path));
+            recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
         }
     }
     failure.map_or(Ok(()), Err)?;
@@ -466,126 +346,6 @@ fn write_picture(
     }
 }
 
-fn write_stats(stats: &Stats, path: &Path) -> Result<()> {
-    let json =
-        serde_json::to_string_pretty(stats).context("the stats cannot be written as JSON")?;
-    io::write_atomically(path, |file| writeln!(file, "{json}"))
-        .with_context(|| cannot_write_stats(path))
-}
-
-fn cannot_write_stats(path: &Path) -> String {
-    format!("{}: cannot write the stats", path.display())
-}
-
-/// Prints what a render took and how wrong it is, and warns of what went wrong.
-fn say_what_it_took(
-    output: &Path,
-    image: &Image,
-    hash: &str,
-    stats: &RenderStats,
-    settings: &RenderSettings,
-) -> Result<()> {
-    let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
-    super::say(&format!(
-        "{}: {}×{} pixels, {}, {:.2} s, {rate:.2} Mrays/s, hash {}",
-        output.display(),
-        image.width,
-        image.height,
-        describe_samples(stats),
-        stats.render_seconds,
-        &hash[..16]
-    ))?;
-    if let Some(error) = &stats.error {
-        super::say(&describe_error(error))?;
-    }
-    if stats.ending == Ending::Interrupted {
-        let gaps = if stats.sample_range[0] == 0 {
-            ", and is black where there are none"
-        } else {
-            ""
-        };
-        eprintln!("warning: interrupted: the picture has the samples taken so far{gaps}");
-    }
-    if stats.ending != Ending::Noise
-        && let Some(noise) = settings.stop.noise
-    {
-        let reason = match stats.ending {
-            Ending::Time => "the time was up",
-            Ending::Interrupted => "the render was interrupted",
-            _ => "pixels have all the samples that render.samples_per_pixel allows",
-        };
-        eprintln!("warning: noise is not down to {}: {reason}", percent(noise));
-    }
-    if stats.non_finite_samples > 0 {
-        eprintln!(
-            "warning: {} samples were infinite or not a number",
-            stats.non_finite_samples
-        );
-    }
-    if stats.negative_samples > 0 {
-        eprintln!(
-            "warning: {} samples had less than no light",
-            stats.negative_samples
-        );
-    }
-    if let Some(share) = stats.notable_depth_limited_share() {
-        eprintln!(
-            "warning: {:.0} % of the samples may lack light: render.max_bounces = {} ended their paths",
-            share * 100.0,
-            settings.max_bounces
-        );
-    }
-    if settings.clamp.is_some() {
-        eprintln!(
-            "render.clamp limited {} samples and took {:.3} % of the picture's light away",
-            stats.clamped.samples,
-            stats.clamped.energy_share * 100.0
-        );
-    }
-    Ok(())
-}
-
-/// Samples per pixel in words.
-fn describe_samples(stats: &RenderStats) -> String {
-    match stats.sample_range {
-        [1, 1] => "1 sample".to_owned(),
-        [least, most] if least == most => format!("{most} samples"),
-        [least, most] => format!(
-            "{:.1} samples on average ({least} to {most})",
-            stats.samples_per_pixel
-        ),
-    }
-}
-
-/// The error in one line.
-fn describe_error(error: &ErrorEstimate) -> String {
-    let noise = error.noise();
-    format!(
-        "estimated noise {} ({} to {}), rmse {:.3e}, 99.9 % of pixels within {:.3e}",
-        percent(noise.value),
-        percent(noise.low),
-        percent(noise.high),
-        error.rmse.value,
-        error.percentile_999
-    )
-}
-
-/// A share with three digits.
-fn percent(share: f64) -> String {
-    let percent = share * 100.0;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and 9"
-    )]
-    let decimals = if percent > 0.0 {
-        (2.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize
-    } else {
-        0
-    };
-    format!("{percent:.decimals$} %")
-}
-
 /// Renders, from `start` on if there is one, with the progress and the rate of rays shown, and checkpoints `kept`.
 fn render_with_progress(
     prepared: &PreparedScene,
@@ -599,7 +359,7 @@ fn render_with_progress(
     let how_far = || {
         let rate = progress.rays() as f64 / started.elapsed().as_secs_f64() / 1e6;
         let noise = progress.latest_error().map_or_else(String::new, |point| {
-            format!(", noise {}", percent(point.error.noise().value))
+            format!(", noise {}", outcome::percent(point.error.noise().value))
         });
         (
             progress.samples.fraction(),
@@ -618,7 +378,7 @@ fn render_with_progress(
         }),
         ..Watch::default()
     };
-    with_progress_bar(how_far, || match start {
+    progress_bar::show(how_far, || match start {
         Some(start) => resume(prepared, start, run, &progress, watch),
         None => render_watched(prepared, Some(region), run, &progress, watch),
     })
@@ -640,64 +400,7 @@ fn render_bands(prepared: &PreparedScene, bands: &Bands, run: &RunConfig) -> Opt
         current.1 = RenderProgress::default();
         current.1.clone()
     };
-    with_progress_bar(how_far, || bands.render(prepared, run, begin))
-}
-
-/// Runs `work` with its progress shown on a terminal, and nothing shown where there is none. `how_far` tells the done part of
-/// the whole, and what to say about it.
-pub(super) fn with_progress_bar<T>(
-    how_far: impl Fn() -> (f64, String) + Sync,
-    work: impl FnOnce() -> T,
-) -> T {
-    if !std::io::stderr().is_terminal() {
-        return work();
-    }
-    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template(
-        "{percent:>3} % {wide_bar} {elapsed_precise} left {eta} {msg}",
-    );
-    bar.set_style(style.expect("the template is right"));
-    let finished = CancelToken::new();
-    std::thread::scope(|scope| {
-        // Also where the work panics: the scope waits for its thread.
-        let ending = CancelWhenDropped(&finished);
-        scope.spawn(|| {
-            while !finished.is_cancelled() {
-                let (fraction, message) = how_far();
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a share of 1000"
-                )]
-                bar.set_position((fraction * 1000.0) as u64);
-                bar.set_message(message);
-                std::thread::sleep(Duration::from_millis(50));
-            }
-        });
-        let result = work();
-        drop(ending);
-        bar.finish_and_clear();
-        result
-    })
-}
-
-/// Cancels a token when it goes.
-struct CancelWhenDropped<'a>(&'a CancelToken);
-
-impl Drop for CancelWhenDropped<'_> {
-    fn drop(&mut self) {
-        self.0.cancel();
-    }
-}
-
-/// The most memory this process has held, where the system tells (Linux).
-fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1024)
+    progress_bar::show(how_far, || bands.render(prepared, run, begin))
 }
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {

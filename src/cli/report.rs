@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         ..RunConfig::default()
     };
     let progress = ReportProgress::default();
-    let study = super::render::with_progress_bar(
+    let study = super::progress_bar::show(
         || progress.how_far(),
         || plan.carry_out(&run, &arguments.output, &progress, |_| ()),
     )?;

@@ -1,0 +1,117 @@
+//! What a render took and how wrong it is, in words.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::render::{Ending, ErrorEstimate, Image, RenderStats};
+use crate::scene::RenderSettings;
+
+/// Prints what a render took and how wrong it is, and warns of what went wrong.
+pub(super) fn say(
+    output: &Path,
+    image: &Image,
+    hash: &str,
+    stats: &RenderStats,
+    settings: &RenderSettings,
+) -> Result<()> {
+    let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
+    super::say(&format!(
+        "{}: {}×{} pixels, {}, {:.2} s, {rate:.2} Mrays/s, hash {}",
+        output.display(),
+        image.width,
+        image.height,
+        describe_samples(stats),
+        stats.render_seconds,
+        &hash[..16]
+    ))?;
+    if let Some(error) = &stats.error {
+        super::say(&describe_error(error))?;
+    }
+    if stats.ending == Ending::Interrupted {
+        let gaps = if stats.sample_range[0] == 0 {
+            ", and is black where there are none"
+        } else {
+            ""
+        };
+        eprintln!("warning: interrupted: the picture has the samples taken so far{gaps}");
+    }
+    if stats.ending != Ending::Noise
+        && let Some(noise) = settings.stop.noise
+    {
+        let reason = match stats.ending {
+            Ending::Time => "the time was up",
+            Ending::Interrupted => "the render was interrupted",
+            _ => "pixels have all the samples that render.samples_per_pixel allows",
+        };
+        eprintln!("warning: noise is not down to {}: {reason}", percent(noise));
+    }
+    if stats.non_finite_samples > 0 {
+        eprintln!(
+            "warning: {} samples were infinite or not a number",
+            stats.non_finite_samples
+        );
+    }
+    if stats.negative_samples > 0 {
+        eprintln!(
+            "warning: {} samples had less than no light",
+            stats.negative_samples
+        );
+    }
+    if let Some(share) = stats.notable_depth_limited_share() {
+        eprintln!(
+            "warning: {:.0} % of the samples may lack light: render.max_bounces = {} ended their paths",
+            share * 100.0,
+            settings.max_bounces
+        );
+    }
+    if settings.clamp.is_some() {
+        eprintln!(
+            "render.clamp limited {} samples and took {:.3} % of the picture's light away",
+            stats.clamped.samples,
+            stats.clamped.energy_share * 100.0
+        );
+    }
+    Ok(())
+}
+
+/// Samples per pixel in words.
+fn describe_samples(stats: &RenderStats) -> String {
+    match stats.sample_range {
+        [1, 1] => "1 sample".to_owned(),
+        [least, most] if least == most => format!("{most} samples"),
+        [least, most] => format!(
+            "{:.1} samples on average ({least} to {most})",
+            stats.samples_per_pixel
+        ),
+    }
+}
+
+/// The error in one line.
+fn describe_error(error: &ErrorEstimate) -> String {
+    let noise = error.noise();
+    format!(
+        "estimated noise {} ({} to {}), rmse {:.3e}, 99.9 % of pixels within {:.3e}",
+        percent(noise.value),
+        percent(noise.low),
+        percent(noise.high),
+        error.rmse.value,
+        error.percentile_999
+    )
+}
+
+/// A share with three digits.
+pub(super) fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and 9"
+    )]
+    let decimals = if percent > 0.0 {
+        (2.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize
+    } else {
+        0
+    };
+    format!("{percent:.decimals$} %")
+}
