@@ -1,15 +1,18 @@
 //! From paths to a scene with its meshes and images, and back.
 
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
 use super::origin::WrittenOrigin;
-use super::radiance_file::{RADIANCE_EXTENSIONS, RadianceError, RadianceFile, load_radiance};
+use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
+use super::scene_paths::{
+    absolute_image, absolute_mesh, is_render_file, is_scene_file, relative_path,
+};
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Object, Scene, SceneError, presets};
@@ -17,9 +20,6 @@ use crate::scene::{Background, Object, Scene, SceneError, presets};
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
 const MOST_SCENE_BYTES: u64 = 16 << 20;
-
-/// File name extensions, in lower case, of pictures that may tell what was rendered.
-pub const RENDER_EXTENSIONS: &[&str] = &["png", "exr"];
 
 /// A scene ready to be prepared.
 #[derive(Clone, Debug)]
@@ -205,33 +205,6 @@ pub fn override_scene(
     load_background(&mut scene, here, &mut loaded.warnings, cancel, &progress)?;
     loaded.scene = scene;
     Ok(())
-}
-
-/// Whether `path` is taken for a scene file rather than a mesh.
-#[must_use]
-pub fn is_scene_file(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
-}
-
-/// Whether `path` is taken for a picture that may tell what was rendered.
-#[must_use]
-pub fn is_render_file(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| {
-        RENDER_EXTENSIONS
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-    })
-}
-
-/// Whether `path` is taken for an image that can be a background.
-#[must_use]
-pub fn is_image_file(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| {
-        RADIANCE_EXTENSIONS
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-    })
 }
 
 /// What a loaded mesh file leaves to say to the user; `name` is what the user calls it.
@@ -459,84 +432,9 @@ fn work_of(mesh: &str) -> u64 {
     }
 }
 
-/// The name under which a scene keeps the mesh that a file in `folder` calls `written`: a path from the root, so that it means
-/// the same wherever the scene is saved.
-#[must_use]
-pub fn absolute_mesh(written: &str, folder: &Path) -> String {
-    if written.starts_with(builtin::PREFIX) {
-        return written.to_owned();
-    }
-    absolute_image(written, folder)
-}
-
-/// The name under which a scene keeps the image that a file in `folder` calls `written`; like [`absolute_mesh`], without what
-/// is built in.
-#[must_use]
-pub fn absolute_image(written: &str, folder: &Path) -> String {
-    let path = folder.join(written);
-    // Fails for an empty path only, which then cannot be read either.
-    let path = std::path::absolute(&path).unwrap_or(path);
-    without_dots(&path).to_string_lossy().into_owned()
-}
-
-/// `path` without `.` and without `x/..`, so that one file has one name.
-fn without_dots(path: &Path) -> PathBuf {
-    let mut result = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir
-                if matches!(result.components().next_back(), Some(Component::Normal(_))) =>
-            {
-                result.pop();
-            }
-            other => result.push(other),
-        }
-    }
-    result
-}
-
-/// How a scene file in `folder`, an absolute path, calls the mesh or image kept under `name`.
-fn relative_path(name: &str, folder: &Path) -> String {
-    let (path, folder) = (Path::new(name), without_dots(folder));
-    let (mut there, mut here) = (path.components().peekable(), folder.components().peekable());
-    // On another drive, or built in: the full name.
-    if !path.is_absolute() || there.peek() != here.peek() {
-        return name.to_owned();
-    }
-    while there.peek().is_some() && there.peek() == here.peek() {
-        there.next();
-        here.next();
-    }
-    let steps: PathBuf = here.map(|_| Component::ParentDir).chain(there).collect();
-    // Scene files use the slash of the web on every system.
-    steps
-        .components()
-        .map(|c| c.as_os_str().to_string_lossy())
-        .collect::<Vec<_>>()
-        .join("/")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn mesh_names_survive_moving_the_scene() {
-        let name = absolute_mesh("../assets/./ram.off", Path::new("/home/a/scenes"));
-        assert_eq!(name, "/home/a/assets/ram.off");
-        assert_eq!(
-            relative_path(&name, Path::new("/home/a/scenes")),
-            "../assets/ram.off"
-        );
-        assert_eq!(
-            relative_path(&name, Path::new("/home/b")),
-            "../a/assets/ram.off"
-        );
-        assert_eq!(relative_path(&name, Path::new("/home/a/assets")), "ram.off");
-        assert_eq!(absolute_mesh("builtin:ram", Path::new("/x")), "builtin:ram");
-        assert_eq!(relative_path("builtin:ram", Path::new("/x")), "builtin:ram");
-    }
 
     #[test]
     fn progress_ends_at_its_total() {

@@ -19,6 +19,7 @@ mod radiance_file;
 mod ray_file;
 mod render_description;
 pub mod scene_file;
+mod scene_paths;
 mod shorten;
 pub mod stl;
 mod whole_file;
@@ -30,9 +31,8 @@ pub use image_file::{
     write_render,
 };
 pub use load::{
-    LoadError, LoadedScene, RENDER_EXTENSIONS, SaveError, absolute_image, absolute_mesh,
-    demo_scene, image_warnings, is_image_file, is_render_file, is_scene_file, load_image,
-    load_mesh, load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
+    LoadError, LoadedScene, SaveError, demo_scene, image_warnings, load_image, load_mesh,
+    load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
@@ -44,4 +44,7 @@ pub use radiance_file::{
 };
 pub use ray_file::{RayFileError, load_rays, save_rays};
 pub use render_description::{describe_render, difference};
+pub use scene_paths::{
+    RENDER_EXTENSIONS, absolute_image, absolute_mesh, is_image_file, is_render_file, is_scene_file,
+};
 pub use whole_file::open_file;
