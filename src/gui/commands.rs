@@ -69,6 +69,8 @@ pub enum Command {
     Reduce,
     /// Start rendering, in place of a running render.
     Render,
+    /// Render anew whenever the scene or the camera changes, or no longer.
+    ToggleLive,
     /// Stop the running render or report.
     Cancel,
     /// Describe, watch or look at a report of error against run time.
@@ -81,7 +83,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 37] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -97,6 +99,7 @@ impl Command {
         Self::Rename,
         Self::Remove,
         Self::Render,
+        Self::ToggleLive,
         Self::Cancel,
         Self::Report,
         Self::MeasureCosts,
@@ -156,6 +159,7 @@ impl Command {
             Self::Enlarge => "Enlarge",
             Self::Reduce => "Reduce",
             Self::Render => "Render",
+            Self::ToggleLive => "Live",
             Self::Cancel => "Cancel",
             Self::Report => "Report…",
             Self::MeasureCosts => "Measure costs",
@@ -199,6 +203,9 @@ impl Command {
             Self::Enlarge => "Show the picture larger",
             Self::Reduce => "Show the picture smaller",
             Self::Render => "Render the picture; restarts a running render",
+            Self::ToggleLive => {
+                "Render anew whenever the scene or the camera changes: coarse at once, then ever finer"
+            }
             Self::Cancel => "Stop the running render, report, measurement or load",
             Self::MeasureCosts => {
                 "Measure what each effect costs and what leaving out saves, for the panel Plan"
@@ -253,6 +260,7 @@ impl Command {
             Self::Enlarge => const { &[plain(Key::Plus), plain(Key::Equals)] },
             Self::Reduce => const { &[plain(Key::Minus)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
+            Self::ToggleLive => const { &[plain(Key::L)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
             Self::Report => const { &[command_shift(Key::R)] },
             Self::MeasureCosts => const { &[plain(Key::F7)] },

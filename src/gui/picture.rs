@@ -50,7 +50,7 @@ pub struct Picture {
     pub progress: RenderProgress,
     /// How it ended.
     pub outcome: Outcome,
-    /// Whether another took its place before it was done, because the scene was edited.
+    /// Whether another took its place because the scene was edited while this one was looked at.
     pub is_replaced: bool,
     /// From the click to the first tile on its way to the screen.
     pub first_tile: Option<Duration>,

@@ -45,6 +45,8 @@ pub struct TopBarState<'a> {
     pub view: View,
     /// What Render would do.
     pub phase: Phase,
+    /// Whether the picture follows every change.
+    pub is_live: bool,
     /// Whether costs are being measured.
     pub is_measuring: bool,
     /// Whether there is a picture to look at and save.
@@ -123,7 +125,9 @@ impl TopBarState<'_> {
             }
             Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
             Command::Cancel => self.is_measuring || self.is_busy(),
-            Command::Render => matches!(self.phase, Phase::Ready | Phase::Rendering),
+            Command::Render | Command::ToggleLive => {
+                matches!(self.phase, Phase::Ready | Phase::Rendering)
+            }
             Command::Report => self.phase != Phase::Empty,
             Command::MeasureCosts => self.phase == Phase::Ready,
             Command::Undo => self.edit.undo.is_some(),
@@ -190,6 +194,7 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Asked {
         switches_ui(ui, state, &mut asked.commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             render_button_ui(ui, state, &mut asked.commands);
+            live_switch_ui(ui, state, &mut asked.commands);
             ui.add_space(8.0);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add_space(14.0);
@@ -288,7 +293,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
             theme_ui(ui);
         });
         let menu = ui.menu_button("Render", |ui| {
-            for command in [Command::Render, Command::Cancel] {
+            for command in [Command::Render, Command::ToggleLive, Command::Cancel] {
                 menu_item_ui(ui, state, command, asked);
             }
             ui.separator();
@@ -312,6 +317,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         Command::TogglePanel => state.panel_open,
         Command::ToggleErrorPlot => state.error_plot_open,
         Command::ToggleRenders => state.renders_open,
+        Command::ToggleLive => state.is_live,
         Command::Compare => state.is_comparing,
         _ => false,
     };
@@ -426,6 +432,21 @@ fn switches_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
         if response.clicked() {
             asked.push(command);
         }
+    }
+}
+
+/// Whether the picture follows every change.
+fn live_switch_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+    let command = Command::ToggleLive;
+    let button = Button::new(command.label())
+        .selected(state.is_live)
+        .min_size(Vec2::new(52.0, theme::BAR_BUTTON_HEIGHT));
+    let response = ui
+        .add_enabled(state.allows(command), button)
+        .on_hover_text(command.tooltip(ui.ctx()))
+        .on_disabled_hover_text(state.why_not(command));
+    if response.clicked() {
+        asked.push(command);
     }
 }
 

@@ -121,6 +121,8 @@ pub struct App {
     error_plot: ErrorPlot,
     /// The layer of the picture to show, where it is kept; `None` shows all of it.
     shown_layer: Option<Layer>,
+    /// Whether a render follows every change of what it shows.
+    is_live: bool,
     /// A render was asked for at this time and waits for its geometry.
     waiting_render: Option<Instant>,
     costs: CostState,
@@ -184,6 +186,7 @@ impl App {
             brightness: seeing::Brightness::default(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
+            is_live: false,
             waiting_render: None,
             costs: CostState::default(),
             report: ReportWindow::default(),
@@ -314,6 +317,7 @@ impl App {
             } else {
                 Phase::Ready
             },
+            is_live: self.is_live,
             is_measuring: self.is_measuring_costs(),
             has_picture: self.shown_picture().is_some_and(|p| p.texture().is_some()),
             panel_open: self.panel_open,

@@ -54,6 +54,7 @@ impl App {
             Command::Enlarge => self.zoom.nearer(),
             Command::Reduce => self.zoom.farther(),
             Command::Render => self.ask_for_render(),
+            Command::ToggleLive => self.toggle_live(),
             Command::Cancel => self.cancel(),
             Command::Report => self.show_report(ctx),
             Command::MeasureCosts => self.measure_costs(),

@@ -113,6 +113,7 @@ impl App {
                 size.width, size.height
             );
             self.messages.error("Cannot render", text);
+            self.is_live = false;
             return;
         };
         buffer.set_shown(self.shown_layer);
@@ -167,11 +168,32 @@ impl App {
         name_of_render(self.document.name(), &self.document.scene, present.or(past))
     }
 
-    /// Starts a render anew whose scene was edited while it is looked at. In the preview, editing goes on beside it.
+    /// Has a render follow every change from now on, beginning with the scene as it is, or no longer.
+    pub(super) fn toggle_live(&mut self) {
+        self.is_live = !self.is_live;
+        if self.is_live {
+            self.hide_past_render();
+            let is_there = self.picture.as_ref().is_some_and(|p| !self.is_outdated(p));
+            if is_there {
+                self.view = View::Picture;
+            } else {
+                self.ask_for_render();
+            }
+        }
+    }
+
+    /// Starts a render anew whose scene was edited while it is looked at, where it runs or is to follow every change. In the preview,
+    /// editing goes on beside it.
     pub(super) fn restart_edited_render(&mut self) {
-        let is_running = self.picture.as_ref().is_some_and(Picture::is_running);
         let is_shown = self.view == View::Picture && self.shown_render.is_none();
-        if is_running && is_shown && self.picture.as_ref().is_some_and(|p| self.is_outdated(p)) {
+        let picture = self.picture.as_ref().filter(|_| is_shown);
+        let can_start = self.problem.is_none() && !self.report.is_running();
+        let is_followed = self.is_live && can_start && self.waiting_render.is_none();
+        let is_wanted = |p: &Picture| (p.is_running() || is_followed) && self.is_outdated(p);
+        if picture.is_some_and(is_wanted) {
+            if let Some(picture) = &mut self.picture {
+                picture.is_replaced = true;
+            }
             self.ask_for_render();
         }
     }
