@@ -39,6 +39,8 @@ pub enum Command {
     FrameSelected,
     /// Go back to the file's camera.
     ResetCamera,
+    /// Turn everything around the objects so that another axis is up.
+    TurnUp,
     /// Show the live preview.
     ShowPreview,
     /// Show the rendered picture.
@@ -83,7 +85,7 @@ pub enum Command {
 
 impl Command {
     /// All of them, by menu.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -106,6 +108,7 @@ impl Command {
         Self::FrameAll,
         Self::FrameSelected,
         Self::ResetCamera,
+        Self::TurnUp,
         Self::ShowPreview,
         Self::ShowPicture,
         Self::TogglePanel,
@@ -144,6 +147,7 @@ impl Command {
             Self::FrameAll => "Frame all",
             Self::FrameSelected => "Frame selected object",
             Self::ResetCamera => "Reset camera",
+            Self::TurnUp => "Other axis up",
             Self::ShowPreview => "Preview",
             Self::ShowPicture => "Picture",
             Self::TogglePanel => "Side panel",
@@ -188,6 +192,9 @@ impl Command {
             Self::FrameAll => "Move the camera to where it sees all objects",
             Self::FrameSelected => "Move the camera to where it sees the selected object",
             Self::ResetCamera => "Go back to the camera of the file",
+            Self::TurnUp => {
+                "Turn camera, lights and background about the objects, between Z up and Y up: for a mesh that lies on its face"
+            }
             Self::ShowPreview => "Show the live preview",
             Self::ShowPicture => "Show the rendered picture",
             Self::TogglePanel => "Show or hide the side panel",
@@ -245,6 +252,7 @@ impl Command {
             Self::FrameAll => const { &[plain(Key::F)] },
             Self::FrameSelected => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::F)] },
             Self::ResetCamera => const { &[plain(Key::Home)] },
+            Self::TurnUp => const { &[plain(Key::U)] },
             Self::ShowPreview => const { &[plain(Key::Num1)] },
             Self::ShowPicture => const { &[plain(Key::Num2)] },
             Self::TogglePanel => const { &[plain(Key::F9)] },

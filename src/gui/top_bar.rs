@@ -257,6 +257,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
                 Command::FrameAll,
                 Command::FrameSelected,
                 Command::ResetCamera,
+                Command::TurnUp,
             ] {
                 menu_item_ui(ui, state, command, asked);
             }

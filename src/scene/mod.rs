@@ -12,6 +12,7 @@ mod object;
 pub mod presets;
 mod radiance_map;
 mod settings;
+mod turning;
 mod validate;
 
 use std::collections::BTreeMap;

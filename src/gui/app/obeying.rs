@@ -40,6 +40,12 @@ impl App {
                 self.document.scene.camera = self.document.home;
                 self.view = View::Preview;
             }
+            Command::TurnUp => {
+                if let Err(error) = self.document.scene.turn_surroundings() {
+                    let title = "The other axis cannot be turned up";
+                    self.messages.error(title, error.to_string());
+                }
+            }
             Command::ShowPreview => self.view = View::Preview,
             Command::ShowPicture => self.view = View::Picture,
             Command::TogglePanel => self.panel_open = !self.panel_open,
