@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use raymini::cli::{Arguments, Signals, render_to_file};
+use raymini::cli::{Arguments, Signals, printable, render_to_file};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 use raymini::render::{RenderFault, keep_panics_quiet};
@@ -22,7 +22,7 @@ fn main() -> ExitCode {
         }
     });
     result.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
+        eprintln!("error: {}", printable(&format!("{error:#}")));
         ExitCode::FAILURE
     })
 }

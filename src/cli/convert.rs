@@ -33,12 +33,12 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<()> {
     let loaded = io::load_mesh(input, &CancelToken::new(), &Progress::new())?;
     let file = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
     for warning in io::mesh_warnings(&input.display().to_string(), &file) {
-        eprintln!("warning: {warning}");
+        super::warn(&warning);
     }
     let mesh = &file.mesh;
     io::write_atomically(output, |out| format.write(mesh, out)).with_context(cannot_write)?;
     for loss in format.losses(mesh) {
-        eprintln!("warning: {name}: {loss}");
+        super::warn(&format!("{name}: {loss}"));
     }
     super::say(&format!(
         "{name}: {}, {} vertices, {} triangles",

@@ -19,6 +19,7 @@ mod signals;
 mod stats;
 mod trace;
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -82,9 +83,29 @@ fn load(path: Option<&Path>) -> Result<LoadedScene> {
     load_unless(&CancelToken::new(), path)?.ok_or_else(|| anyhow!("loading was cancelled"))
 }
 
+/// `text` as a terminal may show it: what files hold could else move its cursor, or worse. Line breaks stay.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_harmless = |c: char| !c.is_control() || c == '\n';
+    if text.chars().all(is_harmless) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |c: char| {
+        let escaped = (!is_harmless(c)).then(|| c.escape_default());
+        let plain = is_harmless(c).then_some(c);
+        escaped.into_iter().flatten().chain(plain)
+    };
+    Cow::Owned(text.chars().flat_map(shown).collect())
+}
+
+/// Prints a warning.
+fn warn(text: &str) {
+    eprintln!("warning: {}", printable(text));
+}
+
 /// Prints a line to the standard output. A reader that has gone away is no error.
 fn say(text: &str) -> Result<()> {
-    match writeln!(std::io::stdout().lock(), "{text}") {
+    match writeln!(std::io::stdout().lock(), "{}", printable(text)) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to the standard output")
         }
@@ -109,5 +130,19 @@ impl Command {
             Self::Bench(arguments) => bench::run(&arguments)?,
         }
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_shown_and_not_sent() {
+        assert_eq!(printable("über\ntwo lines"), "über\ntwo lines");
+        assert_eq!(
+            printable("a\u{1b}[31mb\u{7}\u{9b}\r\t"),
+            "a\\u{1b}[31mb\\u{7}\\u{9b}\\r\\t"
+        );
     }
 }

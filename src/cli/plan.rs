@@ -1,5 +1,6 @@
 //! `raymini plan`: what a render does, what it leaves out and why, and what each costs.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -51,10 +52,11 @@ pub struct PlanArguments {
           value_parser = pairs_parser())]
     measure: Option<u16>,
 
-    /// Show of all that is left out that it is: each counted where a scene does not need it, and done for nothing by so many pairs
-    /// of small renders, 6 to 1000; as a table in Markdown
+    /// Show of all that is left out that it is, in the built-in demo, changed to what each case takes: counted, and done for nothing by
+    /// so many pairs of small renders, 6 to 1000; as a table in Markdown, in some minutes
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
-          value_parser = pairs_parser(), conflicts_with = "measure")]
+          value_parser = pairs_parser(),
+          conflicts_with_all = ["scene", "size", "mode", "spp", "assignments", "measure"])]
     proofs: Option<u16>,
 
     /// Print the facts as JSON
@@ -89,6 +91,7 @@ struct Facts {
     height: u32,
     samples_per_pixel: u32,
     features: Vec<PlannedFeature>,
+    used: Used,
     per_sample: PerSample,
     bytes: Bytes,
     /// On one thread, for all samples.
@@ -109,6 +112,38 @@ struct PerSample {
     draws: Vec<(&'static str, f64)>,
 }
 
+/// What of the scene the render uses.
+#[derive(Debug, Serialize)]
+struct Used {
+    /// Lights that shine, of how many.
+    lights: [usize; 2],
+    /// Materials of objects with triangles, of how many.
+    materials: [usize; 2],
+    /// What rays look for triangles in.
+    accelerator: &'static str,
+    triangles: u32,
+}
+
+impl Used {
+    fn of(scene: &Scene, prepared: &PreparedScene) -> Self {
+        let accelerator = prepared.geometry().accelerator();
+        let shining = scene.lights.iter().filter(|light| light.shines()).count();
+        let solid = scene
+            .objects
+            .iter()
+            .filter(|object| scene.has_triangles(object));
+        let materials: BTreeSet<_> = solid
+            .filter_map(|object| object.material.as_ref())
+            .collect();
+        Self {
+            lights: [shining, scene.lights.len()],
+            materials: [materials.len(), scene.materials.len()],
+            accelerator: accelerator.name(),
+            triangles: accelerator.triangle_count(),
+        }
+    }
+}
+
 #[derive(Debug, Serialize)]
 struct Bytes {
     triangles_and_structure: usize,
@@ -117,16 +152,16 @@ struct Bytes {
 }
 
 pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
+    if let Some(pairs) = arguments.proofs {
+        return super::proofs::run(pairs, arguments.json);
+    }
     let cancel = CancelToken::new();
     let mut loaded = super::load(arguments.scene.as_deref())?;
     io::override_scene(&mut loaded, &arguments.all_assignments(), &cancel)?;
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
-        eprintln!("warning: {warning}");
+        super::warn(warning);
     }
     let scene = &loaded.scene;
-    if let Some(pairs) = arguments.proofs {
-        return super::proofs::run(scene, pairs, arguments.json);
-    }
     let prepared = PreparedScene::prepare(scene, None, &cancel)?
         .ok_or_else(|| anyhow!("preparing was cancelled"))?;
     let trial = Trial::new(scene, Some(&prepared), &cancel)?;
@@ -140,6 +175,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         height: scene.render.height,
         samples_per_pixel: scene.render.samples_per_pixel,
         features: facts(scene)?,
+        used: Used::of(scene, &prepared),
         per_sample: PerSample::of(&prepared),
         bytes: Bytes {
             triangles_and_structure: prepared.geometry().accelerator().bytes(),
@@ -230,10 +266,20 @@ fn describe(facts: &Facts) -> String {
         );
         let _ = writeln!(text, "{state}");
     }
+    let Used {
+        lights: [shining, lights],
+        materials: [worn, materials],
+        accelerator,
+        triangles,
+    } = facts.used;
+    let _ = writeln!(
+        text,
+        "\nlights: {shining} of {lights} shine; materials: {worn} of {materials} are worn; structure: {accelerator}, over {triangles} triangles"
+    );
     let rays = &facts.per_sample;
     let _ = writeln!(
         text,
-        "\nrays of a sample: camera {:.3}, shadow {:.3}, ambient occlusion {:.3}, bounce {:.3}",
+        "rays of a sample: camera {:.3}, shadow {:.3}, ambient occlusion {:.3}, bounce {:.3}",
         rays.camera_rays, rays.shadow_rays, rays.ambient_occlusion_rays, rays.bounce_rays
     );
     let draws: Vec<String> = rays

@@ -138,7 +138,7 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
         return Ok(interrupted_early(signals));
     }
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
-        eprintln!("warning: {warning}");
+        super::warn(warning);
     }
     let load_seconds = started.elapsed().as_secs_f64();
     if let Some(pixel) = arguments.trace.pixel {

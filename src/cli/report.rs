@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     let plan = ReportPlan::new(name, loaded, &arguments.options(), &CancelToken::new())
         .map_err(with_option)?;
     for warning in &plan.warnings {
-        eprintln!("warning: {warning}");
+        super::warn(warning);
     }
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),

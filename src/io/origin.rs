@@ -1,7 +1,7 @@
 //! What a picture's file tells about how it came to be: the scene with its settings, so that it can be opened and rendered again, and
 //! how wrong the picture is.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use exr::meta::MetaData;
@@ -108,7 +108,18 @@ impl WrittenOrigin {
     /// # Errors
     /// Why it cannot be read, in a plain sentence that does not name the file.
     pub fn of_file(path: &Path) -> Result<Self, String> {
-        let mut file = BufReader::new(open_file(path, "a picture")?);
+        Self::read(BufReader::new(open_file(path, "a picture")?))
+    }
+
+    /// [`Self::of_file`] of a file that begins with these bytes.
+    ///
+    /// # Errors
+    /// What is wrong with them, in a plain sentence.
+    pub fn of_bytes(bytes: &[u8]) -> Result<Self, String> {
+        Self::read(Cursor::new(bytes))
+    }
+
+    fn read(mut file: impl BufRead + Seek) -> Result<Self, String> {
         let begin = file.fill_buf().map_err(|error| error.to_string())?;
         if begin.starts_with(b"\x89PNG") {
             let reader = png::Decoder::new(file).read_info();

@@ -1,4 +1,4 @@
-use raymini::io::parse_image;
+use raymini::io::{WrittenOrigin, parse_image};
 use raymini::scene::RadianceMap;
 
 use super::{assert_message, measured};
@@ -39,6 +39,11 @@ pub fn check(bytes: &[u8]) {
             assert_memory(peak, 0, bytes);
             assert_message(&error.to_string());
         }
+    }
+    let (origin, peak) = measured(|| WrittenOrigin::of_bytes(bytes));
+    assert_memory(peak, 0, bytes);
+    if let Err(error) = origin {
+        assert_message(&error);
     }
 }
 

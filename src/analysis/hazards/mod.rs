@@ -199,6 +199,7 @@ pub fn examine(scene: &Scene, cancel: &CancelToken) -> Result<Option<Vec<Hazard>
     let Some(prepared) = PreparedScene::prepare(&pilot_scene, None, cancel)? else {
         return Ok(None);
     };
+    let pilot_scene = pilot::bounded(pilot_scene, &prepared);
     let Some(mut hazards) = examine_description(scene, &prepared, cancel)? else {
         return Ok(None);
     };

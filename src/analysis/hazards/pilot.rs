@@ -28,6 +28,12 @@ pub const MOST_BOUNCES: u32 = 1 << 14;
 /// The most rays to a light, or into the hemisphere, of a sample.
 const MOST_RAYS: u32 = 256;
 
+/// Nodes and blocks of triangles that an eye ray meets on the way, from which on the picture is smaller, by area in proportion: many
+/// triangles at one spot take as long for each ray as a whole scene else.
+const MANY_VISITS: f64 = 200.0;
+/// Along each side of the picture so many rays tell how many there are.
+const LOOKS: u32 = 8;
+
 /// The samples of a pilot.
 pub struct Pilot {
     pub width: usize,
@@ -72,6 +78,41 @@ pub fn scene_of(scene: &Scene) -> Scene {
         },
         ..scene.clone()
     }
+}
+
+/// The pilot `scene` in a size at which its rays, as those from the eye tell, take a bounded time; `prepared` is the same scene.
+pub fn bounded(scene: Scene, prepared: &PreparedScene) -> Scene {
+    let (width, height) = (scene.render.width, scene.render.height);
+    let middle =
+        |number: u32, size: u32| (f64::from(number) + 0.5) * f64::from(size) / f64::from(LOOKS);
+    let places = (0..LOOKS).flat_map(|y| (0..LOOKS).map(move |x| (x, y)));
+    let visits = places
+        .filter_map(|(x, y)| prepared.camera().ray(middle(x, width), middle(y, height)))
+        .map(|from_eye| {
+            let accelerator = prepared.geometry().accelerator();
+            let visits = accelerator.visits(&from_eye.ray, f32::INFINITY, false);
+            visits.nodes + visits.blocks
+        })
+        .sum::<u64>() as f64;
+    let mean = visits / f64::from(LOOKS * LOOKS);
+    resized(scene, (MANY_VISITS / mean).sqrt())
+}
+
+/// The scene with sides that many times as long, where that is shorter, and none shorter than they may be.
+fn resized(mut scene: Scene, factor: f64) -> Scene {
+    let settings = &mut scene.render;
+    let least = f64::from(SHORTEST_SIDE) / f64::from(settings.width.max(settings.height));
+    let factor = factor.max(least).min(1.0);
+    for side in [&mut settings.width, &mut settings.height] {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "no longer than it was"
+        )]
+        let shorter = (f64::from(*side) * factor).round() as u32;
+        *side = shorter.max(1);
+    }
+    scene
 }
 
 /// Renders the pilot `scene` with `max_bounces` and the first `seeds` seeds; `prepared` is the same scene with any. `None` when

@@ -39,7 +39,8 @@ enum Proof {
 /// What a case is measured on.
 #[derive(Clone, Copy, Debug)]
 pub struct Bench<'a> {
-    /// A scene with objects and lights, which cases change to their needs.
+    /// A scene in mode `direct` of matt objects that are lit and stand before a background of one colour or a gradient, without mirror and
+    /// glass, with several samples per pixel: cases change it to their needs.
     pub scene: &'a Scene,
     /// Pairs of renders for each saving.
     pub pairs: usize,

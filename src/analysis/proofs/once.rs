@@ -351,7 +351,7 @@ fn quiet_pixels(bench: &Bench<'_>) -> Measured {
     scene.render.adaptive = false;
     let even = prepare(&scene, Some(&chosen))?;
     let stats = |scene| outcome_of(scene, false).stats;
-    let beyond_first = |scene| u64::from(stats(scene).sample_range[0] - 16);
+    let beyond_first = |scene| u64::from(stats(scene).sample_range[0].saturating_sub(16));
     let seconds = |scene| stats(scene).cpu_seconds;
     Ok(Finding {
         count: beyond_first(&chosen),

@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         io::override_scene(&mut loaded, &size, &cancel)?;
     }
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
-        eprintln!("warning: {warning}");
+        super::warn(warning);
     }
     let mut scene = bench::with_lamp(&loaded.scene);
     scene.render.accelerator = AcceleratorChoice::Auto;
