@@ -30,7 +30,7 @@ const MOST_RAYS: u32 = 256;
 
 /// Nodes and blocks of triangles that an eye ray meets on the way, from which on the picture is smaller, by area in proportion: many
 /// triangles at one spot take as long for each ray as a whole scene else.
-const MANY_VISITS: f64 = 200.0;
+const MANY_VISITS: f64 = 64.0;
 /// Along each side of the picture so many rays tell how many there are.
 const LOOKS: u32 = 8;
 

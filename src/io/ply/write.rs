@@ -39,7 +39,7 @@ pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
 /// needed.
 ///
 /// # Errors
-/// Those of [`write`].
+/// Those of [`write()`].
 pub fn write_triangles(
     vertices: (u64, impl Iterator<Item = [f32; 3]>),
     faces: (u64, impl Iterator<Item = [u32; 3]>),
