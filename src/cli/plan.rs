@@ -16,7 +16,7 @@ use crate::io;
 use crate::render::{
     Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, even_passes, reasons,
 };
-use crate::scene::{Choice, Mode, Scene, Stop};
+use crate::scene::{Choice, Material, Mode, Rgb, Scene, Stop};
 
 /// Pairs of renders for an estimate of what effects cost.
 const ROUGH_PAIRS: u16 = 3;
@@ -119,6 +119,8 @@ struct Used {
     lights: [usize; 2],
     /// Materials of objects with triangles, of how many.
     materials: [usize; 2],
+    /// The ways in which those send light on.
+    lobes: BTreeSet<&'static str>,
     /// What rays look for triangles in.
     accelerator: &'static str,
     triangles: u32,
@@ -132,15 +134,35 @@ impl Used {
             .objects
             .iter()
             .filter(|object| scene.has_triangles(object));
-        let materials: BTreeSet<_> = solid
-            .filter_map(|object| object.material.as_ref())
-            .collect();
+        let solid: Vec<_> = solid.collect();
+        let materials = solid.iter().filter_map(|object| object.material.as_ref());
+        let materials: BTreeSet<_> = materials.collect();
+        let lobes = solid
+            .iter()
+            .filter_map(|object| scene.material_of(object).ok());
         Self {
             lights: [shining, scene.lights.len()],
             materials: [materials.len(), scene.materials.len()],
+            lobes: lobes.flat_map(|material| lobes_of(&material)).collect(),
             accelerator: accelerator.name(),
             triangles: accelerator.triangle_count(),
         }
+    }
+}
+
+/// How a material sends light on, or makes it.
+fn lobes_of(material: &Material) -> Vec<&'static str> {
+    match material {
+        Material::Phong {
+            diffuse, specular, ..
+        } => {
+            let lobes = [(diffuse, "diffuse"), (specular, "specular")];
+            let used = lobes.into_iter().filter(|(share, _)| **share != Rgb::ZERO);
+            used.map(|(_, name)| name).collect()
+        }
+        Material::Mirror { .. } => vec!["mirror"],
+        Material::Glass { .. } => vec!["glass"],
+        Material::Emitter { .. } => vec!["emission"],
     }
 }
 
@@ -269,12 +291,17 @@ fn describe(facts: &Facts) -> String {
     let Used {
         lights: [shining, lights],
         materials: [worn, materials],
+        ref lobes,
         accelerator,
         triangles,
     } = facts.used;
+    let lobes = match lobes.iter().copied().collect::<Vec<_>>().join(", ") {
+        none if none.is_empty() => "none".to_owned(),
+        lobes => lobes,
+    };
     let _ = writeln!(
         text,
-        "\nlights: {shining} of {lights} shine; materials: {worn} of {materials} are worn; structure: {accelerator}, over {triangles} triangles"
+        "\nlights: {shining} of {lights} shine; materials: {worn} of {materials} are worn, lobes: {lobes}; structure: {accelerator}, over {triangles} triangles"
     );
     let rays = &facts.per_sample;
     let _ = writeln!(
