@@ -1,6 +1,5 @@
 //! `raymini plan`: what a render does, what it leaves out and why, and what each costs.
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -14,9 +13,9 @@ use crate::analysis::cost::Trial;
 use crate::control::CancelToken;
 use crate::io;
 use crate::render::{
-    Decision, Feature, PictureMemory, PreparedScene, RunConfig, Work, even_passes, reasons,
+    Decision, Feature, PictureMemory, PreparedScene, RunConfig, Used, Work, even_passes, reasons,
 };
-use crate::scene::{Choice, Material, Mode, Rgb, Scene, Stop};
+use crate::scene::{Choice, Mode, Scene, Stop};
 
 /// Pairs of renders for an estimate of what effects cost.
 const ROUGH_PAIRS: u16 = 3;
@@ -112,60 +111,6 @@ struct PerSample {
     draws: Vec<(&'static str, f64)>,
 }
 
-/// What of the scene the render uses.
-#[derive(Debug, Serialize)]
-struct Used {
-    /// Lights that shine, of how many.
-    lights: [usize; 2],
-    /// Materials of objects with triangles, of how many.
-    materials: [usize; 2],
-    /// The ways in which those send light on.
-    lobes: BTreeSet<&'static str>,
-    /// What rays look for triangles in.
-    accelerator: &'static str,
-    triangles: u32,
-}
-
-impl Used {
-    fn of(scene: &Scene, prepared: &PreparedScene) -> Self {
-        let accelerator = prepared.geometry().accelerator();
-        let shining = scene.lights.iter().filter(|light| light.shines()).count();
-        let solid = scene
-            .objects
-            .iter()
-            .filter(|object| scene.has_triangles(object));
-        let solid: Vec<_> = solid.collect();
-        let materials = solid.iter().filter_map(|object| object.material.as_ref());
-        let materials: BTreeSet<_> = materials.collect();
-        let lobes = solid
-            .iter()
-            .filter_map(|object| scene.material_of(object).ok());
-        Self {
-            lights: [shining, scene.lights.len()],
-            materials: [materials.len(), scene.materials.len()],
-            lobes: lobes.flat_map(|material| lobes_of(&material)).collect(),
-            accelerator: accelerator.name(),
-            triangles: accelerator.triangle_count(),
-        }
-    }
-}
-
-/// How a material sends light on, or makes it.
-fn lobes_of(material: &Material) -> Vec<&'static str> {
-    match material {
-        Material::Phong {
-            diffuse, specular, ..
-        } => {
-            let lobes = [(diffuse, "diffuse"), (specular, "specular")];
-            let used = lobes.into_iter().filter(|(share, _)| **share != Rgb::ZERO);
-            used.map(|(_, name)| name).collect()
-        }
-        Material::Mirror { .. } => vec!["mirror"],
-        Material::Glass { .. } => vec!["glass"],
-        Material::Emitter { .. } => vec!["emission"],
-    }
-}
-
 #[derive(Debug, Serialize)]
 struct Bytes {
     triangles_and_structure: usize,
@@ -197,7 +142,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         height: scene.render.height,
         samples_per_pixel: scene.render.samples_per_pixel,
         features: facts(scene)?,
-        used: Used::of(scene, &prepared),
+        used: Used::of(scene),
         per_sample: PerSample::of(&prepared),
         bytes: Bytes {
             triangles_and_structure: prepared.geometry().accelerator().bytes(),
@@ -288,21 +233,7 @@ fn describe(facts: &Facts) -> String {
         );
         let _ = writeln!(text, "{state}");
     }
-    let Used {
-        lights: [shining, lights],
-        materials: [worn, materials],
-        ref lobes,
-        accelerator,
-        triangles,
-    } = facts.used;
-    let lobes = match lobes.iter().copied().collect::<Vec<_>>().join(", ") {
-        none if none.is_empty() => "none".to_owned(),
-        lobes => lobes,
-    };
-    let _ = writeln!(
-        text,
-        "\nlights: {shining} of {lights} shine; materials: {worn} of {materials} are worn, lobes: {lobes}; structure: {accelerator}, over {triangles} triangles"
-    );
+    let _ = writeln!(text, "\n{}", facts.used.facts().join("; "));
     let rays = &facts.per_sample;
     let _ = writeln!(
         text,

@@ -16,7 +16,7 @@ use crate::control::{CancelToken, Progress};
 use crate::io::{self, Origin};
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
-    RenderOutcome, RenderProgress, RunConfig, Watch, render_watched, resume,
+    RenderOutcome, RenderProgress, RunConfig, Used, Watch, render_watched, resume,
 };
 use crate::scene::{Choice, Mode, Scene};
 
@@ -260,7 +260,7 @@ fn render_scene(
 
     let RenderOutcome { image, stats, .. } = &rendered;
     let hash = image.hash();
-    let plan = super::plan::facts(scene)?;
+    let plan = (super::plan::facts(scene)?, Used::of(scene));
     let mut facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
     let stats_path = arguments.stats.as_deref();
     let mut recorded = stats_path.map_or(Ok(()), |path| facts.write(path));

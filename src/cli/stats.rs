@@ -9,7 +9,7 @@ use super::costs::MeasuredCosts;
 use super::plan::PlannedFeature;
 use crate::io;
 use crate::render::{
-    Clamped, Ending, ErrorEstimate, Interval, PreparedScene, RayCounts, RenderStats,
+    Clamped, Ending, ErrorEstimate, Interval, PreparedScene, RayCounts, RenderStats, Used,
 };
 
 /// The stats file.
@@ -40,19 +40,20 @@ pub(super) struct Stats {
     clamped: Clamped,
     image_hash: String,
     plan: Vec<PlannedFeature>,
+    used: Used,
     /// Where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub costs: Option<MeasuredCosts>,
 }
 
 impl Stats {
-    /// What `stats` says of a render of `scene`; seconds to load and to build.
+    /// What `stats` says of a render of `scene`; seconds to load and to build; what it was planned to do and to use.
     pub fn new(
         stats: &RenderStats,
         scene: &PreparedScene,
         [load_seconds, build_seconds]: [f64; 2],
         hash: &str,
-        plan: Vec<PlannedFeature>,
+        (plan, used): (Vec<PlannedFeature>, Used),
     ) -> Self {
         let accelerator = scene.geometry().accelerator();
         Self {
@@ -77,6 +78,7 @@ impl Stats {
             clamped: stats.clamped,
             image_hash: hash.to_owned(),
             plan,
+            used,
             costs: None,
         }
     }

@@ -48,6 +48,7 @@ mod tally;
 mod tile_samples;
 mod tiles;
 mod trace;
+mod used;
 mod work;
 
 pub use bands::Bands;
@@ -77,4 +78,5 @@ pub use surface::SurfacePoint;
 pub use tally::RayPurpose;
 pub use tiles::{Region, TilePixels};
 pub use trace::{Met, MetSurface, SampleTrace, TraceError, TracedRay, trace_sample};
+pub use used::Used;
 pub use work::Work;

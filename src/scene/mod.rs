@@ -178,14 +178,16 @@ impl Scene {
     /// Triangles of all objects with all their copies.
     #[must_use]
     pub fn triangle_count(&self) -> u64 {
-        let count = |object: &Object| {
-            let triangles = self
-                .meshes
-                .get(&object.mesh)
-                .map_or(0, |mesh| mesh.triangles.len() as u64);
-            triangles.saturating_mul(object.copies.total())
-        };
-        self.objects.iter().map(count).fold(0, u64::saturating_add)
+        let counts = self.objects.iter().map(|object| self.triangles_of(object));
+        counts.fold(0, u64::saturating_add)
+    }
+
+    /// Triangles of `object`, copies counted; 0 where its mesh is not loaded.
+    #[must_use]
+    pub fn triangles_of(&self, object: &Object) -> u64 {
+        let mesh = self.meshes.get(&object.mesh);
+        let triangles = mesh.map_or(0, |mesh| mesh.triangles.len() as u64);
+        triangles.saturating_mul(object.copies.total())
     }
 }
 

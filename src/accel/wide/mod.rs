@@ -171,6 +171,20 @@ impl WideTree {
         })
     }
 
+    /// The same, below one more node: what it would be as a tree, where all triangles are in one leaf. To measure that.
+    ///
+    /// # Panics
+    /// When there are nodes already.
+    #[must_use]
+    pub fn below_a_node(mut self) -> Self {
+        assert!(self.nodes.is_empty(), "all triangles are in one leaf");
+        let mut node = Node::EMPTY;
+        node.set(0, &self.bounds, self.root);
+        self.nodes.push(node);
+        self.root = Child::node(0);
+        self
+    }
+
     /// The nearest hit with `0 < t < t_max`, ties going to the smaller triangle id.
     #[must_use]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<Hit> {

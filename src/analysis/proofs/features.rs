@@ -1,9 +1,9 @@
 //! What the plan leaves out: each feature in a scene without need of it, and done for nothing.
 
 use super::once::grid;
-use super::{Bench, Case, Finding, Measured, Proof, trial_of};
+use super::{Bench, Case, Finding, Measured, NOBODY_CANCELS, Proof, outcome_of, trial_of};
 use crate::math::{DVec3, Degrees};
-use crate::render::{Decision, Feature, Work};
+use crate::render::{Decision, Feature, Used, Work};
 use crate::scene::{
     Background, Camera, Facing, Light, LightSampling, Material, Mode, Object, Rgb, Scene, Shadows,
 };
@@ -160,6 +160,18 @@ pub const CASES: &[Case] = &[
         },
     },
     Case {
+        left_out: "choosing among the lobes of a material, and powers of cosines",
+        when: "`specular` is black (mode path)",
+        counted: "materials with a specular lobe",
+        proof: Proof::Own(lobe_choice),
+    },
+    Case {
+        left_out: "following mirrors and glass",
+        when: "no ray meets any (mode direct)",
+        counted: "bounce rays",
+        proof: Proof::Own(no_mirror),
+    },
+    Case {
         left_out: "everything",
         when: "nothing is there, one sample",
         counted: "random numbers, and rays beyond one a pixel",
@@ -198,6 +210,68 @@ pub fn prove(
         otherwise: work(&forced),
         same_bits: Some(trial.picture_hash(planned) == trial.picture_hash(&forced)),
         saving: trial.added_by(&forced, bench.pairs),
+    })
+}
+
+/// Against materials with a lobe so dark that no bit of any sum shows it, which is chosen among and evaluated all the same.
+fn lobe_choice(bench: &Bench<'_>) -> Measured {
+    const DARK: f64 = 1e-30;
+    let shine = |scene: &mut Scene, share: f64| {
+        for material in scene.materials.values_mut() {
+            if let Material::Phong {
+                specular,
+                shininess,
+                ..
+            } = material
+            {
+                (*specular, *shininess) = (Rgb::splat(share), 30.0);
+            }
+        }
+    };
+    let trial = trial_of(&bench.changed(|scene| {
+        scene.render.mode = Mode::Path;
+        shine(scene, 0.0);
+    }))?;
+    let mut dark = trial.scene().clone();
+    shine(&mut dark, DARK);
+    let with_lobe = trial.prepare(&dark)?.expect(NOBODY_CANCELS);
+    let specular = |scene: &Scene| u64::from(Used::of(scene).lobes.contains("specular"));
+    Ok(Finding {
+        count: specular(trial.scene()),
+        otherwise: specular(&dark),
+        same_bits: Some(trial.picture_hash(trial.prepared()) == trial.picture_hash(&with_lobe)),
+        saving: trial.added_by(&with_lobe, bench.pairs),
+    })
+}
+
+/// Against a mirror that no ray meets: below the lowest object, and so small that it darkens nothing. How many rays there are otherwise
+/// is told of the same with every object a mirror.
+fn no_mirror(bench: &Bench<'_>) -> Measured {
+    let bounds = bench.scene.measured_bounds()?;
+    let trial = trial_of(&bench.changed(|scene| {
+        scene.meshes.insert("speck".into(), grid(1).into());
+        scene.materials.insert("mirror".into(), Material::default());
+        scene.objects.push(Object {
+            mesh: "speck".into(),
+            material: Some("mirror".into()),
+            scale: 1e-6,
+            translate: bounds.center() - DVec3::Z * bounds.size().z,
+            ..Object::default()
+        });
+    }))?;
+    let mut scene = trial.scene().clone();
+    scene.materials.insert("mirror".into(), Material::mirror());
+    let unmet = trial.prepare(&scene)?.expect(NOBODY_CANCELS);
+    for object in &mut scene.objects {
+        object.material = Some("mirror".into());
+    }
+    let met = trial.prepare(&scene)?.expect(NOBODY_CANCELS);
+    let bounces = |scene| outcome_of(scene, false).stats.rays.bounce;
+    Ok(Finding {
+        count: bounces(trial.prepared()) + bounces(&unmet),
+        otherwise: bounces(&met),
+        same_bits: Some(trial.picture_hash(trial.prepared()) == trial.picture_hash(&unmet)),
+        saving: trial.added_by(&unmet, bench.pairs),
     })
 }
 

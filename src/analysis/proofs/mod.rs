@@ -5,10 +5,15 @@
 
 mod features;
 mod once;
+mod structure;
+
+use cpu_time::ProcessTime;
 
 use super::cost::{Share, Trial};
 use crate::control::CancelToken;
-use crate::render::{Feature, PreparedScene, Work};
+use crate::render::{
+    Feature, PreparedScene, RenderOutcome, RenderProgress, RunConfig, Work, render,
+};
 use crate::scene::{Scene, SceneError};
 
 /// Something that is left out, and when.
@@ -72,7 +77,8 @@ impl Finding {
 
 /// Every case, in the order in which a sample comes to them, and those about what is made once.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    features::CASES.iter().chain(once::CASES)
+    let of_a_sample = features::CASES.iter().chain(structure::CASES);
+    of_a_sample.chain(once::CASES)
 }
 
 impl Case {
@@ -111,4 +117,23 @@ fn prepare(scene: &Scene, previous: Option<&PreparedScene>) -> Result<PreparedSc
 fn trial_of(scene: &Scene) -> Result<Trial, SceneError> {
     let trial = Trial::new(scene, None, &CancelToken::new())?;
     Ok(trial.expect(NOBODY_CANCELS))
+}
+
+fn outcome_of(scene: &PreparedScene, layers: bool) -> RenderOutcome {
+    let run = RunConfig {
+        threads: 1,
+        layers,
+        ..RunConfig::default()
+    };
+    let outcome = render(scene, None, &run, &RenderProgress::default(), None);
+    outcome.expect(NOBODY_CANCELS)
+}
+
+/// Processor time, on all cores.
+fn seconds_of<T>(work: impl FnOnce() -> T) -> f64 {
+    let started = ProcessTime::now();
+    let made = std::hint::black_box(work());
+    let seconds = started.elapsed().as_secs_f64();
+    drop(made);
+    seconds
 }

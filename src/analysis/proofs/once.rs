@@ -2,16 +2,14 @@
 
 use std::sync::Arc;
 
-use cpu_time::ProcessTime;
-
-use super::{Bench, Case, Finding, Measured, NOBODY_CANCELS, Proof, prepare, trial_of};
-use crate::analysis::bench::{RayKind, generate};
+use super::{
+    Bench, Case, Finding, Measured, NOBODY_CANCELS, Proof, outcome_of, prepare, seconds_of,
+    trial_of,
+};
 use crate::analysis::cost::{Share, paired};
 use crate::geometry::TriangleMesh;
-use crate::math::{DVec3, Degrees, Ray};
-use crate::render::{
-    PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, RunConfig, render,
-};
+use crate::math::{DVec3, Degrees};
+use crate::render::{PreparedScene, PrimaryHitStore};
 use crate::scene::{
     Background, Camera, Light, LightSampling, Mode, Object, RadianceMap, Rgb, Scene,
 };
@@ -29,24 +27,6 @@ pub const CASES: &[Case] = &[
         when: "objects are flat",
         counted: "bytes",
         proof: Proof::Own(normals),
-    },
-    Case {
-        left_out: "nodes of a tree",
-        when: "few triangles: one leaf",
-        counted: "nodes visited by the eye rays of two triangles",
-        proof: Proof::Own(nodes_of_few_triangles),
-    },
-    Case {
-        left_out: "nodes",
-        when: "a ray misses the scene's box",
-        counted: "nodes visited by eye rays that look away",
-        proof: Proof::Own(nodes_of_rays_that_miss),
-    },
-    Case {
-        left_out: "what lies beyond the occlusion radius",
-        when: "always",
-        counted: "rays that are answered otherwise than by the nearest hit of all",
-        proof: Proof::Own(beyond_the_radius),
     },
     Case {
         left_out: "triangles and tree, again",
@@ -80,16 +60,6 @@ pub const CASES: &[Case] = &[
     },
 ];
 
-fn outcome_of(scene: &PreparedScene, layers: bool) -> RenderOutcome {
-    let run = RunConfig {
-        threads: 1,
-        layers,
-        ..RunConfig::default()
-    };
-    let outcome = render(scene, None, &run, &RenderProgress::default(), None);
-    outcome.expect(NOBODY_CANCELS)
-}
-
 /// A square of side 40 about the origin, as `count` × `count` squares of two triangles each.
 pub fn grid(count: u32) -> TriangleMesh {
     let corner = |x: u32, y: u32| y * (count + 1) + x;
@@ -112,7 +82,7 @@ pub fn grid(count: u32) -> TriangleMesh {
 }
 
 /// The scene with such a square in place of its objects, seen from above.
-fn of_grid(bench: &Bench<'_>, count: u32) -> Scene {
+pub fn of_grid(bench: &Bench<'_>, count: u32) -> Scene {
     bench.changed(|scene| {
         scene.objects = vec![Object {
             mesh: "grid".into(),
@@ -151,87 +121,6 @@ fn normals(bench: &Bench<'_>) -> Measured {
         same_bits: Some(trial.picture_hash(flat) == trial.picture_hash(&smooth)),
         saving: trial.added_by(&smooth, bench.pairs),
     })
-}
-
-/// Nodes on the way of the rays from the eye.
-fn nodes_from_the_eye(scene: &PreparedScene) -> u64 {
-    let settings = scene.settings();
-    let pixels = (0..settings.height).flat_map(|y| (0..settings.width).map(move |x| (x, y)));
-    let middle = |(x, y): (u32, u32)| (f64::from(x) + 0.5, f64::from(y) + 0.5);
-    let accelerator = scene.geometry().accelerator();
-    pixels
-        .map(middle)
-        .filter_map(|(x, y)| scene.camera().ray(x, y))
-        .map(|from_eye| accelerator.visits(&from_eye.ray, f32::INFINITY, false))
-        .map(|visits| visits.nodes)
-        .sum()
-}
-
-fn nodes_of_few_triangles(bench: &Bench<'_>) -> Measured {
-    let few = prepare(&of_grid(bench, 1), None)?;
-    let many = prepare(&of_grid(bench, 8), None)?;
-    Ok(Finding {
-        count: nodes_from_the_eye(&few),
-        otherwise: nodes_from_the_eye(&many),
-        same_bits: None,
-        saving: None,
-    })
-}
-
-fn nodes_of_rays_that_miss(bench: &Bench<'_>) -> Measured {
-    let away = bench.changed(|scene| {
-        let Camera { eye, target, .. } = scene.camera;
-        scene.camera.target = eye + (eye - target);
-    });
-    let looking = prepare(bench.scene, None)?;
-    let away = prepare(&away, Some(&looking))?;
-    Ok(Finding {
-        count: nodes_from_the_eye(&away),
-        otherwise: nodes_from_the_eye(&looking),
-        same_bits: None,
-        saving: None,
-    })
-}
-
-/// Occlusion asks for any hit up to its radius; without one, every ray would look for its nearest hit and throw far ones away.
-fn beyond_the_radius(bench: &Bench<'_>) -> Measured {
-    let prepared = prepare(bench.scene, None)?;
-    let accelerator = prepared.geometry().accelerator();
-    let sets = generate(&prepared).expect("rays of a scene are rays");
-    let name = RayKind::AmbientOcclusion.name();
-    let rays: Vec<_> = sets.iter().filter(|set| set.name() == name).collect();
-    let rays = || rays.iter().flat_map(|set| set.rays());
-    let within = |(ray, reach): &(Ray, f32)| accelerator.occluded(ray, *reach);
-    let of_all = |(ray, reach): &(Ray, f32)| {
-        let hit = accelerator.intersect(ray, f32::INFINITY);
-        hit.is_some_and(|hit| hit.t < *reach)
-    };
-    let any = |(ray, _): &(Ray, f32)| accelerator.occluded(ray, f32::INFINITY);
-    let differ = |a: &dyn Fn(&(Ray, f32)) -> bool, b: &dyn Fn(&(Ray, f32)) -> bool| {
-        rays().filter(|ray| a(ray) != b(ray)).count() as u64
-    };
-    let seconds = |answer: &dyn Fn(&(Ray, f32)) -> bool| {
-        seconds_of(|| rays().filter(|ray| answer(ray)).count())
-    };
-    Ok(Finding {
-        count: differ(&within, &of_all),
-        otherwise: differ(&any, &of_all),
-        same_bits: None,
-        saving: Some(paired(
-            bench.pairs,
-            || seconds(&within),
-            || seconds(&of_all),
-        )),
-    })
-}
-
-/// Processor time, on all cores.
-fn seconds_of<T>(work: impl FnOnce() -> T) -> f64 {
-    let started = ProcessTime::now();
-    let made = std::hint::black_box(work());
-    let seconds = started.elapsed().as_secs_f64();
-    drop(made);
-    seconds
 }
 
 /// What preparing `scene` takes longer after `other` than after `known`.

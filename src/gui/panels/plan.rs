@@ -5,12 +5,14 @@ use crate::analysis::cost::{Costs, Share};
 use crate::gui::commands::Command;
 use crate::gui::costs::CostState;
 use crate::gui::document::same_picture;
-use crate::render::reasons;
+use crate::render::{Used, reasons};
 use crate::scene::Scene;
 
 /// What a render of the scene does, what it leaves out and why, and what that costs and saves.
 pub fn plan_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     features_ui(ui, state.scene);
+    ui.add_space(6.0);
+    used_ui(ui, &Used::of(state.scene));
     ui.add_space(6.0);
     match state.costs {
         CostState::Measuring(progress) => {
@@ -60,6 +62,12 @@ fn features_ui(ui: &mut Ui, scene: &Scene) {
         };
         // Wrapped, as the longest reason must not make the panel wider.
         ui.add(Label::new(text).wrap());
+    }
+}
+
+fn used_ui(ui: &mut Ui, used: &Used) {
+    for fact in used.facts() {
+        ui.add(Label::new(fact).wrap());
     }
 }
 
