@@ -6,10 +6,12 @@ mod common;
 use std::sync::Arc;
 
 use common::{diffuse, picture, rectangle};
-use raymini::control::CancelToken;
+use raymini::control::{CancelToken, Progress};
 use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::{DVec3, Degrees};
-use raymini::render::{PreparedScene, RenderProgress, RunConfig, render};
+use raymini::render::{
+    PreparedGeometry, PreparedObject, PreparedScene, RenderProgress, RunConfig, render,
+};
 use raymini::scene::{
     AcceleratorChoice, Background, Camera, Copies, Light, LightSampling, Material, Mode, Object,
     RenderSettings, Rgb, Scene,
@@ -246,6 +248,58 @@ fn moving_an_object_keeps_the_structures_of_shared_meshes() {
         outcome.expect("nobody cancels").image.hash()
     };
     assert_eq!(picture(&after), picture(&prepare(&scene, None)));
+}
+
+/// Scenes are drawn before their trees are there. What is drawn answers as what is rendered, which keeps its triangles, its normals and the
+/// structures that are there already.
+#[test]
+fn a_scene_that_is_placed_first_is_the_same() {
+    let mut scene = balls();
+    let before = prepare(&scene, None);
+    scene.objects[1].translate.z += 0.5;
+    let cancel = CancelToken::new();
+    let place = |known: Option<&Arc<PreparedGeometry>>| {
+        let placed = PreparedGeometry::place(&scene, known, &cancel);
+        placed.expect("can be placed").expect("nobody cancels")
+    };
+    let direct = prepare(&scene, None);
+    for known in [None, Some(before.geometry())] {
+        let placed = place(known);
+        for object in [0, 2, 3] {
+            let structure = |geometry: &PreparedGeometry| {
+                let accelerator = geometry.accelerator();
+                Arc::as_ptr(accelerator.copies_of(object).expect("it is shared").0)
+            };
+            let is_kept = structure(&placed) == structure(before.geometry());
+            assert_eq!(is_kept, known.is_some());
+        }
+        let progress = Progress::new();
+        let prepared = PreparedScene::prepare_placed(&scene, &placed, None, &cancel, &progress);
+        let prepared = prepared.expect("can be rendered").expect("nobody cancels");
+        let geometry = prepared.geometry();
+        assert_eq!(geometry.accelerator().name(), "wide");
+        assert!(progress.fraction() >= 1.0);
+        for (drawn, rendered) in placed.objects().iter().zip(geometry.objects()) {
+            let address = |object: &PreparedObject| object.normals.as_ref().map(Arc::as_ptr);
+            assert_eq!(address(drawn), address(rendered));
+        }
+        for pixel in 0..64 * 40 {
+            let [x, y] = [pixel % 64, pixel / 64].map(|i| f64::from(i) + 0.5);
+            let Some(from_eye) = prepared.camera().ray(x, y) else {
+                continue;
+            };
+            let hit = |geometry: &PreparedGeometry| {
+                let hit = geometry
+                    .accelerator()
+                    .intersect(&from_eye.ray, f32::INFINITY);
+                hit.map(|hit| (hit.triangle, hit.t.to_bits()))
+            };
+            let expected = hit(direct.geometry());
+            assert_eq!(hit(&placed), expected, "{x}, {y}");
+            assert_eq!(hit(geometry), expected, "{x}, {y}");
+        }
+        assert!(Arc::ptr_eq(&place(Some(geometry)), geometry));
+    }
 }
 
 /// Every object is found where it is, flat ones between copies included.

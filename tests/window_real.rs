@@ -256,3 +256,39 @@ fn what_was_edited_before_a_kill_is_restored() {
     assert!(after.contains("samples_per_pixel = 1000000"), "{after}");
     window.quit();
 }
+
+/// How often threads of the process have run so far, but for those of the crate `blocking`, by which the desktop's accessibility bus
+/// is listened to: they look twice a second whether there is anything to do.
+#[cfg(target_os = "linux")]
+fn turns(process: u32) -> u64 {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).unwrap();
+    let turns_of = |thread: std::io::Result<std::fs::DirEntry>| {
+        let status = std::fs::read_to_string(thread.ok()?.path().join("status")).ok()?;
+        let numbers = |key: &str| {
+            let lines = status.lines().filter(|line| line.contains(key));
+            let numbers =
+                lines.filter_map(|line| line.split_whitespace().last()?.parse::<u64>().ok());
+            numbers.sum::<u64>()
+        };
+        let is_of_bus = status.starts_with("Name:\tblocking-");
+        (!is_of_bus).then(|| numbers("ctxt_switches"))
+    };
+    threads.filter_map(turns_of).sum()
+}
+
+/// With a mesh open and nobody at the mouse, no thread of the program's wakes: not once in five seconds.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_idle_window_uses_no_processor() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 4);
+    let display = Display::start();
+    let window = Window::open(&display, folder.path(), &scene);
+    let process = window.process.0.id();
+    wait_for("the window to be idle", || {
+        let before = turns(process);
+        std::thread::sleep(Duration::from_secs(5));
+        (turns(process) == before).then_some(())
+    });
+    window.quit();
+}

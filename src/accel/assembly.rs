@@ -355,6 +355,15 @@ impl Assembly {
             .iter()
             .map(|structure| build(structure.triangles().collect()).map(Arc::new))
             .collect::<Option<_>>()?;
+        Some(self.with_structures(flat, shared))
+    }
+
+    /// The same scene in these structures over the same triangles.
+    ///
+    /// # Panics
+    /// When they are over others.
+    #[must_use]
+    pub fn with_structures(&self, flat: Accelerator, shared: Vec<Arc<Accelerator>>) -> Self {
         let part = |(index, part): (usize, &PlacedPart)| match part.content {
             Content::Flat(_) => Part::Flat(part.end - part.start),
             Content::Copies {
@@ -369,7 +378,13 @@ impl Assembly {
             }),
         };
         let parts = self.parts.iter().enumerate().map(part).collect();
-        Some(Self::new(flat, shared, parts))
+        Self::new(flat, shared, parts)
+    }
+
+    /// The structure over the triangles that occur once.
+    #[must_use]
+    pub fn flat(&self) -> &Accelerator {
+        &self.flat
     }
 
     fn structure_of(&self, copy: &Copy) -> (&Accelerator, Place<'_>, bool) {

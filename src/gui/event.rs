@@ -10,11 +10,11 @@ use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
 use super::picture_buffer::{EncodedTile, PictureBuffer};
 use super::report::Findings;
-use super::worker::Prepared;
+use super::worker::Placed;
 use crate::analysis::cost::Costs;
 use crate::analysis::report::ReportError;
 use crate::io::{LoadedScene, MeshFile, RadianceFile};
-use crate::render::RenderStats;
+use crate::render::{PreparedScene, RenderStats};
 use crate::scene::Scene;
 
 /// What a job tells the window. Failures are sentences for the user.
@@ -41,8 +41,10 @@ pub enum Event {
         /// The image, or why there is none.
         result: Result<RadianceFile, String>,
     },
-    /// The scene is ready to render and to preview, or why it cannot be rendered.
-    Prepared(Result<Box<Prepared>, String>),
+    /// The scene can be drawn.
+    Placed(Box<Placed>),
+    /// The scene can be rendered, or why not.
+    Prepared(Result<Box<PreparedScene>, String>),
     /// A tile of the running render.
     Tile(EncodedTile),
     /// A piece of a picture that is shown anew.

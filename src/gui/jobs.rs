@@ -99,6 +99,8 @@ struct LaneState {
     cancel: CancelToken,
     /// Whether the job of the present generation runs.
     busy: bool,
+    /// How many jobs were started.
+    started: u64,
     /// Threads of this lane that have not ended, cancelled ones included.
     threads: Arc<AtomicUsize>,
 }
@@ -180,6 +182,7 @@ impl<E: Send + 'static> Jobs<E> {
         self.cancel(lane);
         let state = &mut self.lanes[lane as usize];
         state.busy = true;
+        state.started += 1;
         let job = Job {
             cancel: state.cancel.clone(),
             lane,
@@ -217,6 +220,12 @@ impl<E: Send + 'static> Jobs<E> {
     #[must_use]
     pub fn is_busy(&self, lane: Lane) -> bool {
         self.lanes[lane as usize].busy
+    }
+
+    /// How many jobs of the lane were started so far.
+    #[must_use]
+    pub fn started(&self, lane: Lane) -> u64 {
+        self.lanes[lane as usize].started
     }
 
     /// Threads of the lane that still run: its job, and cancelled ones that have not noticed yet.

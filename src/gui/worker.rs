@@ -26,17 +26,17 @@ use crate::control::Progress;
 use crate::io::{self, LoadedScene};
 use crate::math::DBounds;
 use crate::render::{
-    self, ErrorEstimate, Image, Layer, OnRound, PictureMemory, PreparedScene, PrimaryHitStore,
-    RenderOutcome, RenderProgress, Round, RunConfig, TilePixels, Watch,
+    self, ErrorEstimate, Image, Layer, OnRound, PictureMemory, PreparedGeometry, PreparedScene,
+    PrimaryHitStore, RenderOutcome, RenderProgress, Round, RunConfig, TilePixels, Watch,
 };
 use crate::scene::{Object, Scene, SceneError};
 
-/// A scene ready to render, and its triangles on the GPU.
+/// What the preview draws of a scene, and what the mouse meets in it.
 #[derive(Clone, Debug)]
-pub struct Prepared {
-    /// For rendering.
-    pub scene: PreparedScene,
-    /// For the preview; `None` without a GPU.
+pub struct Placed {
+    /// The triangles: without a structure at first, in that of the render as soon as it is there.
+    pub geometry: Arc<PreparedGeometry>,
+    /// The same on the GPU; `None` without one.
     pub triangles: Option<Arc<GpuGeometry>>,
     /// The background's image for the preview; `None` where the background is none, or without a GPU.
     pub sky: Option<Arc<GpuSky>>,
@@ -85,40 +85,39 @@ pub fn load_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
     job.send(Event::ImageLoaded { path, result });
 }
 
-/// Prepares `scene`, keeping of `previous` what is the same. `progress` counts triangles that structures are built over.
+/// Prepares `scene`, keeping what is the same of what was placed and prepared before. It is told of twice: when it can be drawn, and when
+/// it can be rendered, which takes a tree. `progress` counts triangles that structures are built over.
 pub fn prepare(
     job: &Job<Event>,
     scene: &Scene,
-    previous: Option<Prepared>,
+    placed_before: Option<Placed>,
+    prepared_before: Option<&PreparedScene>,
     gpu: Option<&Gpu>,
     progress: &Progress,
 ) {
-    let known = previous.as_ref().map(|previous| &previous.scene);
-    let prepared = PreparedScene::prepare_watched(scene, known, &job.cancel, progress);
-    let Some(result) = unless_cancelled(prepared) else {
-        return;
+    let geometry = placed_before.as_ref().map(|placed| &placed.geometry);
+    let placed = scene
+        .validate()
+        .and_then(|()| PreparedGeometry::place(scene, geometry, &job.cancel));
+    let geometry = match unless_cancelled(placed) {
+        None => return,
+        Some(Ok(geometry)) => geometry,
+        Some(Err(problem)) => return job.send(Event::Prepared(Err(problem))),
     };
-    let sky = preview_sky(scene, previous.as_ref(), gpu);
-    job.send(Event::Prepared(result.map(|prepared| {
-        let geometry = prepared.geometry();
-        let unchanged = previous.filter(|p| Arc::ptr_eq(p.scene.geometry(), geometry));
-        let prepared = match unchanged {
-            Some(previous) => Prepared {
-                scene: prepared,
-                ..previous
-            },
-            None => new_geometry(scene, prepared, gpu),
-        };
-        Box::new(Prepared { sky, ..prepared })
-    })));
+    let sky = preview_sky(scene, placed_before.as_ref(), gpu);
+    let unchanged = placed_before.filter(|before| Arc::ptr_eq(&before.geometry, &geometry));
+    let placed = unchanged.unwrap_or_else(|| new_geometry(scene, Arc::clone(&geometry), gpu));
+    job.send(Event::Placed(Box::new(Placed { sky, ..placed })));
+
+    let (cancel, known) = (&job.cancel, prepared_before);
+    let prepared = PreparedScene::prepare_placed(scene, &geometry, known, cancel, progress);
+    if let Some(result) = unless_cancelled(prepared) {
+        job.send(Event::Prepared(result.map(Box::new)));
+    }
 }
 
 /// The image of the background of `scene` on the GPU: that of `previous` where it is the same.
-fn preview_sky(
-    scene: &Scene,
-    previous: Option<&Prepared>,
-    gpu: Option<&Gpu>,
-) -> Option<Arc<GpuSky>> {
+fn preview_sky(scene: &Scene, previous: Option<&Placed>, gpu: Option<&Gpu>) -> Option<Arc<GpuSky>> {
     let map = scene.background_image().ok().flatten()?;
     let known = previous.and_then(|previous| previous.sky.as_ref());
     match known.filter(|sky| Arc::ptr_eq(sky.source(), map)) {
@@ -128,17 +127,17 @@ fn preview_sky(
 }
 
 /// Uploads the triangles of a scene whose geometry is new.
-fn new_geometry(description: &Scene, scene: PreparedScene, gpu: Option<&Gpu>) -> Prepared {
+fn new_geometry(description: &Scene, geometry: Arc<PreparedGeometry>, gpu: Option<&Gpu>) -> Placed {
     let triangles = gpu.map(|gpu| {
-        let mesh = preview_mesh(scene.geometry());
+        let mesh = preview_mesh(&geometry);
         Arc::new(GpuGeometry::upload(&gpu.device, &mesh))
     });
     let bounds_of = |object: &Object| {
         let mesh = description.mesh_of(object);
         mesh.map_or(DBounds::EMPTY, |mesh| object.bounds_of(mesh))
     };
-    Prepared {
-        scene,
+    Placed {
+        geometry,
         triangles,
         sky: None,
         object_bounds: description.objects.iter().map(bounds_of).collect(),

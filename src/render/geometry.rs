@@ -35,7 +35,7 @@ pub struct PreparedGeometry {
 }
 
 /// One object of the description among the prepared triangles.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PreparedObject {
     /// Its triangles, copy after copy.
     pub triangles: Range<u32>,
@@ -48,8 +48,8 @@ pub struct PreparedObject {
 
 impl PreparedGeometry {
     /// Places and narrows the scene's triangles and builds their acceleration structure; gives back `previous` where it was
-    /// made from the same objects, and keeps its shared meshes where objects only moved. `None` when cancelled.
-    /// `progress` counts the triangles that structures are built over.
+    /// made from the same objects, keeps its triangles and normals where only the structure is another, and its shared meshes where
+    /// objects only moved. `None` when cancelled. `progress` counts the triangles that structures are built over.
     ///
     /// # Errors
     /// A mesh that is not loaded, or more triangles than can be numbered.
@@ -63,17 +63,76 @@ impl PreparedGeometry {
         if let Some(previous) = previous.filter(|previous| previous.origin == origin) {
             return Ok(Some(Arc::clone(previous)));
         }
+        require_structure(origin.stored_triangles())?;
+        let placed = previous.filter(|previous| previous.origin.objects == origin.objects);
+        if let (Some(placed), Some(choice)) = (placed, origin.structure) {
+            let prepared = placed.restructured(origin, choice, cancel, progress);
+            return Ok(prepared.map(Arc::new));
+        }
+        Self::new(scene, origin, previous, cancel, progress)
+    }
+
+    /// The scene's triangles and normals without an acceleration structure: all that is needed to draw them. It answers rays, but by
+    /// trying all triangles that are in no structure of `previous`. [`Self::prepare`] goes on from it; where that has nothing to do,
+    /// it is `previous`. `None` when cancelled.
+    ///
+    /// # Errors
+    /// A mesh that is not loaded, or more triangles than can be numbered.
+    pub fn place(
+        scene: &Scene,
+        previous: Option<&Arc<Self>>,
+        cancel: &CancelToken,
+    ) -> Result<Option<Arc<Self>>, SceneError> {
+        let origin = GeometryOrigin {
+            structure: None,
+            ..GeometryOrigin::of(scene)?
+        };
+        if let Some(previous) =
+            previous.filter(|previous| previous.origin.objects == origin.objects)
+        {
+            return Ok(Some(Arc::clone(previous)));
+        }
+        Self::new(scene, origin, previous, cancel, &Progress::new())
+    }
+
+    fn new(
+        scene: &Scene,
+        origin: GeometryOrigin,
+        previous: Option<&Arc<Self>>,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<Arc<Self>>, SceneError> {
         let count = scene.triangle_count();
         if count > u64::from(u32::MAX / 2) {
             return Err(SceneError::TooManyTriangles { count });
         }
-        require_structure(origin.stored_triangles())?;
         let frame = SceneFrame::around(&scene.measured_bounds()?);
         let previous = previous.map(|previous| &previous.shared);
         let Some(shared) = SharedMeshes::prepare(&origin, previous, cancel, progress) else {
             return Ok(None);
         };
         Ok(Self::assemble(origin, frame, shared, cancel, progress).map(Arc::new))
+    }
+
+    /// The same triangles and normals in structures of that choice.
+    fn restructured(
+        &self,
+        origin: GeometryOrigin,
+        choice: StructureChoice,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let triangles: Vec<_> = self.accelerator.flat().triangles().collect();
+        progress.set_total(triangles.len() as u64 + self.shared.triangles_without(choice));
+        let shared = self.shared.restructured(choice, cancel, progress)?;
+        let flat = build_structure(choice, triangles, cancel, progress)?;
+        Some(Self {
+            frame: self.frame,
+            accelerator: self.accelerator.with_structures(flat, shared.structures()),
+            objects: self.objects.clone(),
+            shared,
+            origin,
+        })
     }
 
     fn assemble(
@@ -110,7 +169,7 @@ impl PreparedGeometry {
             });
             start += count;
         }
-        let flat = build_structure(origin.structure, triangles, cancel, progress)?;
+        let flat = structure_of(origin.structure, triangles, cancel, progress)?;
         Some(Self {
             frame,
             accelerator: Assembly::new(flat, shared.structures(), parts),
@@ -221,6 +280,19 @@ pub fn build_structure(
     };
     progress.advance(count);
     Some(built)
+}
+
+/// [`build_structure`], or a list where nothing is chosen.
+fn structure_of(
+    choice: Option<StructureChoice>,
+    triangles: Vec<Triangle>,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Option<Accelerator> {
+    match choice {
+        Some(choice) => build_structure(choice, triangles, cancel, progress),
+        None => Some(Accelerator::BruteForce(BruteForce::new(triangles))),
+    }
 }
 
 /// Appends all copies of a mesh; `None` when cancelled.

@@ -118,9 +118,36 @@ impl PreparedScene {
     ) -> Result<Option<Self>, SceneError> {
         scene.validate()?;
         let known = previous.map(|previous| &previous.geometry);
-        let Some(geometry) = PreparedGeometry::prepare(scene, known, cancel, progress)? else {
-            return Ok(None);
-        };
+        match PreparedGeometry::prepare(scene, known, cancel, progress)? {
+            Some(geometry) => Self::with_geometry(scene, geometry, previous, cancel),
+            None => Ok(None),
+        }
+    }
+
+    /// [`Self::prepare_watched`] of triangles that are placed already; what does not depend on them is kept of `previous`.
+    ///
+    /// # Errors
+    /// What about the description cannot be rendered.
+    pub fn prepare_placed(
+        scene: &Scene,
+        placed: &Arc<PreparedGeometry>,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<Self>, SceneError> {
+        scene.validate()?;
+        match PreparedGeometry::prepare(scene, Some(placed), cancel, progress)? {
+            Some(geometry) => Self::with_geometry(scene, geometry, previous, cancel),
+            None => Ok(None),
+        }
+    }
+
+    fn with_geometry(
+        scene: &Scene,
+        geometry: Arc<PreparedGeometry>,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, SceneError> {
         let plan = Plan::of(scene)?;
         let known = previous.map(|previous| &previous.background);
         let is_aimed_at = match scene.render.mode {

@@ -112,6 +112,7 @@ impl App {
     }
 
     fn status_ui(&self, ui: &mut Ui) {
+        let prepared = self.prepared.as_ref().and_then(|s| s.prepared.as_ref());
         let activity = if let Some(loading) = &self.loading {
             Activity::Loading {
                 what: &loading.what,
@@ -119,7 +120,7 @@ impl App {
             }
         } else if let Some(run) = self.report.run().filter(|_| self.report.is_running()) {
             Activity::Reporting(run)
-        } else if self.waiting_render.is_some() || self.prepared.is_none() && !self.is_prepared() {
+        } else if self.waiting_render.is_some() || prepared.is_none() && !self.is_prepared() {
             Activity::Preparing {
                 share: self.build_progress.fraction(),
             }
@@ -159,8 +160,9 @@ impl App {
                         bottom: 12,
                     })
                     .show(ui, |ui| {
-                        let structure = self.prepared.as_ref().map(|state| {
-                            let accelerator = state.prepared.scene.geometry().accelerator();
+                        let prepared = self.prepared.as_ref().and_then(|s| s.prepared.as_ref());
+                        let structure = prepared.map(|prepared| {
+                            let accelerator = prepared.geometry().accelerator();
                             StructureInUse {
                                 name: accelerator.name(),
                                 bytes: accelerator.bytes(),
@@ -259,10 +261,10 @@ impl App {
             return;
         };
         let Some(state) = &self.prepared else { return };
-        let Some(triangles) = &state.prepared.triangles else {
+        let Some(triangles) = &state.placed.triangles else {
             return;
         };
-        let sky = state.prepared.sky.as_ref();
+        let sky = state.placed.sky.as_ref();
         let shown = match self.shown_render {
             Some(number) => self.renders.picture(number),
             None => self.picture.as_ref(),
@@ -310,7 +312,7 @@ impl App {
         let geometry = self
             .prepared
             .as_ref()
-            .map(|state| state.prepared.scene.geometry().as_ref());
+            .map(|state| state.placed.geometry.as_ref());
         let mut view = ViewportScene {
             scene: &mut self.document.scene,
             selection: &mut self.selection,
@@ -343,7 +345,7 @@ impl App {
     pub(super) fn selected_bounds(&self) -> DBounds {
         match (&self.selection, &self.prepared) {
             (Selection::Object(index), Some(state)) => state
-                .prepared
+                .placed
                 .object_bounds
                 .get(*index)
                 .copied()

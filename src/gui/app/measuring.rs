@@ -18,7 +18,7 @@ impl App {
         self.costs = CostState::Measuring(progress.clone());
         let scene = self.document.scene.clone();
         let prepared = self.prepared.as_ref();
-        let prepared = prepared.map(|state| state.prepared.scene.clone());
+        let prepared = prepared.and_then(|state| state.prepared.clone());
         self.jobs.start(Lane::Costs, move |job| {
             worker::measure_costs(job, scene, prepared.as_ref(), &progress);
         });

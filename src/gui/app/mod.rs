@@ -56,12 +56,12 @@ use super::theme;
 use super::top_bar::{Phase, Recent, TopBarState, View};
 use super::undo::Gesture;
 use super::viewport::Viewport;
-use super::worker::{Prepared, ReportRequest};
+use super::worker::{Placed, ReportRequest};
 use super::zoom::Zoom;
 use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
-use crate::render::{Layer, PrimaryHitStore};
+use crate::render::{Layer, PreparedScene, PrimaryHitStore};
 use crate::scene::Scene;
 
 /// How the window starts.
@@ -145,7 +145,9 @@ pub struct App {
 /// What was prepared, and from what.
 #[derive(Debug)]
 struct PreparedState {
-    prepared: Prepared,
+    placed: Placed,
+    /// For rendering; that of a scene before where this one is placed only, `None` for the first.
+    prepared: Option<PreparedScene>,
     scene: Scene,
     bounds: DBounds,
 }
@@ -296,6 +298,12 @@ impl App {
     #[must_use]
     pub fn is_settling(&self) -> bool {
         self.loading.is_some() || self.jobs.is_busy(Lane::Prepare) || !self.is_prepared()
+    }
+
+    /// How many jobs of that kind were started so far.
+    #[must_use]
+    pub fn jobs_started(&self, lane: Lane) -> u64 {
+        self.jobs.started(lane)
     }
 
     /// Threads that still work on renders and reports, cancelled ones included.

@@ -36,6 +36,7 @@ impl App {
             }
             Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
             Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
+            Event::Placed(placed) => self.placed(*placed),
             Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
             Event::Tile(tile) => {
                 if let Some(picture) = &mut self.picture {

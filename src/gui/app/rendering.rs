@@ -16,8 +16,8 @@ use crate::gui::picture::{Outcome, Picture};
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::preview_image::PreviewImage;
 use crate::gui::top_bar::View;
-use crate::gui::worker::{self, Prepared, RenderRequest};
-use crate::render::{Layer, RenderProgress, RenderStats};
+use crate::gui::worker::{self, Placed, RenderRequest};
+use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
 use crate::scene::Display;
 
 impl App {
@@ -51,29 +51,40 @@ impl App {
         if !self.is_prepared() {
             let scene = self.document.scene.clone();
             self.preparing = Some(scene.clone());
-            let previous = self.prepared.as_ref().map(|state| state.prepared.clone());
+            let known = self.prepared.as_ref();
+            let placed = known.map(|state| state.placed.clone());
+            let prepared = known.and_then(|state| state.prepared.clone());
             let gpu = self.preview.as_ref().map(PreviewImage::gpu);
             let progress = Progress::new();
             self.build_progress = progress.clone();
             self.jobs.start(Lane::Prepare, move |job| {
-                worker::prepare(job, &scene, previous, gpu.as_ref(), &progress);
+                let (prepared, gpu) = (prepared.as_ref(), gpu.as_ref());
+                worker::prepare(job, &scene, placed, prepared, gpu, &progress);
             });
         } else if let Some(asked) = self.waiting_render.take() {
             self.start_render(asked);
         }
     }
 
-    pub(super) fn prepared(&mut self, result: Result<Prepared, String>) {
+    /// From now on the preview shows the scene that is being prepared.
+    pub(super) fn placed(&mut self, placed: Placed) {
+        let bounds = world_bounds(&placed.geometry);
+        self.prepared = Some(PreparedState {
+            placed,
+            prepared: self.prepared.take().and_then(|before| before.prepared),
+            scene: self.preparing.clone().unwrap_or_default(),
+            bounds,
+        });
+    }
+
+    pub(super) fn prepared(&mut self, result: Result<PreparedScene, String>) {
         match result {
             Ok(prepared) => {
                 self.problem = None;
-                let bounds = world_bounds(prepared.scene.geometry());
-                let scene = self.preparing.clone().unwrap_or_default();
-                self.prepared = Some(PreparedState {
-                    prepared,
-                    scene,
-                    bounds,
-                });
+                if let Some(state) = &mut self.prepared {
+                    state.placed.geometry = Arc::clone(prepared.geometry());
+                    state.prepared = Some(prepared);
+                }
             }
             Err(problem) => {
                 self.problem = Some(problem);
@@ -143,7 +154,7 @@ impl App {
         let request = RenderRequest {
             number,
             scene,
-            previous: self.prepared.as_ref().map(|p| p.prepared.scene.clone()),
+            previous: self.prepared.as_ref().and_then(|p| p.prepared.clone()),
             primary_hits: self.primary_hits.clone(),
             threads: self.threads,
             buffer,

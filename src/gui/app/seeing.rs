@@ -93,7 +93,7 @@ impl App {
             height: settings.height.into(),
         };
         let position = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let geometry = state.prepared.scene.geometry();
+        let geometry = &state.placed.geometry;
         let picked = pick::pick(geometry, &scene.camera, settings, size, position)?;
         let object = scene.objects.get(picked.object)?;
         let name = if object.name.is_empty() {

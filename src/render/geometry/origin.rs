@@ -11,7 +11,8 @@ use crate::scene::{Copies, Material, Object, Placement, RenderSettings, Rgb, Sce
 #[derive(Debug, PartialEq)]
 pub struct GeometryOrigin {
     pub objects: Vec<(MeshIdentity, ObjectShape)>,
-    pub structure: StructureChoice,
+    /// `None` where triangles are only placed.
+    pub structure: Option<StructureChoice>,
 }
 
 /// A mesh, equal to itself alone.
@@ -82,10 +83,10 @@ impl GeometryOrigin {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             objects,
-            structure: StructureChoice {
+            structure: Some(StructureChoice {
                 kind: scene.render.accelerator,
                 build: scene.render.accelerator_build,
-            },
+            }),
         })
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::origin::{GeometryOrigin, MeshIdentity, ObjectShape};
-use super::{ShadingNormals, SmoothNormals, StructureChoice, TrueNormals};
+use super::{ShadingNormals, SmoothNormals, StructureChoice, TrueNormals, structure_of};
 use crate::accel::{Accelerator, Copies};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, corner_normals};
@@ -17,7 +17,6 @@ const WORTH_SHARING: u64 = 4096;
 /// The meshes that objects share.
 #[derive(Debug, Default)]
 pub struct SharedMeshes {
-    structure: StructureChoice,
     meshes: Vec<SharedMesh>,
     indices: HashMap<MeshIdentity, usize>,
 }
@@ -29,6 +28,8 @@ struct SharedMesh {
     mesh: MeshIdentity,
     frame: SceneFrame,
     structure: Arc<Accelerator>,
+    /// Which structure that is; `None` for a list, of triangles that are only placed.
+    choice: Option<StructureChoice>,
     normals: Vec<(Option<Degrees>, Option<Arc<ShadingNormals>>)>,
 }
 
@@ -45,16 +46,16 @@ impl SharedMeshes {
             let count = occurrences.entry(mesh).or_default();
             *count = count.saturating_add(shape.copies.total());
         }
-        let mut shared = Self {
-            structure: origin.structure,
-            ..Self::default()
-        };
-        let previous = previous.filter(|previous| previous.structure == origin.structure);
+        let mut shared = Self::default();
         let is_shared = |mesh: &MeshIdentity| {
             let repeated = occurrences[mesh].saturating_sub(1);
             repeated.saturating_mul(mesh.0.triangles.len() as u64) >= WORTH_SHARING
         };
-        let known = |mesh: &MeshIdentity| previous.and_then(|previous| previous.find(mesh));
+        let known = |mesh: &MeshIdentity| {
+            let known = previous.and_then(|previous| previous.find(mesh));
+            // Any structure holds the triangles that are to be placed.
+            known.filter(|known| origin.structure.is_none() || known.choice == origin.structure)
+        };
         progress.set_total(triangles_to_build(origin, is_shared, known));
         for (mesh, shape) in &origin.objects {
             if !is_shared(mesh) {
@@ -71,6 +72,44 @@ impl SharedMeshes {
             shared.meshes[index].add_normals(shape.smooth);
         }
         Some(shared)
+    }
+
+    /// The same meshes in structures of that choice; those that are keep theirs. `None` when cancelled.
+    pub fn restructured(
+        &self,
+        choice: StructureChoice,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let restructured = |mesh: &SharedMesh| {
+            if mesh.choice == Some(choice) {
+                return Some(mesh.clone());
+            }
+            let triangles = mesh.structure.triangles().collect();
+            let structure = super::build_structure(choice, triangles, cancel, progress)?;
+            Some(SharedMesh {
+                structure: Arc::new(structure),
+                choice: Some(choice),
+                ..mesh.clone()
+            })
+        };
+        Some(Self {
+            meshes: self
+                .meshes
+                .iter()
+                .map(restructured)
+                .collect::<Option<_>>()?,
+            indices: self.indices.clone(),
+        })
+    }
+
+    /// How many triangles structures of that choice are still to be built over.
+    pub fn triangles_without(&self, choice: StructureChoice) -> u64 {
+        let meshes = self.meshes.iter();
+        let others = meshes.filter(|mesh| mesh.choice != Some(choice));
+        others
+            .map(|mesh| mesh.structure.triangle_count() as u64)
+            .sum()
     }
 
     fn add(&mut self, mesh: SharedMesh) -> usize {
@@ -147,7 +186,7 @@ fn triangles_to_build<'a>(
 impl SharedMesh {
     fn build(
         identity: &MeshIdentity,
-        structure: StructureChoice,
+        choice: Option<StructureChoice>,
         cancel: &CancelToken,
         progress: &Progress,
     ) -> Option<Self> {
@@ -158,12 +197,12 @@ impl SharedMesh {
             corners: corners.map(|vertex| positions[vertex as usize]),
         };
         let triangles = mesh.triangles.iter().map(triangle).collect();
+        let structure = structure_of(choice, triangles, cancel, progress)?;
         Some(Self {
             mesh: identity.clone(),
             frame,
-            structure: Arc::new(super::build_structure(
-                structure, triangles, cancel, progress,
-            )?),
+            structure: Arc::new(structure),
+            choice,
             normals: Vec::new(),
         })
     }
