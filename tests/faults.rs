@@ -4,6 +4,8 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use raymini::control::{CancelToken, Progress};
+use raymini::io;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -242,6 +244,49 @@ fn a_mesh_that_changes_while_it_is_rendered_stays_as_it_was() {
     });
     assert!(facts[0].is_string());
     assert_eq!(facts[0], facts[1]);
+}
+
+/// What is open stays readable when its name goes, on Unix; what is cut off in the middle is an error that says where it ends, unless it
+/// has been read by then.
+#[cfg(unix)]
+#[test]
+fn a_mesh_that_goes_while_it_is_read_is_read_or_refused() {
+    const VERTICES: usize = 4_000_000;
+    let folder = TempDir::new().expect("a folder");
+    let mesh = folder.path().join("m.off");
+    let text = format!(
+        "OFF {VERTICES} 1 0\n{}3 0 1 2\n",
+        "1 2 3\n".repeat(VERTICES)
+    );
+    let read_while = |disturb: &dyn Fn()| {
+        std::fs::write(&mesh, &text).expect("is written");
+        let progress = Progress::new();
+        std::thread::scope(|scope| {
+            let reader = scope.spawn(|| io::load_mesh(&mesh, &CancelToken::new(), &progress));
+            while progress.done() == 0 && !reader.is_finished() {
+                std::hint::spin_loop();
+            }
+            disturb();
+            reader.join().expect("nothing panics")
+        })
+    };
+    let vertices = |file: Option<io::MeshFile>| file.expect("not cancelled").mesh.positions.len();
+    let removed = read_while(&|| std::fs::remove_file(&mesh).expect("is removed"));
+    assert_eq!(removed.map(vertices).ok(), Some(VERTICES));
+
+    let cut_off = read_while(&|| {
+        let file = std::fs::File::options().write(true).open(&mesh);
+        file.and_then(|file| file.set_len(text.len() as u64 / 2))
+            .expect("is cut off");
+    });
+    match cut_off {
+        Ok(file) => assert_eq!(vertices(file), VERTICES),
+        Err(error) => {
+            let error = error.to_string();
+            assert!(error.contains("m.off:"), "{error}");
+            assert!(error.contains("found the end of the file"), "{error}");
+        }
+    }
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! Meshes that nobody would draw and everybody has: slivers, repeats, coinciding and empty ones.
 
+use cpu_time::ProcessTime;
+
 use super::stage::{
     add, different_pixels, improper_pixels, joined, largest, mapped, matt, phong, picture, point,
     rectangle, run, run_on, still,
 };
 use super::{Bar, Case, Effort};
-use crate::accel::{Accelerator, KdParameters, KdTree};
-use crate::control::CancelToken;
+use crate::accel::{Accelerator, BuildQuality, KdParameters, KdTree, WideTree};
+use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{Triangle, TriangleMesh};
 use crate::math::{DVec3, Degrees, SceneFrame};
@@ -48,6 +50,13 @@ pub const CASES: &[Case] = &[
         bar: Bar::AtMost(0.0),
         is_timed: false,
         measure: depth,
+    },
+    Case {
+        name: "hostile triangles: build time",
+        tried: "the same, by either tree: the longest build over that of as many ordinary triangles, in processor time",
+        bar: Bar::AtMost(5.0),
+        is_timed: true,
+        measure: build_time,
     },
     Case {
         name: "a teapot in a stadium",
@@ -240,6 +249,40 @@ fn depth(effort: Effort) -> f64 {
         let most = 8.0 + 1.3 * (tree.triangle_count() as f64).log2();
         f64::from(tree.statistics().max_depth) - most
     }))
+}
+
+fn build_time(effort: Effort) -> f64 {
+    let hostile = hostile(effort);
+    let count = hostile[1].triangles.len();
+    let soup = shapes::soup(u32::try_from(count).expect("few"), 0.02, 5);
+    let ratios = |build: fn(&[Triangle]) -> usize| {
+        let ordinary = shortest_build(&soup, build);
+        hostile
+            .each_ref()
+            .map(|mesh| shortest_build(mesh, build) / ordinary)
+    };
+    let by_kd_tree = |triangles: &[Triangle]| {
+        let tree = KdTree::build(triangles, &KdParameters::default(), &CancelToken::new());
+        tree.expect("nobody cancels").triangle_count()
+    };
+    let by_wide_tree = |triangles: &[Triangle]| {
+        let (cancel, progress) = (CancelToken::new(), Progress::new());
+        let tree = WideTree::build(triangles, BuildQuality::Best, &cancel, &progress);
+        tree.expect("nobody cancels").triangle_count()
+    };
+    let both = [ratios(by_kd_tree), ratios(by_wide_tree)];
+    largest(both.into_iter().flatten())
+}
+
+/// Seconds of processor time: the least of three, as whatever else the machine does makes them more.
+fn shortest_build(mesh: &TriangleMesh, build: fn(&[Triangle]) -> usize) -> f64 {
+    let triangles = narrowed(mesh);
+    let build = || {
+        let started = ProcessTime::now();
+        assert_eq!(build(&triangles), triangles.len());
+        started.elapsed().as_secs_f64()
+    };
+    (0..3).map(|_| build()).fold(f64::INFINITY, f64::min)
 }
 
 fn stadium_references(_: Effort) -> f64 {

@@ -1,5 +1,7 @@
 //! Rays that graze, aim at cracks, run along planes and start on what they left.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::meshes::{by_every_structure, narrowed, stadium};
@@ -43,6 +45,13 @@ pub const CASES: &[Case] = &[
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: unlike_double_precision,
+    },
+    Case {
+        name: "slivers in double precision",
+        tried: "rays at and beside slivers of aspect 1e-6, by another test of triangles: share of answers that are not the same triangle",
+        bar: Bar::AtMost(1e-5),
+        is_timed: false,
+        measure: slivers_unlike_double_precision,
     },
     Case {
         name: "rays along the axes",
@@ -444,6 +453,37 @@ fn unlike_double_precision(effort: Effort) -> f64 {
     count
 }
 
+fn slivers_unlike_double_precision(effort: Effort) -> f64 {
+    let triangles = narrowed(&shapes::slivers(60, 1e-6, 6));
+    let trees = trees(&triangles);
+    let around = Surroundings::of(&triangles);
+    let rays = effort.pick(40_000, 4_000_000);
+    let hits = AtomicU64::new(0);
+    let different = count_over(rays, |random, count| {
+        let differs = |random: &mut Random| {
+            let [a, b, c] = triangles[below(random, triangles.len())].corners;
+            let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+            let mut share = || random.unit() * 1.5 - 0.25;
+            let target = a + (b - a) * share() + (c - a) * share();
+            let origin = (around.center + random.in_cube() * around.size * 3.0).as_vec3();
+            let ray = Ray::new(origin, target.as_vec3() - origin);
+            let met = triangles.iter().zip(0_u32..).filter_map(|(triangle, id)| {
+                let (t, inside) = by_barycentrics(&ray, triangle)?;
+                (inside >= 0.0 && t > 0.0).then_some((t, id))
+            });
+            let nearest = met.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id);
+            hits.fetch_add(u64::from(nearest.is_some()), Ordering::Relaxed);
+            trees
+                .iter()
+                .any(|tree| tree.intersect(&ray, f32::INFINITY).map(|hit| hit.triangle) != nearest)
+        };
+        (0..count).map(|_| u64::from(differs(random))).sum()
+    });
+    let hits = hits.into_inner();
+    assert!(hits > rays / 20, "only {hits} of {rays} rays hit");
+    different / rays as f64
+}
+
 fn along_the_axes(effort: Effort) -> f64 {
     let meshes = [
         shapes::axis_aligned(400, 8, 3),
@@ -559,6 +599,23 @@ mod controls {
         };
         let escaped = body.escapes(4096, meets);
         assert!(escaped > 100.0, "only {escaped} of 4096");
+    }
+
+    #[test]
+    fn a_test_that_drops_slivers_is_noticed() {
+        let triangles = narrowed(&shapes::slivers(60, 1e-6, 6));
+        let mut random = Random::new(1);
+        let missed = (0..4096).filter(|_| {
+            let triangle = &triangles[below(&mut random, triangles.len())];
+            let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+            let target = ((a + b + c) / 3.0).as_vec3();
+            let origin = (random.in_cube() * 3.0).as_vec3();
+            let ray = Ray::new(origin, target - origin);
+            let exact = by_barycentrics(&ray, triangle).is_some_and(|(_, inside)| inside >= 0.0);
+            exact != meets_by_moller_trumbore(&ray, triangle)
+        });
+        let missed = missed.count();
+        assert!(missed > 100, "only {missed} of 4096");
     }
 
     #[test]
