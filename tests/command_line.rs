@@ -553,11 +553,10 @@ fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
 
     let measure = [
         "plan",
+        "--measure=6",
         "scene.toml",
         "--size",
         "80x60",
-        "--measure",
-        "6",
         "--json",
     ];
     let facts: Value = serde_json::from_str(&succeed(folder.path(), &measure)).expect("is JSON");
@@ -592,7 +591,7 @@ fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
 
     // After a render, the same for its stats file.
     let render = ["render", "scene.toml", "-o", "a.png", "--stats", "a.json"];
-    let text = succeed(folder.path(), &[&render[..], &["--costs", "6"]].concat());
+    let text = succeed(folder.path(), &[&render[..], &["--costs=6"]].concat());
     assert!(
         text.contains("what leaving out saves, medians of 6 pairs (95 %): it would add"),
         "{text}"

@@ -47,13 +47,13 @@ pub struct PlanArguments {
 
     /// Measure what each effect costs and what leaving out saves by so many pairs of small renders, 6 to 1000, with intervals, in
     /// place of a rough estimate
-    #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
+    #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
           value_parser = pairs_parser())]
     measure: Option<u16>,
 
     /// Show of all that is left out that it is, in the built-in demo, changed to what each case takes: counted, and done for nothing by
     /// so many pairs of small renders, 6 to 1000; as a table in Markdown, in some minutes
-    #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
+    #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
           value_parser = pairs_parser(),
           conflicts_with_all = ["scene", "size", "mode", "spp", "assignments", "measure"])]
     proofs: Option<u16>,

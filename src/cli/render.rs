@@ -18,7 +18,7 @@ use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
     RenderOutcome, RenderProgress, RunConfig, Used, Watch, render_watched, resume,
 };
-use crate::scene::{Choice, Mode, Scene};
+use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
 /// What `raymini render` takes.
 #[derive(Debug, Args)]
@@ -72,7 +72,7 @@ pub struct RenderArguments {
     stats: Option<PathBuf>,
 
     /// Measure afterwards what each effect of the render cost and what leaving out saved, by so many pairs of small renders, 6 to 1000
-    #[arg(long, value_name = "PAIRS", num_args = 0..=1, default_missing_value = "20",
+    #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
           value_parser = super::plan::pairs_parser())]
     costs: Option<u16>,
 
@@ -407,10 +407,14 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text
         .split_once(['x', 'X', '×'])
         .and_then(|(width, height)| {
-            let side = |text: &str| text.trim().parse().ok().filter(|&side: &u32| side > 0);
+            let side = |text: &str| {
+                let side = text.trim().parse().ok();
+                side.filter(|side| (1..=RenderSettings::MAX_SIDE).contains(side))
+            };
             Some((side(width)?, side(height)?))
         });
-    sides.ok_or_else(|| "expected width and height, such as 640x480".to_owned())
+    let most = RenderSettings::MAX_SIDE;
+    sides.ok_or_else(|| format!("expected width and height, each up to {most}, such as 640x480"))
 }
 
 fn parse_region(text: &str) -> Result<Region, String> {
