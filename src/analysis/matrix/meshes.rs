@@ -53,7 +53,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "hostile triangles: build time",
-        tried: "the same, by either tree: the longest build over that of as many ordinary triangles, in processor time",
+        tried: "identical, in a fan, all at one spot, by either tree: the longest build over that of as many triangles apart, in processor time",
         bar: Bar::AtMost(5.0),
         is_timed: true,
         measure: build_time,
@@ -220,8 +220,13 @@ fn kd_tree_by(mesh: &TriangleMesh, parameters: &KdParameters) -> KdTree {
     tree.expect("nobody cancels")
 }
 
+/// How many triangles a hostile mesh has.
+fn hostile_count(effort: Effort) -> u32 {
+    effort.pick(4000, 100_000)
+}
+
 fn hostile(effort: Effort) -> [TriangleMesh; 6] {
-    let count = effort.pick(4000, 100_000);
+    let count = hostile_count(effort);
     let identical = TriangleMesh {
         triangles: vec![[0, 1, 2]; count as usize],
         ..shapes::soup(1, 1.0, 3)
@@ -252,14 +257,13 @@ fn depth(effort: Effort) -> f64 {
 }
 
 fn build_time(effort: Effort) -> f64 {
-    let hostile = hostile(effort);
-    let count = hostile[1].triangles.len();
-    let soup = shapes::soup(u32::try_from(count).expect("few"), 0.02, 5);
+    let [identical, fan, _, one_spot, ..] = hostile(effort);
+    // As large as the space that each has.
+    let count = hostile_count(effort);
+    let apart = shapes::soup(count, 1.0 / libm::cbrt(count.into()), 5);
     let ratios = |build: fn(&[Triangle]) -> usize| {
-        let ordinary = shortest_build(&soup, build);
-        hostile
-            .each_ref()
-            .map(|mesh| shortest_build(mesh, build) / ordinary)
+        let ordinary = shortest_build(&apart, build);
+        [&identical, &fan, &one_spot].map(|mesh| shortest_build(mesh, build) / ordinary)
     };
     let by_kd_tree = |triangles: &[Triangle]| {
         let tree = KdTree::build(triangles, &KdParameters::default(), &CancelToken::new());
@@ -271,6 +275,7 @@ fn build_time(effort: Effort) -> f64 {
         tree.expect("nobody cancels").triangle_count()
     };
     let both = [ratios(by_kd_tree), ratios(by_wide_tree)];
+
     largest(both.into_iter().flatten())
 }
 
