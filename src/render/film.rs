@@ -371,8 +371,10 @@ fn mean_of(sum: &[f64; 3], samples: u32) -> [f32; 3] {
     sum.map(|sum| (sum / f64::from(samples)) as f32)
 }
 
-fn each(value: impl Fn(usize) -> f64) -> [f64; 3] {
-    [0, 1, 2].map(value)
+/// The value of each channel. Not by `map` of an array, which compilers do not always turn into straight code.
+#[inline]
+pub fn each(value: impl Fn(usize) -> f64) -> [f64; 3] {
+    [value(0), value(1), value(2)]
 }
 
 #[cfg(test)]

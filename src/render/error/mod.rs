@@ -19,7 +19,7 @@ pub use decay::Decay;
 pub use outlook::Outlook;
 
 use super::Image;
-use super::film::{Film, Halves};
+use super::film::{Film, Halves, each};
 
 /// What is added to the square of the reference's value in relative errors, so that black pixels count little.
 /// The product's definition of `relmse`.
@@ -260,7 +260,7 @@ impl ErrorEstimator {
                     let moved = survey.moves[index].map(f64::from);
                     if survey.is_measured(index) {
                         let factor = self.factor(ABSOLUTE, film.samples(index));
-                        sum = [0, 1, 2].map(|c| sum[c] + factor * moved[c] * moved[c]);
+                        sum = each(|c| sum[c] + factor * moved[c] * moved[c]);
                         count += 1.0;
                     }
                 }
@@ -425,7 +425,7 @@ struct RowSums {
 /// Squared moves of a pixel's mean from a quarter to all of its samples, from all three doublings that are seen.
 fn squared_fall(halves: &Halves) -> [f64; 3] {
     let [first, second] = halves.parts;
-    [0, 1, 2].map(|c| halves.whole[c].powi(2) + f64::midpoint(first[c].powi(2), second[c].powi(2)))
+    each(|c| halves.whole[c].powi(2) + f64::midpoint(first[c].powi(2), second[c].powi(2)))
 }
 
 impl Survey {
@@ -476,7 +476,7 @@ impl Survey {
                 &columns[x],
                 &columns[(x + 1).min(self.width - 1)],
             ];
-            let weights = [0, 1, 2].map(|c| {
+            let weights = each(|c| {
                 let reference = expected(f64::from(self.means[index][c]), around, c);
                 1.0 / (reference * reference + RELATIVE_FLOOR)
             });
@@ -485,7 +485,7 @@ impl Survey {
                 let [weight_r, weight_g, weight_b] = weights;
                 [r + g + b, r * weight_r + g * weight_g + b * weight_b]
             };
-            let product = |a: [f64; 3], b: [f64; 3]| both([0, 1, 2].map(|c| a[c] * b[c]));
+            let product = |a: [f64; 3], b: [f64; 3]| both(each(|c| a[c] * b[c]));
             let [first, second] = halves.parts;
             let fall = both(squared_fall(&halves));
             let products = product(first, second);
@@ -547,12 +547,12 @@ struct Column {
 /// differ by more than their noise explains, else the mean of the others, so that a pixel with an error of its own does not
 /// hide it by looking bright. Source: Lee, Digital image enhancement and noise filtering by use of local statistics, 1980.
 fn expected(value: f64, around: [&Column; 3], c: usize) -> f64 {
-    let over = |field: fn(&Column) -> &[f64; 3]| -> f64 {
-        around.iter().map(|column| field(column)[c]).sum()
-    };
-    let (sum, squares) = (over(|column| &column.sum), over(|column| &column.squares));
+    let [left, own, right] = around;
+    let over = |of: [&[f64; 3]; 3]| of[0][c] + of[1][c] + of[2][c];
+    let sum = over([&left.sum, &own.sum, &right.sum]);
+    let squares = over([&left.squares, &own.squares, &right.squares]);
     // A third of the fall is the variance, if samples count as independent.
-    let noise = over(|column| &column.falls) / 27.0;
+    let noise = over([&left.falls, &own.falls, &right.falls]) / 27.0;
     let others = (sum - value) / 8.0;
     let spread = squares / 9.0 - 2.0 * others * sum / 9.0 + others * others;
     let own_share = if noise < spread {
