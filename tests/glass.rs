@@ -91,7 +91,7 @@ fn glass_in_a_white_furnace_is_invisible() {
         TriangleMesh {
             positions: corners,
             triangles: faces.to_vec(),
-            normals: None,
+            ..TriangleMesh::default()
         },
         Material::glass(),
     );

@@ -145,7 +145,7 @@ fn well(r: f64, h: f64) -> TriangleMesh {
     TriangleMesh {
         positions,
         triangles,
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 

@@ -28,7 +28,7 @@ fn polygon_disk(height: f64, radius: f64) -> TriangleMesh {
             .chain((0..512).map(corner))
             .collect(),
         triangles: (0..512).map(|i| [0, 1 + (i + 1) % 512, 1 + i]).collect(),
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 

@@ -53,7 +53,7 @@ fn rectangle(center: DVec3, u: DVec3, v: DVec3) -> TriangleMesh {
             center - u + v,
         ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 

@@ -489,7 +489,7 @@ mod tests {
                 .iter()
                 .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
                 .collect(),
-            normals: None,
+            ..TriangleMesh::default()
         }
     }
 
@@ -548,7 +548,7 @@ mod tests {
         TriangleMesh {
             positions,
             triangles,
-            normals: None,
+            ..TriangleMesh::default()
         }
     }
 
@@ -663,7 +663,7 @@ mod tests {
         let mesh = TriangleMesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
             triangles: vec![[0, 1, 2], [0, 2, 1]],
-            normals: None,
+            ..TriangleMesh::default()
         };
         for crease in [0.0, 90.0, 180.0] {
             let normals = per_corner(&mesh, crease);
@@ -698,7 +698,7 @@ mod tests {
                 DVec3::X * 3.0,
             ],
             triangles: vec![[0, 1, 3], [0, 2, 1], [3, 4, 4]],
-            normals: None,
+            ..TriangleMesh::default()
         };
         for crease in [30.0, 180.0] {
             let normals = per_corner(&mesh, crease);

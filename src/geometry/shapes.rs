@@ -59,7 +59,7 @@ fn icosahedron() -> TriangleMesh {
     TriangleMesh {
         positions: positions.into_iter().map(DVec3::normalize).collect(),
         triangles,
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 
@@ -91,7 +91,7 @@ pub fn cuboid(min: DVec3, max: DVec3) -> TriangleMesh {
             .into_iter()
             .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
             .collect(),
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 
@@ -181,7 +181,7 @@ fn unconnected(count: u32, mut corners: impl FnMut(u32) -> [DVec3; 3]) -> Triang
     TriangleMesh {
         positions: (0..count).flat_map(&mut corners).collect(),
         triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 

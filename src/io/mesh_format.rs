@@ -120,24 +120,44 @@ impl MeshFormat {
     /// What of the mesh [`MeshFormat::write`] leaves out, in sentences.
     #[must_use]
     pub fn losses(self, mesh: &TriangleMesh) -> Vec<String> {
-        if self != Self::Stl {
-            return Vec::new();
-        }
-        let mut is_used = vec![false; mesh.positions.len()];
-        for &vertex in mesh.triangles.iter().flatten() {
-            is_used[vertex as usize] = true;
-        }
-        let unused = is_used.iter().filter(|is_used| !**is_used).count();
+        let holds_attributes = matches!(self, Self::Obj | Self::Ply);
+        let attributes = [
+            ("normals", mesh.normals.is_some() && self == Self::Stl),
+            (
+                "texture coordinates",
+                mesh.texture_coordinates.is_some() && !holds_attributes,
+            ),
+            ("colours", mesh.colors.is_some() && !holds_attributes),
+        ];
+        let attributes = attributes.into_iter().filter(|(_, is_lost)| *is_lost);
+        let attributes = attributes.map(|(what, _)| format!("{what} are"));
+        let unused = if self == Self::Stl {
+            unused_vertices(mesh)
+        } else {
+            0
+        };
         let unused = match unused {
             0 => None,
             1 => Some("1 vertex without triangle is".to_owned()),
             _ => Some(format!("{unused} vertices without triangle are")),
         };
-        let normals = mesh.normals.is_some().then(|| "normals are".to_owned());
-        let lost = normals.into_iter().chain(unused);
-        lost.map(|what| format!("{what} left out: STL holds triangles alone"))
+        let holds = match self {
+            Self::Stl => "STL holds triangles alone",
+            _ => "OFF files are written without them",
+        };
+        let lost = attributes.chain(unused);
+        lost.map(|what| format!("{what} left out: {holds}"))
             .collect()
     }
+}
+
+/// How many vertices no triangle uses.
+fn unused_vertices(mesh: &TriangleMesh) -> usize {
+    let mut is_used = vec![false; mesh.positions.len()];
+    for &vertex in mesh.triangles.iter().flatten() {
+        is_used[vertex as usize] = true;
+    }
+    is_used.iter().filter(|is_used| !**is_used).count()
 }
 
 /// The format, known but without reader, whose first bytes these are.
@@ -156,7 +176,8 @@ fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::math::DVec3;
+    use crate::math::color::linear_from_srgb;
+    use crate::math::{DVec2, DVec3, Vec3};
 
     #[test]
     fn every_format_is_listed_where_users_look() {
@@ -227,10 +248,33 @@ mod tests {
                         };
                         assert!(corners(&read) == corners(&mesh), "{first:?} {second:?}");
                         assert_eq!(read.normals, None);
+                        assert!(read.colors.is_none() && read.texture_coordinates.is_none());
                     } else {
                         assert!(read == mesh, "{first:?} {second:?}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn texture_coordinates_and_colors_go_through_the_formats_that_hold_them() {
+        let mut mesh = shapes::icosphere(1);
+        let coordinate = |p: &DVec3| DVec2::new(p.x / 3.0, p.y * 1e-20);
+        mesh.texture_coordinates = Some(mesh.positions.iter().map(coordinate).collect());
+        // What a byte stands for is kept as it is.
+        let color = |index: usize| Vec3::new(index as f32, 7.0, 255.0 - index as f32) / 255.0;
+        let linear = |index: usize| color(index).map(linear_from_srgb);
+        mesh.colors = Some((0..mesh.positions.len()).map(linear).collect());
+        for has_normals in [false, true] {
+            mesh.normals = has_normals.then(|| mesh.positions.clone());
+            for format in [MeshFormat::Obj, MeshFormat::Ply] {
+                let mut bytes = Vec::new();
+                format.write(&mesh, &mut bytes).expect("a vector takes all");
+                let read = format.parse(&bytes, &CancelToken::new(), &Progress::new());
+                let read = read.expect("is right").expect("nobody cancels");
+                assert!(read.mesh == mesh, "{format:?}");
+                assert_eq!(read.warnings, Vec::<String>::new());
             }
         }
     }
@@ -253,5 +297,16 @@ mod tests {
             "2 vertices without triangle are left out: STL holds triangles alone",
         ];
         assert_eq!(MeshFormat::Stl.losses(&mesh), expected);
+        assert_eq!(MeshFormat::Off.losses(&mesh), Vec::<String>::new());
+        mesh.texture_coordinates = Some(vec![DVec2::ZERO; mesh.positions.len()]);
+        mesh.colors = Some(vec![Vec3::ONE; mesh.positions.len()]);
+        let expected = [
+            "texture coordinates are left out: OFF files are written without them",
+            "colours are left out: OFF files are written without them",
+        ];
+        assert_eq!(MeshFormat::Off.losses(&mesh), expected);
+        for format in [MeshFormat::Obj, MeshFormat::Ply] {
+            assert_eq!(format.losses(&mesh), Vec::<String>::new());
+        }
     }
 }

@@ -1,19 +1,21 @@
-//! What writers of mesh formats share: numbers in text.
+//! What writers of mesh formats share: numbers in text, and colours as screens know them.
 
 use crate::math::DVec3;
+use crate::math::color::{linear_from_srgb, srgb_from_linear};
 use std::fmt::{self, Display, Formatter};
 
-/// A vector as three numbers in text, each the shortest that reads back as the same `f64`.
-pub struct Decimals(pub DVec3);
+/// Numbers in text with spaces between them, each the shortest that reads back as the same `f64`.
+pub struct Decimals<'a>(pub &'a [f64]);
 
-impl Display for Decimals {
+impl Display for Decimals<'_> {
     fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
-        let DVec3 { x, y, z } = self.0;
-        write_number(x, out)?;
-        out.write_str(" ")?;
-        write_number(y, out)?;
-        out.write_str(" ")?;
-        write_number(z, out)
+        for (index, &value) in self.0.iter().enumerate() {
+            if index > 0 {
+                out.write_str(" ")?;
+            }
+            write_number(value, out)?;
+        }
+        Ok(())
     }
 }
 
@@ -31,4 +33,21 @@ fn write_number(value: f64, out: &mut Formatter<'_>) -> fmt::Result {
 pub fn fit_f32<'a>(vectors: impl IntoIterator<Item = &'a DVec3>) -> bool {
     let mut vectors = vectors.into_iter();
     vectors.all(|vector| vector.as_vec3().as_dvec3() == *vector)
+}
+
+/// The byte that stands for a linear value in sRGB, where one stands for exactly that.
+pub fn srgb_byte(linear: f32) -> Option<u8> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and 255"
+    )]
+    let byte = (srgb_from_linear(linear) * 255.0).round() as u8;
+    (linear_from_srgb(f32::from(byte) / 255.0) == linear).then_some(byte)
+}
+
+/// A linear value in sRGB, from 0 to 1, that reads back as the same where a byte stands for it, and nearly so elsewhere.
+pub fn encoded(linear: f32) -> f32 {
+    let byte = srgb_byte(linear).map(|byte| f32::from(byte) / 255.0);
+    byte.unwrap_or_else(|| srgb_from_linear(linear))
 }

@@ -7,20 +7,26 @@
 //! v 1 1 0
 //! v 0 1 0
 //! vn 0 0 1
-//! f 1//1 2//1 3//1 4//1      # or 1, 1/2 or 1/2/1: vertex, texture coordinate, normal
+//! vt 0 0                      # right and up on an image, each from 0 to 1; a third number means nothing
+//! f 1/1/1 2/1/1 3/1/1 4/1/1   # or 1, 1/2 or 1//2: vertex, texture coordinate, normal
 //! ```
 //!
 //! - Numbers count from 1, or from −1 back from the last one so far. A face may name vertices that come later.
-//! - What follows the three coordinates of a vertex is a weight (one number), which means nothing for faces, or a colour.
+//! - What follows the three coordinates of a vertex is a weight (one number), which means nothing for faces, or a colour: red,
+//!   green and blue, perhaps an alpha, which means nothing. Colours are sRGB from 0 to 1, or to 255 where one exceeds 1.5. In a file
+//!   with colours, vertices without are white.
 //! - Faces may have any number of corners. Lines (`l`) and points (`p`) are skipped and counted.
 //! - Where every corner names a normal, the mesh has them; a vertex becomes several only where its normals differ. Where only some
 //!   do, none is used, with a warning. Normals that are not finite are left to the faces around.
+//! - Where a corner names a texture coordinate, the mesh has them, and vertices are split likewise; corners without one, or with
+//!   one that is not there or not finite, have (0, 0), with a warning.
 //! - A `\` at the end of a line joins the next one to it.
-//! - Objects, groups and smoothing groups mean nothing here. Colours, texture coordinates and materials are ignored with a warning,
-//!   as are statements nobody knows, such as those of free-form curves; a text of such alone is no OBJ file.
+//! - Objects, groups and smoothing groups mean nothing here. Materials are ignored with a warning, as are statements nobody knows,
+//!   such as those of free-form curves; a text of such alone is no OBJ file.
 //!
 //! Source: Wavefront, Advanced Visualizer Manual, appendix B1, 1993.
 
+mod colors;
 mod corner;
 mod split;
 mod write;
@@ -34,8 +40,10 @@ use super::mesh_file::MeshFile;
 use super::mesh_reading::{Cursor, Malformed, Place, Seen, Tally, Watch, number, numbers};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
-use crate::math::DVec3;
-use corner::{Corner, Word};
+use crate::math::{DVec2, DVec3};
+use colors::Colors;
+use corner::{Corner, Counts, Word};
+use split::Lists;
 
 /// Whether the text begins as OBJ files do.
 #[must_use]
@@ -63,7 +71,9 @@ pub fn parse(
         cursor: Cursor::new(bytes),
         watch: Watch::new(cancel, progress),
         positions: Vec::new(),
+        colors: Colors::default(),
         normals: Vec::new(),
+        textures: Vec::new(),
         triangles: Vec::new(),
         corners: Vec::new(),
         early: EarlyFaces::default(),
@@ -81,6 +91,9 @@ pub fn parse(
 struct Notes<'a> {
     colors: Seen,
     textures: Seen,
+    textures_not_finite: Seen,
+    with_textures: Seen,
+    without_textures: Seen,
     materials: Seen,
     lines_and_points: Seen,
     normals_not_finite: Seen,
@@ -104,7 +117,9 @@ struct Reader<'a> {
     cursor: Cursor<'a>,
     watch: Watch<'a>,
     positions: Vec<DVec3>,
+    colors: Colors,
     normals: Vec<DVec3>,
+    textures: Vec<DVec2>,
     triangles: Vec<[Corner; 3]>,
     /// Those of the face at hand.
     corners: Vec<Corner>,
@@ -135,7 +150,7 @@ impl<'a> Reader<'a> {
                     continue;
                 }
                 b"vn" => self.normal(line)?,
-                b"vt" => self.notes.textures.at(place),
+                b"vt" => self.texture(line)?,
                 b"l" | b"p" => self.notes.lines_and_points.at(place),
                 b"usemtl" => self.notes.materials.at(place),
                 b"o" | b"g" | b"s" | b"mtllib" => {}
@@ -188,16 +203,47 @@ impl<'a> Reader<'a> {
             return Err(Malformed::in_line(line, "finite coordinates", found));
         }
         self.positions.push(position);
-        let mut more = 0;
+        let (mut more, mut rest) = (0, DVec3::ZERO);
         while let Some(word) = self.word() {
-            if number(word).is_none() {
+            let Some(value) = number(word) else {
                 return Err(Malformed::at_token(line, "a number", word));
+            };
+            if let Some(channel) = AsMut::<[f64; 3]>::as_mut(&mut rest).get_mut(more) {
+                *channel = value;
             }
             more += 1;
         }
-        if more > 1 {
-            self.notes.colors.at(Place::Line(line));
+        match more {
+            0 | 1 => self.colors.skip(),
+            3 | 4 => self.colors.push(rest, self.positions.len()),
+            _ => {
+                self.notes.colors.at(Place::Line(line));
+                self.colors.skip();
+            }
         }
+        Ok(())
+    }
+
+    fn texture(&mut self, line: u64) -> Result<(), Malformed> {
+        let place = Place::Line(line);
+        let mut coordinate = DVec2::ZERO;
+        let Some(first) = self.word() else {
+            return Err(Malformed::in_line(line, "1 to 3 numbers", "0 numbers"));
+        };
+        // The second is left out where images are of one dimension; the third, of three, means nothing here.
+        let words = [Some(first), self.word()];
+        for (axis, word) in words.into_iter().enumerate() {
+            if let Some(word) = word {
+                coordinate[axis] =
+                    number(word).ok_or_else(|| Malformed::at_token(line, "a number", word))?;
+            }
+        }
+        self.notes.textures.at(place);
+        if !coordinate.is_finite() {
+            self.notes.textures_not_finite.at(place);
+            coordinate = DVec2::ZERO;
+        }
+        self.textures.push(coordinate);
         Ok(())
     }
 
@@ -228,12 +274,20 @@ impl<'a> Reader<'a> {
         Ok(vector)
     }
 
+    fn counts(&self) -> Counts {
+        Counts {
+            positions: self.positions.len(),
+            normals: self.normals.len(),
+            textures: self.textures.len(),
+        }
+    }
+
     fn face(&mut self, line: u64) -> Result<(), Malformed> {
         self.corners.clear();
         let mut is_early = false;
         while let Some(word) = self.word() {
             let word = Word { line, word };
-            let corner = Corner::read(word, self.positions.len(), self.normals.len())?;
+            let corner = Corner::read(word, self.counts())?;
             is_early |= corner.is_beyond(self.positions.len(), self.normals.len());
             self.corners.push(corner);
         }
@@ -253,6 +307,11 @@ impl<'a> Reader<'a> {
             self.notes.without_normals.at(place);
         } else if !self.corners.is_empty() {
             self.notes.with_normals.at(place);
+        }
+        if self.corners.iter().any(|corner| corner.texture().is_none()) {
+            self.notes.without_textures.at(place);
+        } else if !self.corners.is_empty() {
+            self.notes.with_textures.at(place);
         }
         self.tally.add_face(
             place,
@@ -282,21 +341,37 @@ impl<'a> Reader<'a> {
         Ok(Some(()))
     }
 
-    /// The mesh, with normals if all faces have them; `None` when cancelled.
+    /// The mesh, with normals if all faces have them, and texture coordinates if any has; `None` when cancelled.
     fn finish(mut self) -> Result<Option<MeshFile>, Malformed> {
         let end = self.cursor.position();
         let notes = &self.notes;
         let some_have = notes.with_normals.count > 0;
-        let all_have = some_have && notes.without_normals.count == 0;
-        let mesh = if all_have && !self.triangles.is_empty() {
+        let has_triangles = !self.triangles.is_empty();
+        let all_have = some_have && notes.without_normals.count == 0 && has_triangles;
+        let are_mapped =
+            notes.with_textures.count > 0 && !self.textures.is_empty() && has_triangles;
+        let is_missing = |corner: &&Corner| {
+            let textures = self.textures.len();
+            corner
+                .texture()
+                .is_some_and(|index| index as usize >= textures)
+        };
+        let missing = if are_mapped {
+            self.triangles.iter().flatten().filter(is_missing).count()
+        } else {
+            0
+        };
+        let colors = self.colors.into_linear();
+        let mesh = if all_have || are_mapped {
+            let lists = Lists {
+                positions: self.positions,
+                colors,
+                normals: all_have.then_some(self.normals),
+                texture_coordinates: are_mapped.then_some(self.textures),
+            };
             let (watch, last_line) = (&mut self.watch, self.cursor.line());
-            let split = split::by_normals(
-                self.positions,
-                &self.normals,
-                &self.triangles,
-                last_line,
-                |index| watch.report_item(index, end),
-            )?;
+            let go_on = |index| watch.report_item(index, end);
+            let split = split::by_attributes(lists, &self.triangles, last_line, go_on)?;
             let Some(mesh) = split else {
                 return Ok(None);
             };
@@ -306,7 +381,8 @@ impl<'a> Reader<'a> {
             TriangleMesh {
                 positions: self.positions,
                 triangles: self.triangles.iter().map(plain).collect(),
-                normals: None,
+                colors,
+                ..TriangleMesh::default()
             }
         };
         // Cancelling comes too late here: the work is done.
@@ -317,6 +393,14 @@ impl<'a> Reader<'a> {
                 "faces have no normals, so those of all are ignored",
             )
         };
+        let unmapped = notes.without_textures.counted(
+            "face has no texture coordinates; they are taken as (0, 0)",
+            "faces have no texture coordinates; they are taken as (0, 0)",
+        );
+        let unused = "texture coordinates are ignored, as no face has them at all its corners";
+        let absent = format!(
+            "corners name texture coordinates that are not there, {missing} in all; they are taken as (0, 0)"
+        );
         let warnings = [
             notes.normals_not_finite.counted(
                 "normal that is not finite is ignored",
@@ -324,7 +408,13 @@ impl<'a> Reader<'a> {
             ),
             some_have.then(|| partly(&notes.without_normals)).flatten(),
             notes.colors.found("colours are ignored"),
-            notes.textures.found("texture coordinates are ignored"),
+            notes.textures_not_finite.counted(
+                "texture coordinate that is not finite is taken as (0, 0)",
+                "texture coordinates that are not finite are taken as (0, 0)",
+            ),
+            unmapped.filter(|_| are_mapped),
+            notes.textures.found(unused).filter(|_| !are_mapped),
+            (missing > 0).then_some(absent),
             notes.materials.found("materials are ignored"),
             notes
                 .lines_and_points

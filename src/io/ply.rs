@@ -17,12 +17,14 @@
 //! 3 0 1 2
 //! ```
 //!
-//! - Of the element `vertex`, `x`, `y`, `z` are read, and the normal `nx`, `ny`, `nz` where all three are there; of the
-//!   elements `face` and `tristrips`, the list `vertex_indices` or `vertex_index`. Each may have any type. `vertex` comes first.
+//! - Of the element `vertex`, `x`, `y`, `z` are read, and the normal `nx`, `ny`, `nz`, the texture coordinates `s`, `t` (or `u`, `v`,
+//!   with or without `texture_` before) and the colour `red`, `green`, `blue` where all of them are there; of the elements `face`
+//!   and `tristrips`, the list `vertex_indices` or `vertex_index`. Each may have any type. `vertex` comes first.
+//! - Colours are sRGB: numbers with a point from 0 to 1, whole ones up to the largest of their type.
 //! - In `tristrips`, a triangle ends at every index from the third on, each second one turned over; −1 begins a new strip, and
 //!   triangles with an index repeated only lead from one part to the next.
-//! - Normals that are not finite are left to the faces around, with a warning. Colours and texture coordinates are ignored with a
-//!   warning, as are elements of other names; other properties are skipped.
+//! - Normals that are not finite are left to the faces around, with a warning. Colours and texture coordinates of faces are ignored
+//!   with a warning, as are elements of other names; other properties are skipped.
 //! - In text, an item that finds too few values on its line goes on with the next lines; nothing may follow it on its last.
 //! - What follows the last element is ignored with a warning, but numbers in a text are an error: a count is wrong then.
 //!

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::scene_file;
 use crate::geometry::TriangleMesh;
-use crate::math::DVec3;
+use crate::math::{DVec2, DVec3, Vec3};
 use crate::render::{Layer, Region};
 use crate::scene::{Background, Display, Output, RadianceMap, Scene};
 
@@ -93,7 +93,7 @@ fn name_by_content(name: &str, hash: &str) -> String {
     format!("{file} with the SHA-256 {hash}")
 }
 
-/// Over positions, triangles and normals, each preceded by their number.
+/// Over positions, triangles and normals, each preceded by their number, and what else vertices have, preceded by its name.
 fn hash_of_mesh(mesh: &TriangleMesh) -> String {
     let mut digest = Sha256::new();
     let vectors = |digest: &mut Sha256, vectors: &[DVec3]| {
@@ -109,6 +109,18 @@ fn hash_of_mesh(mesh: &TriangleMesh) -> String {
     }
     if let Some(normals) = &mesh.normals {
         vectors(&mut digest, normals);
+    }
+    if let Some(coordinates) = &mesh.texture_coordinates {
+        digest.update("texture coordinates");
+        for coordinate in coordinates.iter().flat_map(DVec2::to_array) {
+            digest.update(coordinate.to_le_bytes());
+        }
+    }
+    if let Some(colors) = &mesh.colors {
+        digest.update("colours");
+        for channel in colors.iter().flat_map(Vec3::to_array) {
+            digest.update(channel.to_le_bytes());
+        }
     }
     in_hexadecimal(digest.finalize().as_slice())
 }

@@ -212,7 +212,7 @@ mod tests {
                     positions: vec![point(), point(), point(), -DVec3::splat(k)],
                     // The degenerate second triangle keeps the origin in the scene, so that centring does not undo K.
                     triangles: vec![[0, 1, 2], [3, 3, 3]],
-                    normals: None,
+                    ..TriangleMesh::default()
                 };
                 let moved = TriangleMesh {
                     positions: mesh

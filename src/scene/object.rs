@@ -207,7 +207,7 @@ mod tests {
         let mesh = TriangleMesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
             triangles: vec![[0, 1, 2]],
-            normals: None,
+            ..TriangleMesh::default()
         };
         let copies = Copies {
             count: [3, 2, 1],

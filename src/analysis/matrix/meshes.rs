@@ -93,7 +93,7 @@ fn sliver_normals(effort: Effort) -> f64 {
         let sliver = TriangleMesh {
             positions: corners.into(),
             triangles: vec![[0, 1, 2]],
-            normals: None,
+            ..TriangleMesh::default()
         };
         add(&mut scene, "sliver", sliver, matt(0.5));
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;

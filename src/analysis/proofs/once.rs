@@ -77,7 +77,7 @@ pub fn grid(count: u32) -> TriangleMesh {
                 [[a, b, c], [a, c, d]]
             })
             .collect(),
-        normals: None,
+        ..TriangleMesh::default()
     }
 }
 

@@ -9,15 +9,25 @@ pub struct Corner {
     pub position: u32,
     /// The normal, or [`NONE`].
     normal: u32,
+    /// The texture coordinate, or [`NONE`].
+    texture: u32,
 }
 
-/// Stands for no normal.
+/// Stands for no normal or texture coordinate.
 const NONE: u32 = u32::MAX;
 
 impl mesh_reading::Corner for Corner {
     fn position(self) -> usize {
         self.position as usize
     }
+}
+
+/// How many vertices, normals and texture coordinates there are so far.
+#[derive(Clone, Copy)]
+pub struct Counts {
+    pub positions: usize,
+    pub normals: usize,
+    pub textures: usize,
 }
 
 /// A word of the text and its line.
@@ -50,11 +60,17 @@ impl Word<'_> {
 }
 
 impl Corner {
-    /// The corner that `word` says, where there are so many `positions` and `normals` so far.
+    /// The corner that `word` says, where there are so many of what it names so far. Texture coordinates that cannot be are none:
+    /// many files name some that they do not have.
     ///
     /// # Errors
-    /// When it is none, or counts back beyond the first.
-    pub fn read(word: Word, positions: usize, normals: usize) -> Result<Self, Malformed> {
+    /// When it is none, or a vertex or normal counts back beyond the first.
+    pub fn read(word: Word, counts: Counts) -> Result<Self, Malformed> {
+        let Counts {
+            positions,
+            normals,
+            textures,
+        } = counts;
         let parts = Parts::of(word.word);
         let parts = parts.ok_or_else(|| word.expected("a corner such as 1, 1/2, 1//3 or 1/2/3"))?;
         Ok(Self {
@@ -63,12 +79,21 @@ impl Corner {
                 Some(normal) => word.index(normal, normals, "normal")?,
                 None => NONE,
             },
+            texture: parts
+                .texture
+                .and_then(|texture| word.index(texture, textures, "texture coordinate").ok())
+                .unwrap_or(NONE),
         })
     }
 
     /// The normal it names, if it does.
     pub fn normal(self) -> Option<u32> {
         (self.normal != NONE).then_some(self.normal)
+    }
+
+    /// The texture coordinate it names, if it does.
+    pub fn texture(self) -> Option<u32> {
+        (self.texture != NONE).then_some(self.texture)
     }
 
     /// Whether it names what is not among so many `positions` and `normals`.
@@ -96,6 +121,7 @@ impl Corner {
 /// The numbers of a corner as they are written.
 struct Parts {
     position: i64,
+    texture: Option<i64>,
     normal: Option<i64>,
 }
 
@@ -104,13 +130,20 @@ impl Parts {
         let (position, rest) = split_number(word)?;
         let position = position?;
         let Some(rest) = rest.strip_prefix(b"/") else {
-            let normal = None;
-            return rest.is_empty().then_some(Self { position, normal });
+            return rest.is_empty().then_some(Self {
+                position,
+                texture: None,
+                normal: None,
+            });
         };
-        let (_texture, rest) = split_number(rest)?;
+        let (texture, rest) = split_number(rest)?;
         let rest = rest.strip_prefix(b"/").unwrap_or(rest);
         let (normal, rest) = split_number(rest)?;
-        rest.is_empty().then_some(Self { position, normal })
+        rest.is_empty().then_some(Self {
+            position,
+            texture,
+            normal,
+        })
     }
 }
 

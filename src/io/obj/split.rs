@@ -1,12 +1,24 @@
 use super::corner::Corner;
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_reading::Malformed;
-use crate::math::DVec3;
+use crate::math::{DVec2, DVec3, Vec3};
 use foldhash::fast::RandomState;
 use std::collections::HashMap;
 
-/// The mesh whose vertices have one normal each: those of `positions`, and further ones where corners at one position have another
-/// normal than the first there. A position without corner has the normal 0.
+/// The lists of a file that corners name, and what its vertices have of their own.
+pub struct Lists {
+    /// Of the vertices.
+    pub positions: Vec<DVec3>,
+    /// Of the vertices, or none.
+    pub colors: Option<Vec<Vec3>>,
+    /// `None` where the mesh is to have none.
+    pub normals: Option<Vec<DVec3>>,
+    /// `None` where the mesh is to have none; a corner that names none that is there has `(0, 0)`.
+    pub texture_coordinates: Option<Vec<DVec2>>,
+}
+
+/// The mesh whose vertices have one normal and one texture coordinate each: those of the file, and further ones where corners at one
+/// position have others than the first there. A position without corner has zeros.
 ///
 /// `go_on` is asked at every triangle, by its index; `None` when it says so. `last_line`: that of the text, for the error.
 ///
@@ -14,18 +26,33 @@ use std::collections::HashMap;
 /// When there are more vertices than can be numbered.
 ///
 /// # Panics
-/// When a corner names no normal, or what is not there.
-pub fn by_normals(
-    positions: Vec<DVec3>,
-    normals: &[DVec3],
+/// When a corner names no normal where the mesh is to have some, or what is not there.
+pub fn by_attributes(
+    lists: Lists,
     triangles: &[[Corner; 3]],
     last_line: u64,
     mut go_on: impl FnMut(u64) -> Option<()>,
 ) -> Result<Option<TriangleMesh>, Malformed> {
+    let Lists {
+        positions,
+        colors,
+        normals,
+        texture_coordinates,
+    } = lists;
+    let attributes = |corner: &Corner| Attributes {
+        normal: normals.as_deref().map_or(DVec3::ZERO, |normals| {
+            normals[corner.normal().expect("every corner has a normal") as usize]
+        }),
+        texture: texture_coordinates.as_deref().map_or(DVec2::ZERO, |list| {
+            let named = corner.texture().and_then(|index| list.get(index as usize));
+            named.copied().unwrap_or_default()
+        }),
+    };
     let mut of_positions = vec![None; positions.len()];
     let mut further = Further {
         positions,
-        normals: Vec::new(),
+        colors,
+        attributes: Vec::new(),
         vertices: HashMap::default(),
     };
     let mut split = Vec::with_capacity(triangles.len());
@@ -35,13 +62,12 @@ pub fn by_normals(
         }
         let mut triangle = [0; 3];
         for (vertex, corner) in triangle.iter_mut().zip(corners) {
-            let normal = corner.normal().expect("every corner has a normal");
-            let normal = normals[normal as usize];
-            let of_position: &mut Option<DVec3> = &mut of_positions[corner.position as usize];
-            *vertex = if *of_position.get_or_insert(normal) == normal {
+            let attributes = attributes(corner);
+            let of_position: &mut Option<Attributes> = &mut of_positions[corner.position as usize];
+            *vertex = if *of_position.get_or_insert(attributes) == attributes {
                 corner.position
             } else {
-                further.vertex(corner.position, normal).ok_or_else(|| {
+                further.vertex(corner.position, attributes).ok_or_else(|| {
                     Malformed::in_line(last_line, "fewer than 2^32 vertices", "another")
                 })?
             };
@@ -49,31 +75,50 @@ pub fn by_normals(
         split.push(triangle);
     }
     let of_positions = of_positions.into_iter().map(Option::unwrap_or_default);
+    let (has_normals, has_texture) = (normals.is_some(), texture_coordinates.is_some());
+    drop((normals, texture_coordinates));
+    let all: Vec<Attributes> = of_positions.chain(further.attributes).collect();
     Ok(Some(TriangleMesh {
         positions: further.positions,
         triangles: split,
-        normals: Some(of_positions.chain(further.normals).collect()),
+        normals: has_normals.then(|| all.iter().map(|vertex| vertex.normal).collect()),
+        texture_coordinates: has_texture.then(|| all.iter().map(|vertex| vertex.texture).collect()),
+        colors: further.colors,
     }))
+}
+
+/// What may differ between the corners at one position; zeros for what the mesh is not to have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Attributes {
+    normal: DVec3,
+    texture: DVec2,
 }
 
 /// The vertices beyond those of the file.
 struct Further {
     /// Those of the file come first.
     positions: Vec<DVec3>,
-    normals: Vec<DVec3>,
-    vertices: HashMap<(u32, [u64; 3]), u32, RandomState>,
+    /// Likewise.
+    colors: Option<Vec<Vec3>>,
+    attributes: Vec<Attributes>,
+    vertices: HashMap<(u32, [u64; 5]), u32, RandomState>,
 }
 
 impl Further {
-    /// The vertex at a position of the file, with this normal; `None` where there are 2³² already.
-    fn vertex(&mut self, position: u32, normal: DVec3) -> Option<u32> {
+    /// The vertex at a position of the file, with these attributes; `None` where there are 2³² already.
+    fn vertex(&mut self, position: u32, attributes: Attributes) -> Option<u32> {
         let next = u32::try_from(self.positions.len()).ok()?;
+        let Attributes { normal, texture } = attributes;
         // −0 + 0 is 0.
-        let bits = (normal + DVec3::ZERO).to_array().map(f64::to_bits);
-        let vertex = *self.vertices.entry((position, bits)).or_insert(next);
+        let bits = |value: f64| (value + 0.0).to_bits();
+        let key = [normal.x, normal.y, normal.z, texture.x, texture.y].map(bits);
+        let vertex = *self.vertices.entry((position, key)).or_insert(next);
         if vertex == next {
             self.positions.push(self.positions[position as usize]);
-            self.normals.push(normal);
+            if let Some(colors) = &mut self.colors {
+                colors.push(colors[position as usize]);
+            }
+            self.attributes.push(attributes);
         }
         Some(vertex)
     }

@@ -2,6 +2,7 @@ use super::*;
 use crate::geometry::shapes;
 use crate::io::Dropped;
 use crate::io::mesh_reading::trials;
+use crate::math::Vec3;
 
 /// Four vertices, one line each; the tests put faces behind.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -134,6 +135,98 @@ fn a_vertex_becomes_several_only_where_its_normals_differ() {
     assert_eq!(mesh.normals, Some(vec![z, z, z, x, x, z]));
 }
 
+/// A seam: two faces that lie apart on the image share an edge in space.
+#[test]
+fn vertices_are_split_where_their_texture_coordinates_differ() {
+    let text = format!(
+        "{SQUARE}vt 0 0\nvt 0.5 0\nvt 0.5 1 7\nvt 1 0\nvt 1 -0\nvt 0.1\nvn 0 0 1\nf 1/1 2/2 3/3\nf 1/4 3/3 4/5\nf 3/-4 1/1 4/6\n"
+    );
+    let file = read(text);
+    assert_eq!(file.warnings, Vec::<String>::new());
+    let mesh = file.mesh;
+    assert_eq!(mesh.validate(), Ok(()));
+    assert_eq!(mesh.triangles, [[0, 1, 2], [4, 2, 3], [2, 0, 5]]);
+    assert_eq!(mesh.positions[4..], [mesh.positions[0], mesh.positions[3]]);
+    let [a, b, c, d, e] = [(0.0, 0.0), (0.5, 0.0), (0.5, 1.0), (1.0, 0.0), (0.1, 0.0)];
+    let expected = [a, b, c, d, d, e].map(|(u, v)| DVec2::new(u, v));
+    assert_eq!(mesh.texture_coordinates.as_deref(), Some(&expected[..]));
+    assert_eq!(mesh.normals, None);
+}
+
+#[test]
+fn a_vertex_is_split_by_normal_and_texture_coordinate_together() {
+    let text = format!(
+        "{SQUARE}vn 0 0 1\nvn 0 1 0\nvt 0 0\nvt 1 0\nf 1/1/1 2/1/1 3/1/1\nf 1/1/2 3/2/1 4/1/1\nf 1/1/1 2/1/1 4/1/1\n"
+    );
+    let mesh = read(text).mesh;
+    assert_eq!(mesh.triangles, [[0, 1, 2], [4, 5, 3], [0, 1, 3]]);
+    let (normals, coordinates) = (
+        mesh.normals.expect("some"),
+        mesh.texture_coordinates.expect("some"),
+    );
+    assert_eq!((normals[4], normals[5]), (DVec3::Y, DVec3::Z));
+    assert_eq!((coordinates[4], coordinates[5]), (DVec2::ZERO, DVec2::X));
+}
+
+/// Exporters name coordinates they do not write, and leave out those of faces without an image.
+#[test]
+fn texture_coordinates_that_are_not_there_are_zero() {
+    let text = format!(
+        "{SQUARE}vt 1 1\nvt nan 0\nf 1/1 2/2 3/9\nf 1/-9 3/0 4/1\nf 1 2 4\nf 1/1 2/1 4/1\n"
+    );
+    let file = read(text);
+    let coordinates = file.mesh.texture_coordinates.expect("some");
+    let of = |triangle: [u32; 3]| triangle.map(|vertex| coordinates[vertex as usize]);
+    let (zero, one) = (DVec2::ZERO, DVec2::ONE);
+    assert_eq!(of(file.mesh.triangles[0]), [one, zero, zero]);
+    assert_eq!(of(file.mesh.triangles[1]), [zero, zero, one]);
+    assert_eq!(of(file.mesh.triangles[2]), [zero; 3]);
+    assert_eq!(of(file.mesh.triangles[3]), [one; 3]);
+    assert_eq!(
+        file.warnings,
+        [
+            "1 texture coordinate that is not finite is taken as (0, 0) (line 6)",
+            "2 faces have no texture coordinates; they are taken as (0, 0) (the first on line 8)",
+            "corners name texture coordinates that are not there, 1 in all; they are taken as (0, 0)",
+        ]
+    );
+    let file = read(format!("{SQUARE}f 1/1 2/2 3/3\n"));
+    assert_eq!(
+        (file.mesh.texture_coordinates, file.warnings),
+        (None, Vec::new())
+    );
+}
+
+#[test]
+fn colors_of_vertices_are_srgb() {
+    let text = "v 0 0 0 1 0.5 0\nv 1 0 0\nv 1 1 0 0 0 0.02 1\nv 0 1 0 nan -1 3e9\nf 1 2 3\n";
+    // 3e9 is beyond 255: everything counts to that.
+    let dark = read(text).mesh.colors.expect("some");
+    assert!(dark[0].max_element() < 0.001 && dark[3] == Vec3::new(0.0, 0.0, 1.0));
+    let colors = read(text.replace("3e9", "1.01")).mesh.colors.expect("some");
+    // ((0.5 + 0.055) / 1.055)^2.4 and 0.02 / 12.92, by IEC 61966-2-1.
+    let expected = [
+        Vec3::new(1.0, 0.214_041_14, 0.0),
+        Vec3::ONE,
+        Vec3::new(0.0, 0.0, 0.001_547_987_6),
+        Vec3::new(0.0, 0.0, 1.0),
+    ];
+    for (color, expected) in colors.iter().zip(expected) {
+        assert!(color.abs_diff_eq(expected, 1e-7), "{color} {expected}");
+    }
+    // Bytes written as they are.
+    let bytes = read("v 0 0 0 255 128 0\nv 1 0 0 0 0 1\nv 0 1 0 0 0 0\nf 1 2 3\n");
+    let colors = bytes.mesh.colors.expect("some");
+    // 188 is half of the light: 128 is ((128 / 255 + 0.055) / 1.055)^2.4.
+    assert!(colors[0].abs_diff_eq(Vec3::new(1.0, 0.215_860_53, 0.0), 1e-7));
+    assert_eq!(
+        read("v 0 0 0 0.5\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n")
+            .mesh
+            .colors,
+        None
+    );
+}
+
 #[test]
 fn normals_of_some_faces_are_not_used() {
     let file = read(format!("{SQUARE}{MORE}f 1//1 2//1 3//1\nf 1//1 3 4//1\n"));
@@ -142,7 +235,7 @@ fn normals_of_some_faces_are_not_used() {
         file.warnings,
         [
             "1 face has no normals, so those of all are ignored (line 9)",
-            "texture coordinates are ignored (the first on line 5)"
+            "texture coordinates are ignored, as no face has them at all its corners (the first on line 5)"
         ]
     );
     let file = read(format!("{SQUARE}vn nan 0 0\nvn 0 0 1\nf 1//1 2//2 3//2\n"));
@@ -291,8 +384,7 @@ fn what_is_lost_is_said() {
         [
             "1 face without area was dropped (line 8)",
             "3 faces with fewer than three corners were dropped (the first on line 9)",
-            "colours are ignored (the first on line 1)",
-            "texture coordinates are ignored (the first on line 5)",
+            "texture coordinates are ignored, as no face has them at all its corners (the first on line 5)",
             "materials are ignored (the first on line 6)",
             "2 lines and points are ignored (the first on line 12)",
             "1 statement of another kind is ignored (line 14)",

@@ -1,28 +1,42 @@
 use crate::geometry::TriangleMesh;
-use crate::io::mesh_writing::Decimals;
+use crate::io::mesh_writing::{Decimals, encoded};
 use std::io::{self, Write};
 
-/// Writes a mesh as the text of an OBJ file, with its normals where it has any.
+/// Writes a mesh as the text of an OBJ file, with normals, texture coordinates and colours where it has any.
 ///
-/// Reading the text gives the same mesh, apart from triangles without area, which readers drop, and the normals of vertices that
-/// no triangle uses.
+/// Reading the text gives the same mesh, apart from triangles without area, which readers drop, the normals and texture coordinates
+/// of vertices that no triangle uses, and the last digit of colours that no byte stands for.
 ///
 /// # Errors
 /// What `out` returns.
 pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
-    for &position in &mesh.positions {
-        writeln!(out, "v {}", Decimals(position))?;
-    }
-    for &normal in mesh.normals.iter().flatten() {
-        writeln!(out, "vn {}", Decimals(normal))?;
-    }
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|vertex| u64::from(vertex) + 1);
-        if mesh.normals.is_some() {
-            writeln!(out, "f {a}//{a} {b}//{b} {c}//{c}")?;
-        } else {
-            writeln!(out, "f {a} {b} {c}")?;
+    for (vertex, &position) in mesh.positions.iter().enumerate() {
+        write!(out, "v {}", Decimals(&position.to_array()))?;
+        if let Some(colors) = &mesh.colors {
+            let channels = colors[vertex].to_array();
+            let channels = channels.map(|channel| f64::from(encoded(channel)));
+            write!(out, " {}", Decimals(&channels))?;
         }
+        writeln!(out)?;
+    }
+    for normal in mesh.normals.iter().flatten() {
+        writeln!(out, "vn {}", Decimals(&normal.to_array()))?;
+    }
+    for coordinate in mesh.texture_coordinates.iter().flatten() {
+        writeln!(out, "vt {}", Decimals(&coordinate.to_array()))?;
+    }
+    let (has_texture, has_normal) = (mesh.texture_coordinates.is_some(), mesh.normals.is_some());
+    for triangle in &mesh.triangles {
+        write!(out, "f")?;
+        for corner in triangle.map(|vertex| u64::from(vertex) + 1) {
+            match (has_texture, has_normal) {
+                (false, false) => write!(out, " {corner}")?,
+                (true, false) => write!(out, " {corner}/{corner}")?,
+                (false, true) => write!(out, " {corner}//{corner}")?,
+                (true, true) => write!(out, " {corner}/{corner}/{corner}")?,
+            }
+        }
+        writeln!(out)?;
     }
     Ok(())
 }

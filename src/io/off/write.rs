@@ -17,9 +17,9 @@ pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     let (vertices, faces) = (mesh.positions.len(), mesh.triangles.len());
     write!(out, "{keyword}\n{vertices} {faces} 0\n")?;
     for (vertex, &position) in mesh.positions.iter().enumerate() {
-        write!(out, "{}", Decimals(position))?;
+        write!(out, "{}", Decimals(&position.to_array()))?;
         if let Some(normals) = &mesh.normals {
-            write!(out, " {}", Decimals(normals[vertex]))?;
+            write!(out, " {}", Decimals(&normals[vertex].to_array()))?;
         }
         writeln!(out)?;
     }

@@ -5,7 +5,8 @@ use super::values::Values;
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_file::MeshFile;
 use crate::io::mesh_reading::{Malformed, Place, Seen, Tally, Watch, capacity};
-use crate::math::DVec3;
+use crate::math::color::linear_from_srgb;
+use crate::math::{DVec2, DVec3};
 
 /// Reads what the header announces; `None` when cancelled.
 ///
@@ -22,6 +23,7 @@ pub fn read_body<V: Values>(
         mesh: TriangleMesh::default(),
         tally: Tally::default(),
         not_finite: Seen::default(),
+        textures_not_finite: Seen::default(),
         indices: Vec::new(),
     };
     for element in &header.elements {
@@ -41,6 +43,7 @@ struct Reader<'a, V> {
     tally: Tally,
     /// Normals that are not finite.
     not_finite: Seen,
+    textures_not_finite: Seen,
     /// The vertices of the face or strip at hand.
     indices: Vec<u32>,
 }
@@ -72,6 +75,10 @@ impl<V: Values> Reader<'_, V> {
             self.mesh.positions.reserve_exact(capacity);
             let has_normals = (0..3).all(|axis| element.has(Role::Normal(axis)));
             self.mesh.normals = has_normals.then(|| Vec::with_capacity(capacity));
+            let has_texture = (0..2).all(|axis| element.has(Role::Texture(axis)));
+            self.mesh.texture_coordinates = has_texture.then(|| Vec::with_capacity(capacity));
+            let has_colors = (0..3).all(|channel| element.has(Role::Color(channel)));
+            self.mesh.colors = has_colors.then(|| Vec::with_capacity(capacity));
         }
         for index in 0..element.count {
             let position = self.values.position();
@@ -108,6 +115,7 @@ impl<V: Values> Reader<'_, V> {
 
     fn vertex(&mut self, item: Item, place: Place) -> Result<(), Malformed> {
         let (mut position, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        let (mut texture, mut color) = (DVec2::ZERO, DVec3::ZERO);
         for property in &item.element.properties {
             match (property.role, property.kind) {
                 (Role::Position(axis), Kind::One(scalar)) => {
@@ -120,6 +128,12 @@ impl<V: Values> Reader<'_, V> {
                 (Role::Normal(axis), Kind::One(scalar)) => {
                     normal[axis] = self.value(scalar, item)?;
                 }
+                (Role::Texture(axis), Kind::One(scalar)) => {
+                    texture[axis] = self.value(scalar, item)?;
+                }
+                (Role::Color(channel), Kind::One(scalar)) => {
+                    color[channel] = self.value(scalar, item)? / scalar.white();
+                }
                 _ => self.skip(*property, item)?,
             }
         }
@@ -131,6 +145,16 @@ impl<V: Values> Reader<'_, V> {
                 normal = DVec3::ZERO;
             }
             normals.push(normal);
+        }
+        if let Some(coordinates) = &mut self.mesh.texture_coordinates {
+            if !texture.is_finite() {
+                self.textures_not_finite.at(place);
+                texture = DVec2::ZERO;
+            }
+            coordinates.push(texture);
+        }
+        if let Some(colors) = &mut self.mesh.colors {
+            colors.push(color.as_vec3().map(linear_from_srgb));
         }
         Ok(())
     }
@@ -223,8 +247,12 @@ impl<V: Values> Reader<'_, V> {
             for property in &element.properties {
                 let line = Place::Line(property.line);
                 match property.role {
-                    Role::Color => colors.at(line),
-                    Role::Texture => textures.at(line),
+                    Role::OtherColor => colors.at(line),
+                    Role::OtherTexture => textures.at(line),
+                    Role::Color(0) if self.mesh.colors.is_none() => colors.at(line),
+                    Role::Texture(0) if self.mesh.texture_coordinates.is_none() => {
+                        textures.at(line);
+                    }
                     _ => {}
                 }
             }
@@ -234,8 +262,12 @@ impl<V: Values> Reader<'_, V> {
                 "normal that is not finite is ignored",
                 "normals that are not finite are ignored",
             ),
-            colors.found("colours are ignored"),
-            textures.found("texture coordinates are ignored"),
+            self.textures_not_finite.counted(
+                "texture coordinate that is not finite is taken as (0, 0)",
+                "texture coordinates that are not finite are taken as (0, 0)",
+            ),
+            colors.found("colours that vertices do not have whole are ignored"),
+            textures.found("texture coordinates that vertices do not have whole are ignored"),
             others.counted(
                 "element of another kind is ignored",
                 "elements of other kinds are ignored",

@@ -30,6 +30,19 @@ impl Scalar {
         })
     }
 
+    /// What stands for white in a channel of this type; numbers with a point go to 1.
+    pub fn white(self) -> f64 {
+        match self {
+            Self::I8 => f64::from(i8::MAX),
+            Self::U8 => f64::from(u8::MAX),
+            Self::I16 => f64::from(i16::MAX),
+            Self::U16 => f64::from(u16::MAX),
+            Self::I32 => f64::from(i32::MAX),
+            Self::U32 => f64::from(u32::MAX),
+            Self::F32 | Self::F64 => 1.0,
+        }
+    }
+
     /// Bytes of one in binary data.
     pub fn size(self) -> usize {
         match self {
@@ -65,8 +78,14 @@ pub enum Role {
     Position(usize),
     /// A coordinate of the normal, on this axis.
     Normal(usize),
-    Color,
-    Texture,
+    /// A channel of the colour: red, green, blue.
+    Color(usize),
+    /// A texture coordinate: to the right, up.
+    Texture(usize),
+    /// A colour that is not one of a vertex.
+    OtherColor,
+    /// A texture coordinate that is not one of a vertex.
+    OtherTexture,
     /// The vertices of a face or strip.
     Corners,
     Other,
@@ -87,12 +106,30 @@ impl Role {
             {
                 Self::Corners
             }
-            (_, b"red" | b"r" | b"diffuse_red") => Self::Color,
-            (_, b"s" | b"u" | b"texture_s" | b"texture_u" | b"texcoord") => Self::Texture,
+            (ElementKind::Vertex, _) if !is_list => {
+                let color = COLORS.iter().position(|names| names.contains(&name));
+                let texture = TEXTURES.iter().position(|names| names.contains(&name));
+                let role = color.map(Self::Color).or(texture.map(Self::Texture));
+                role.unwrap_or(Self::Other)
+            }
+            _ if COLORS[0].contains(&name) => Self::OtherColor,
+            _ if TEXTURES[0].contains(&name) || name == b"texcoord" => Self::OtherTexture,
             _ => Self::Other,
         }
     }
 }
+
+/// What programs call red, green and blue.
+const COLORS: [&[&[u8]]; 3] = [
+    &[b"red", b"r", b"diffuse_red"],
+    &[b"green", b"g", b"diffuse_green"],
+    &[b"blue", b"b", b"diffuse_blue"],
+];
+/// What programs call the texture coordinates to the right and up.
+const TEXTURES: [&[&[u8]]; 2] = [
+    &[b"s", b"u", b"texture_s", b"texture_u"],
+    &[b"t", b"v", b"texture_t", b"texture_v"],
+];
 
 /// A property of the items of an element.
 #[derive(Clone, Copy, Debug)]

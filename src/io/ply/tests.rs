@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::{TriangleMesh, shapes};
 use crate::io::Dropped;
 use crate::io::mesh_reading::trials;
-use crate::math::DVec3;
+use crate::math::{DVec2, DVec3, Vec3, color::linear_from_srgb};
 
 /// A square's vertices in the order around it.
 const SQUARE: [[i8; 3]; 4] = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
@@ -309,6 +309,45 @@ fn strips_turn_every_second_triangle_and_begin_anew_at_minus_one() {
     );
 }
 
+/// Of any type and under any of their names, in any order.
+#[test]
+fn texture_coordinates_and_colors_are_kept() {
+    let properties = [
+        &["property uchar blue", "property float texture_v"],
+        &XYZ[..],
+        &["property uchar red", "property ushort green"],
+        &["property double texture_u"],
+    ]
+    .concat();
+    let data = "255 0.5 0 0 0 0 65535 0.1\n0 1 1 0 0 128 0 -3\n0 nan 1 1 0 0 0 0\n0 0 0 1 0 1 0 0\n3 0 1 2\n3 0 2 3\n";
+    let file = read(square(&properties, &FACES, data));
+    let expected = [(0.1, 0.5), (-3.0, 1.0), (0.0, 0.0), (0.0, 0.0)];
+    let expected = expected.map(|(u, v)| DVec2::new(u, v));
+    assert_eq!(
+        file.mesh.texture_coordinates.as_deref(),
+        Some(&expected[..])
+    );
+    assert_eq!(
+        file.warnings,
+        ["1 texture coordinate that is not finite is taken as (0, 0) (line 17)"]
+    );
+    // sRGB by IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4, and 1/255/12.92.
+    let colors = file.mesh.colors.expect("some");
+    assert_eq!(colors[0], Vec3::new(0.0, 1.0, 1.0));
+    assert!((colors[1].x - 0.215_860_53).abs() < 1e-7);
+    assert!((colors[3].x - 0.000_303_526_98).abs() < 1e-9);
+
+    let properties = [
+        &XYZ[..],
+        &["property float r", "property float g", "property float b"],
+    ];
+    let data = "0 0 0 1 .5 2\n1 0 0 0 0 0\n1 1 0 -1 nan 0\n0 1 0 0 0 0\n3 0 1 2\n3 0 2 3\n";
+    let colors = read(square(&properties.concat(), &FACES, data)).mesh.colors;
+    let colors = colors.expect("some");
+    assert!(colors[0].abs_diff_eq(Vec3::new(1.0, 0.214_041_14, 1.0), 1e-7));
+    assert_eq!(colors[2], Vec3::ZERO);
+}
+
 #[test]
 fn what_is_ignored_is_said_once() {
     let vertex = [
@@ -335,8 +374,8 @@ fn what_is_ignored_is_said_once() {
     assert_eq!(
         file.warnings,
         [
-            "colours are ignored (the first on line 7)",
-            "texture coordinates are ignored (the first on line 9)",
+            "colours that vertices do not have whole are ignored (the first on line 7)",
+            "texture coordinates that vertices do not have whole are ignored (the first on line 9)",
             "1 element of another kind is ignored (line 13)",
         ]
     );
@@ -398,6 +437,24 @@ fn what_is_written_reads_back_the_same() {
     mesh.positions
         .clone_from(mesh.normals.as_ref().expect("has some"));
     assert_eq!(written(&mesh), mesh);
+    // Coordinates that 32 bits hold, and such that they do not; colours that are bytes.
+    for digit in [0.25, 0.1] {
+        let coordinates = mesh.positions.iter().map(|p| DVec2::new(p.x + digit, 1e-9));
+        mesh.texture_coordinates = Some(coordinates.collect());
+        let code = |vertex: usize| (vertex * 37 % 256) as f32 / 255.0;
+        let colors =
+            (0..mesh.positions.len()).map(|vertex| Vec3::splat(linear_from_srgb(code(vertex))));
+        mesh.colors = Some(colors.collect());
+        assert_eq!(written(&mesh), mesh);
+    }
+    let (bytes, colors) = (
+        Vec3::splat(linear_from_srgb(0.2)),
+        mesh.colors
+            .insert(vec![Vec3::splat(0.3); mesh.positions.len()]),
+    );
+    colors[0] = bytes;
+    let read = written(&mesh).colors.expect("some");
+    assert!((read[0] - bytes).length() < 1e-7 && (read[1] - 0.3).length() < 1e-6);
     assert_eq!(written(&TriangleMesh::default()), TriangleMesh::default());
 }
 

@@ -1,35 +1,56 @@
 //! Triangles as a PLY file, binary little endian, as other programs read it without asking questions.
 
 use crate::geometry::TriangleMesh;
-use crate::io::mesh_writing::fit_f32;
-use crate::math::DVec3;
+use crate::io::mesh_writing::{encoded, fit_f32, srgb_byte};
+use crate::math::Vec3;
 use std::io::{self, Error, ErrorKind, Write};
 
-/// Writes a mesh, with its normals where it has any. Numbers are `float` where that holds them all as they are, else `double`:
-/// the file reads back as the same mesh, but for triangles without area, which readers drop.
+/// Writes a mesh, with normals, texture coordinates and colours where it has any. Numbers are `float` where that holds them all as
+/// they are, else `double`, and colours `uchar` where bytes stand for all of them: the file reads back as the same mesh, but for
+/// triangles without area, which readers drop, and for the last digit of colours that no byte stands for.
 ///
 /// # Errors
 /// What `out` returns; and that there are more vertices than the faces' `int` can number.
 pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     let normals = mesh.normals.as_deref();
-    let types = [Some(&mesh.positions[..]), normals].map(|vectors| {
-        if fit_f32(vectors.unwrap_or_default()) {
-            "float"
-        } else {
-            "double"
-        }
-    });
-    let [of_positions, of_normals] = types;
-    let mut properties = vec![(of_positions, ["x", "y", "z"])];
+    let coordinates = mesh.texture_coordinates.as_deref();
+    let colors = mesh.colors.as_deref();
+    let type_of = |is_float| if is_float { "float" } else { "double" };
+    let short_positions = fit_f32(&mesh.positions);
+    let short_normals = fit_f32(normals.unwrap_or_default());
+    let short_coordinates = coordinates.unwrap_or_default().iter();
+    let short_coordinates = short_coordinates
+        .copied()
+        .all(|uv| uv.as_vec2().as_dvec2() == uv);
+    let channels = || colors.unwrap_or_default().iter().flat_map(Vec3::to_array);
+    let byte_colors = channels().all(|channel| srgb_byte(channel).is_some());
+
+    let mut properties: Vec<(&str, &[&str])> = vec![(type_of(short_positions), &["x", "y", "z"])];
     if normals.is_some() {
-        properties.push((of_normals, ["nx", "ny", "nz"]));
+        properties.push((type_of(short_normals), &["nx", "ny", "nz"]));
+    }
+    if coordinates.is_some() {
+        properties.push((type_of(short_coordinates), &["s", "t"]));
+    }
+    if colors.is_some() {
+        let kind = if byte_colors { "uchar" } else { "float" };
+        properties.push((kind, &["red", "green", "blue"]));
     }
     let faces = mesh.triangles.len() as u64;
     write_header(mesh.positions.len() as u64, &properties, faces, out)?;
-    for (vertex, &position) in mesh.positions.iter().enumerate() {
-        write_vector(position, of_positions == "float", out)?;
+    for (vertex, position) in mesh.positions.iter().enumerate() {
+        write_numbers(&position.to_array(), short_positions, out)?;
         if let Some(normals) = normals {
-            write_vector(normals[vertex], of_normals == "float", out)?;
+            write_numbers(&normals[vertex].to_array(), short_normals, out)?;
+        }
+        if let Some(coordinates) = coordinates {
+            write_numbers(&coordinates[vertex].to_array(), short_coordinates, out)?;
+        }
+        for channel in colors.iter().flat_map(|colors| colors[vertex].to_array()) {
+            match srgb_byte(channel).filter(|_| byte_colors) {
+                Some(byte) => out.write_all(&[byte])?,
+                None => out.write_all(&encoded(channel).to_le_bytes())?,
+            }
         }
     }
     write_faces(mesh.triangles.iter().copied(), out)
@@ -47,17 +68,18 @@ pub fn write_triangles(
 ) -> io::Result<()> {
     let (vertex_count, vertices) = vertices;
     let (face_count, faces) = faces;
-    write_header(vertex_count, &[("float", ["x", "y", "z"])], face_count, out)?;
+    let properties: [(&str, &[&str]); 1] = [("float", &["x", "y", "z"])];
+    write_header(vertex_count, &properties, face_count, out)?;
     for value in vertices.flatten() {
         out.write_all(&value.to_le_bytes())?;
     }
     write_faces(faces, out)
 }
 
-/// `properties` of the vertices: a type, and the names of three numbers of it.
+/// `properties` of the vertices: a type, and the names of numbers of it.
 fn write_header(
     vertices: u64,
-    properties: &[(&str, [&str; 3])],
+    properties: &[(&str, &[&str])],
     faces: u64,
     out: &mut dyn Write,
 ) -> io::Result<()> {
@@ -73,7 +95,7 @@ fn write_header(
         "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n"
     )?;
     for (kind, names) in properties {
-        for name in names {
+        for name in *names {
             writeln!(out, "property {kind} {name}")?;
         }
     }
@@ -83,14 +105,16 @@ fn write_header(
     )
 }
 
-fn write_vector(vector: DVec3, is_float: bool, out: &mut dyn Write) -> io::Result<()> {
-    if is_float {
-        let bytes = vector.as_vec3().to_array().map(f32::to_le_bytes);
-        out.write_all(bytes.as_flattened())
-    } else {
-        let bytes = vector.to_array().map(f64::to_le_bytes);
-        out.write_all(bytes.as_flattened())
+#[expect(clippy::cast_possible_truncation, reason = "where nothing is lost")]
+fn write_numbers(numbers: &[f64], is_float: bool, out: &mut dyn Write) -> io::Result<()> {
+    for &number in numbers {
+        if is_float {
+            out.write_all(&(number as f32).to_le_bytes())?;
+        } else {
+            out.write_all(&number.to_le_bytes())?;
+        }
     }
+    Ok(())
 }
 
 fn write_faces(faces: impl Iterator<Item = [u32; 3]>, out: &mut dyn Write) -> io::Result<()> {

@@ -88,7 +88,7 @@ pub fn parse(bytes: &[u8], mut watch: Watch) -> Result<Option<MeshFile>, Malform
     let mesh = TriangleMesh {
         positions: weld.positions,
         triangles,
-        normals: None,
+        ..TriangleMesh::default()
     };
     Ok(Some(tally.into_file(
         "STL",

@@ -143,7 +143,7 @@ impl<'a> Reader<'a> {
         let mesh = TriangleMesh {
             positions: self.weld.positions,
             triangles: self.triangles,
-            normals: None,
+            ..TriangleMesh::default()
         };
         self.tally.into_file("STL", mesh, warning)
     }

@@ -51,9 +51,13 @@ fn write_text(facets: impl Iterator<Item = [DVec3; 3]>, out: &mut dyn Write) -> 
     writeln!(out, "solid mesh")?;
     for corners in facets {
         let normal = face_normal(corners).unwrap_or_default();
-        write!(out, "facet normal {}\nouter loop\n", Decimals(normal))?;
+        write!(
+            out,
+            "facet normal {}\nouter loop\n",
+            Decimals(&normal.to_array())
+        )?;
         for corner in corners {
-            writeln!(out, "vertex {}", Decimals(corner))?;
+            writeln!(out, "vertex {}", Decimals(&corner.to_array()))?;
         }
         write!(out, "endloop\nendfacet\n")?;
     }
