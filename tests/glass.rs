@@ -8,7 +8,7 @@ use common::{add, assert_near, diffuse, looking_at_floor, picture, rectangle, va
 use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::{DVec3, Degrees};
 use raymini::scene::{
-    Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene,
+    Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene, Textures,
 };
 
 /// A slab of glass before a black backdrop, under an even sky from the eye's side.
@@ -35,6 +35,7 @@ fn a_slab_of_glass_reflects_and_transmits_what_fresnel_says() {
             diffuse: Rgb::ZERO,
             specular: Rgb::ZERO,
             shininess: 1.0,
+            textures: Textures::default(),
         };
         add(&mut scene, "backdrop", slab(-1.0, false), black);
         scene.background = Background::Constant { radiance: Rgb::ONE };

@@ -11,7 +11,7 @@ use raymini::render::{
 };
 use raymini::scene::{
     AmbientOcclusion, Background, Camera, Facing, Light, Material, Mode, Object, RenderSettings,
-    Rgb, Scene, Shadows,
+    Rgb, Scene, Shadows, Textures,
 };
 
 fn render_layers(scene: &Scene) -> RenderOutcome {
@@ -59,6 +59,7 @@ fn everything() -> Scene {
         diffuse: Rgb::new(0.5, 0.2, 0.1),
         specular: Rgb::new(0.1, 0.3, 0.4),
         shininess: 30.0,
+        textures: Textures::default(),
     };
     ball(&mut scene, "glossy", DVec3::new(-2.0, 0.0, 0.8), glossy);
     ball(

@@ -10,7 +10,9 @@ use std::sync::Arc;
 use common::{add, assert_ways_agree, diffuse, looking_at_floor, picture, rectangle, run, value};
 use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::DVec3;
-use raymini::scene::{Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, Scene, Shadows};
+use raymini::scene::{
+    Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, Scene, Shadows, Textures,
+};
 
 /// Numbers in `0..1` that are the same everywhere (the R₁ sequence of a few irrationals).
 fn unit(index: u32, which: u32) -> f64 {
@@ -193,6 +195,7 @@ fn every_way_of_finding_many_lights_finds_the_same() {
         diffuse: Rgb::splat(0.4),
         specular: Rgb::splat(0.4),
         shininess: 10.0,
+        textures: Textures::default(),
     };
     add(
         &mut base,

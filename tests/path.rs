@@ -14,7 +14,7 @@ use raymini::geometry::TriangleMesh;
 use raymini::geometry::shapes;
 use raymini::math::{DVec3, Degrees};
 use raymini::scene::{
-    Background, Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, Scene,
+    Background, Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, Scene, Textures,
 };
 
 /// A disk of 512 triangles at `height`, facing down.
@@ -159,6 +159,7 @@ fn the_phong_lobe_has_the_albedo_of_the_table() {
                     diffuse: Rgb::ZERO,
                     specular: Rgb::ONE,
                     shininess,
+                    textures: Textures::default(),
                 },
             );
             let (sine, cosine) = degrees.to_radians().sin_cos();
@@ -183,6 +184,7 @@ fn every_way_of_finding_light_finds_the_same() {
         diffuse: Rgb::splat(0.4),
         specular: Rgb::splat(0.4),
         shininess: 20.0,
+        textures: Textures::default(),
     };
     add(
         &mut scene,

@@ -16,7 +16,7 @@ use raymini::render::{
 };
 use raymini::scene::{
     AmbientOcclusion, Background, Camera, Facing, Light, LightSampling, Material, Mode, PhongModel,
-    RadianceMap, Rgb, Scene, Shadows,
+    RadianceMap, Rgb, Scene, Shadows, Textures,
 };
 
 fn prepare(scene: &Scene) -> PreparedScene {
@@ -51,6 +51,7 @@ fn showroom() -> Scene {
         diffuse: Rgb::splat(0.2),
         specular: Rgb::splat(0.5),
         shininess: 40.0,
+        textures: Textures::default(),
     };
     add(&mut scene, "wall", wall, shiny);
     let side = rectangle(DVec3::new(-2.0, 0.0, 1.0), DVec3::Y * 2.0, DVec3::Z);
@@ -255,6 +256,7 @@ fn layers_change_no_bit_where_samples_are_chosen() {
         diffuse: Rgb::ZERO,
         specular: Rgb::splat(0.8),
         shininess: 20.0,
+        textures: Textures::default(),
     };
     scene.materials.insert("wall".into(), shiny);
     let prepared = prepare(&scene);

@@ -11,7 +11,7 @@ use raymini::render::{
 };
 use raymini::scene::{
     AcceleratorChoice, Background, Camera, Light, Material, Mode, Object, PhongModel,
-    RenderSettings, Rgb, Scene, Shadows,
+    RenderSettings, Rgb, Scene, Shadows, Textures,
 };
 
 /// A scene of meshes, all of one diffuse reflectance.
@@ -23,6 +23,7 @@ fn scene_of(meshes: Vec<TriangleMesh>, diffuse: f64) -> Scene {
             diffuse: Rgb::splat(diffuse),
             specular: Rgb::ZERO,
             shininess: 1.0,
+            textures: Textures::default(),
         },
     );
     for (index, mesh) in meshes.into_iter().enumerate() {
@@ -90,6 +91,7 @@ fn shards_scene() -> Scene {
             diffuse: Rgb::new(0.5, 0.3, 0.1),
             specular: Rgb::splat(0.4),
             shininess: 50.0,
+            textures: Textures::default(),
         },
     );
     scene.objects[0].material = Some("shiny".into());
@@ -209,6 +211,7 @@ fn the_classic_formula_replaces_brdf_and_cosine() {
         diffuse: Rgb::splat(diffuse),
         specular: Rgb::splat(specular),
         shininess,
+        textures: Textures::default(),
     };
     scene.materials.insert("grey".into(), shiny);
     let image = picture(&scene);

@@ -15,7 +15,7 @@ use raymini::math::{DVec3, Degrees};
 use raymini::render::Image;
 use raymini::scene::{
     AmbientOcclusion, Background, Camera, Light, LightSampling, Material, Mode, RadianceMap,
-    RenderSettings, Rgb, Scene,
+    RenderSettings, Rgb, Scene, Textures,
 };
 
 /// Gives the scene a sky of `width × height` pixels with Z up.
@@ -171,6 +171,7 @@ fn every_way_of_finding_the_sky_finds_the_same() {
         diffuse: Rgb::splat(0.4),
         specular: Rgb::splat(0.4),
         shininess: 20.0,
+        textures: Textures::default(),
     };
     let floor = rectangle(DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0);
     add(&mut scene, "floor", floor, shiny);

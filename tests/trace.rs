@@ -13,6 +13,7 @@ use raymini::render::{
 };
 use raymini::scene::{
     Background, Camera, Facing, Filter, Light, Material, Mode, RenderSettings, Rgb, Scene, Shadows,
+    Textures,
 };
 
 /// Balls of glass and of something matt beside a mirror on a floor.
@@ -30,6 +31,7 @@ fn scene() -> Scene {
         diffuse: Rgb::new(0.5, 0.2, 0.2),
         specular: Rgb::splat(0.3),
         shininess: 20.0,
+        textures: Textures::default(),
     };
     add(&mut scene, "matt", shapes::icosphere(2), matt);
     scene.objects[2].translate = DVec3::new(1.2, 0.0, 1.0);

@@ -68,14 +68,14 @@ pub fn copy(scene: &Scene, selection: &Selection) -> Option<Part> {
             let material = object.material.as_ref();
             Some(Part::Object {
                 mesh: scene.meshes.get(&object.mesh).cloned(),
-                material: material.and_then(|name| scene.materials.get(name).copied()),
+                material: material.and_then(|name| scene.materials.get(name).cloned()),
                 object: Box::new(object.clone()),
             })
         }
         Selection::Light(index) => scene.lights.get(*index).copied().map(Part::Light),
         Selection::Material(name) => {
             let material = scene.materials.get(name)?;
-            Some(Part::Material(name.clone(), *material))
+            Some(Part::Material(name.clone(), material.clone()))
         }
     }
 }

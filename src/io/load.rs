@@ -13,9 +13,10 @@ use super::scene_file::{self, SceneFile, SceneFileError};
 use super::scene_paths::{
     absolute_image, absolute_mesh, is_render_file, is_scene_file, relative_path,
 };
+use super::texture_file::{TextureFile, load_texture};
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
-use crate::scene::{Background, Object, Scene, SceneError, presets};
+use crate::scene::{Background, Material, Object, Scene, SceneError, Textures, presets};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
@@ -47,7 +48,7 @@ pub enum LoadError {
     /// A mesh named on its own could not be loaded.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The background's image could not be loaded.
+    /// An image, of the background or a material, could not be loaded.
     #[error(transparent)]
     Image(#[from] RadianceError),
     /// Meshes that make no scene, such as one a double cannot measure.
@@ -173,6 +174,9 @@ pub(super) fn portable_text(scene: &Scene, path: &Path) -> io::Result<String> {
     if let Background::Image { image, .. } = &mut portable.background {
         *image = relative_path(image, folder);
     }
+    for image in texture_names_mut(&mut portable) {
+        *image = relative_path(image, folder);
+    }
     Ok(scene_file::write(&portable))
 }
 
@@ -203,6 +207,17 @@ pub fn override_scene(
     let progress = Progress::new();
     let here = Path::new(".");
     load_background(&mut scene, here, &mut loaded.warnings, cancel, &progress)?;
+    for image in texture_names_mut(&mut scene) {
+        *image = absolute_image(image, here);
+    }
+    for image in scene.texture_names() {
+        if !scene.textures.contains_key(&image)
+            && let Some(file) = load_texture(Path::new(&image), cancel, &progress)?
+        {
+            loaded.warnings.extend(texture_warnings(&image, &file));
+            scene.textures.insert(image, Arc::new(file.image));
+        }
+    }
     loaded.scene = scene;
     Ok(())
 }
@@ -227,6 +242,15 @@ pub fn image_warnings(name: &str, file: &RadianceFile) -> Vec<String> {
     file.warnings
         .iter()
         .chain(is_stretched.then_some(&stretched))
+        .map(|warning| format!("{name}: {warning}"))
+        .collect()
+}
+
+/// What the file of a texture leaves to say to the user; `name` is what the user calls it.
+#[must_use]
+pub fn texture_warnings(name: &str, file: &TextureFile) -> Vec<String> {
+    file.warnings
+        .iter()
         .map(|warning| format!("{name}: {warning}"))
         .collect()
 }
@@ -310,7 +334,13 @@ fn load_parts(
         Background::Image { image, .. } => work_of(&absolute_image(image, folder)),
         _ => 0,
     };
-    progress.set_total(meshes.sum::<u64>() + image);
+    let work = meshes.sum::<u64>() + image;
+    for image in texture_names_mut(&mut scene) {
+        *image = absolute_image(image, folder);
+    }
+    let textures = scene.texture_names();
+    let textures = textures.iter().map(|image| work_of(image));
+    progress.set_total(work + textures.sum::<u64>());
     for index in 0..scene.objects.len() {
         let mesh = scene.objects[index].mesh.clone();
         if scene.meshes.contains_key(&mesh) {
@@ -331,7 +361,54 @@ fn load_parts(
     if let (true, Background::Image { image, .. }) = (whole, &scene.background) {
         warnings.extend(outside_warning(image, folder));
     }
+    let whole = whole && load_textures(file, &mut scene, folder, warnings, cancel, progress)?;
     Ok(whole.then_some(scene))
+}
+
+/// Loads all images of materials, which are named from the root; `folder`: that of the scene file. False when cancelled.
+fn load_textures(
+    file: &SceneFile,
+    scene: &mut Scene,
+    folder: &Path,
+    warnings: &mut Vec<String>,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<bool, LoadError> {
+    for image in scene.texture_names() {
+        let loaded = load_texture(Path::new(&image), cancel, progress).map_err(|error| {
+            let key = key_of_texture(scene, &image);
+            file.error_at(&key.unwrap_or_default(), error.to_string())
+        })?;
+        let Some(loaded) = loaded else {
+            return Ok(false);
+        };
+        warnings.extend(outside_warning(&image, folder));
+        warnings.extend(texture_warnings(&image, &loaded));
+        scene.textures.insert(image, Arc::new(loaded.image));
+    }
+    Ok(true)
+}
+
+/// The names of the images of all materials, to be changed.
+fn texture_names_mut(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
+    let textures = scene
+        .materials
+        .values_mut()
+        .filter_map(Material::textures_mut);
+    textures.flat_map(Textures::images_mut)
+}
+
+/// The first key of the scene file that names the texture `image`.
+fn key_of_texture(scene: &Scene, image: &str) -> Option<String> {
+    scene.materials.iter().find_map(|(name, material)| {
+        let textures = material.textures()?;
+        let keys = [
+            ("diffuse_image", &textures.diffuse_image),
+            ("normal_image", &textures.normal_image),
+        ];
+        let key = keys.iter().find(|(_, name)| name.as_deref() == Some(image));
+        key.map(|(key, _)| format!("materials.{name}.{key}"))
+    })
 }
 
 /// What is said when a scene file in `folder` has a mesh or image read from outside of the folder that holds `folder`. Scenes
@@ -435,6 +512,7 @@ fn work_of(mesh: &str) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Texels;
 
     #[test]
     fn progress_ends_at_its_total() {
@@ -535,6 +613,80 @@ mod tests {
         let error = set(&mut loaded, "background.image=/nowhere/a.exr".into());
         let error = error.expect_err("is not there").to_string();
         assert_eq!(error, "/nowhere/a.exr: there is no such file");
+    }
+
+    /// A folder with a texture of one white texel and a scene in a folder beside it that names it twice.
+    fn textured_scene() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let white = crate::render::Image {
+            width: 1,
+            height: 1,
+            pixels: vec![[1.0; 3]],
+        };
+        let scene = Scene::default();
+        let path = folder.path().join("white.png");
+        crate::io::write_image(&white, &[], &scene.display, &scene.output, &path)
+            .expect("is written");
+        std::fs::create_dir(folder.path().join("scenes")).expect("is made");
+        let path = folder.path().join("scenes/a.toml");
+        let text = "[materials.a]\ndiffuse_image = \"../white.png\"\n\
+                    normal_image = \"./../white.png\"\n[materials.b]\nspecular = [0, 0, 0]\n\
+                    [[objects]]\nmesh = \"builtin:ground\"\nmaterial = \"a\"\n";
+        std::fs::write(&path, text).expect("is written");
+        (folder, path)
+    }
+
+    #[test]
+    fn textures_are_loaded_once_saved_and_found_again() {
+        let (folder, path) = textured_scene();
+        let LoadedScene { scene, warnings } = load(&path).expect("is right");
+        assert_eq!(warnings, Vec::<String>::new());
+        assert_eq!(scene.textures.len(), 1);
+        let names = scene.texture_names();
+        let name = names.first().expect("one is named");
+        let texture = scene.texture(name).expect("is loaded");
+        assert_eq!(*texture.texels(), Texels::Bytes(vec![[255; 3]]));
+
+        std::fs::create_dir_all(folder.path().join("b/c")).expect("is made");
+        let other = folder.path().join("b/c/other.toml");
+        save_scene(&scene, &other).expect("is written");
+        let text = std::fs::read_to_string(&other).expect("is there");
+        assert!(
+            text.contains("diffuse_image = \"../../white.png\""),
+            "{text}"
+        );
+        assert_eq!(load(&other).expect("is right").scene, scene);
+    }
+
+    #[test]
+    fn a_texture_that_cannot_be_loaded_is_an_error_at_its_place() {
+        let (folder, path) = textured_scene();
+        std::fs::remove_file(folder.path().join("white.png")).expect("is there");
+        let found = load(&path).expect_err("is not there").to_string();
+        let image = folder.path().join("white.png");
+        let (path, image) = (path.display(), image.display());
+        assert_eq!(
+            found,
+            format!("{path}:2:17: {image}: there is no such file")
+        );
+    }
+
+    #[test]
+    fn overrides_load_textures() {
+        let (folder, path) = textured_scene();
+        let mut loaded = load(&path).expect("is right");
+        loaded.scene.textures.clear();
+        let image = folder.path().join("white.png");
+        let assignment = format!("materials.b.diffuse_image={}", image.display());
+        override_scene(&mut loaded, &[assignment], &CancelToken::new()).expect("is right");
+        let material = &loaded.scene.materials["b"];
+        let textures = material.textures().expect("phong");
+        let image = textures.diffuse_image.as_deref().expect("is set");
+        assert!(loaded.scene.texture(image).is_ok());
+        let assignment = "materials.b.normal_image=/nowhere/a.png".to_owned();
+        let error = override_scene(&mut loaded, &[assignment], &CancelToken::new());
+        let error = error.expect_err("is not there").to_string();
+        assert_eq!(error, "/nowhere/a.png: there is no such file");
     }
 
     /// A scene may name what lies beside it or beside its folder; reading anything else is said, links or not.

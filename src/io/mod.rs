@@ -22,6 +22,7 @@ pub mod scene_file;
 mod scene_paths;
 mod shorten;
 pub mod stl;
+mod texture_file;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};
@@ -46,5 +47,8 @@ pub use ray_file::{RayFileError, load_rays, save_rays};
 pub use render_description::{describe_render, difference};
 pub use scene_paths::{
     RENDER_EXTENSIONS, absolute_image, absolute_mesh, is_image_file, is_render_file, is_scene_file,
+};
+pub use texture_file::{
+    TEXTURE_EXTENSIONS, TEXTURE_FORMATS, TextureFile, load_texture, parse_texture,
 };
 pub use whole_file::open_file;

@@ -68,7 +68,8 @@ pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError
 /// The picture in `bytes`, which are those of a whole file.
 fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
     let (format, raw) = if bytes.starts_with(b"\x89PNG") {
-        ("PNG", read_png(bytes)?)
+        let linear = |code, most| linear_from_srgb(code as f32 / most as f32);
+        ("PNG", read_png(bytes, linear)?)
     } else {
         let (cancel, progress) = (CancelToken::new(), Progress::new());
         read_values(bytes, PICTURE_FORMATS, &cancel, &progress)?.expect("nobody cancels")
@@ -89,8 +90,15 @@ fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
 /// Source: zlib's technical details: the limit of deflate is 1032:1.
 const MOST_DEFLATED: u64 = 1032;
 
-/// Reads a PNG of any kind. Of an animation the first frame is taken.
-fn read_png(bytes: &[u8]) -> Result<RawImage, String> {
+/// Reads a PNG of any kind. Of an animation the first frame is taken. `value_of`: what a sample's code, of which the second number
+/// is the largest, 255 or 65535, becomes.
+///
+/// # Errors
+/// What is wrong with the file, in a plain sentence.
+pub fn read_png<T: Copy>(
+    bytes: &[u8],
+    value_of: impl Fn(usize, usize) -> T,
+) -> Result<RawImage<T>, String> {
     let in_words = |error: png::DecodingError| format!("not a whole PNG file: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     // Palettes become colours, and fewer than 8 bits become 8.
@@ -118,7 +126,7 @@ fn read_png(bytes: &[u8]) -> Result<RawImage, String> {
     let mut warnings = color_warnings(info);
     let is_interlaced = info.interlaced;
     let (color, depth) = reader.output_color_type();
-    let mut pixels = Pixels::new(width, height, color, depth);
+    let mut pixels = Pixels::new((width, height), color, depth, value_of);
     if is_interlaced {
         let length = reader
             .output_buffer_size()
@@ -150,29 +158,33 @@ fn read_png(bytes: &[u8]) -> Result<RawImage, String> {
 }
 
 /// Pixels of a PNG as they are decoded. Room is made for those that are there, not for those that a header claims.
-struct Pixels {
+struct Pixels<T> {
     width: u32,
     height: u32,
     color: png::ColorType,
     depth: png::BitDepth,
-    /// Linear value of each code.
-    linear: Vec<f32>,
-    decoded: Vec<[f32; 3]>,
+    /// What each code becomes.
+    values: Vec<T>,
+    decoded: Vec<[T; 3]>,
     /// Whether alpha, where there is one, is opaque throughout.
     is_opaque: bool,
 }
 
-impl Pixels {
+impl<T: Copy> Pixels<T> {
     /// None yet of an image of this size; `depth` is that of a sample, 8 or 16 bits.
-    fn new(width: u32, height: u32, color: png::ColorType, depth: png::BitDepth) -> Self {
+    fn new(
+        (width, height): (u32, u32),
+        color: png::ColorType,
+        depth: png::BitDepth,
+        value_of: impl Fn(usize, usize) -> T,
+    ) -> Self {
         let most = most_code(depth);
-        let linear = |code| linear_from_srgb(code as f32 / most as f32);
         Self {
             width,
             height,
             color,
             depth,
-            linear: (0..=most).map(linear).collect(),
+            values: (0..=most).map(|code| value_of(code, most)).collect(),
             decoded: Vec::new(),
             is_opaque: true,
         }
@@ -211,15 +223,15 @@ impl Pixels {
             png::ColorType::Rgb | png::ColorType::Rgba | png::ColorType::Indexed => 3,
         };
         let has_alpha = self.color.samples() > colors;
-        let most = self.linear.len() - 1;
+        let most = self.values.len() - 1;
         for _ in 0..count {
             let mut next = || codes.next().expect("whole pixels");
             self.decoded.push(match colors {
-                1 => [self.linear[next()]; 3],
+                1 => [self.values[next()]; 3],
                 _ => [
-                    self.linear[next()],
-                    self.linear[next()],
-                    self.linear[next()],
+                    self.values[next()],
+                    self.values[next()],
+                    self.values[next()],
                 ],
             });
             if has_alpha {

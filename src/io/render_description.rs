@@ -11,7 +11,9 @@ use super::scene_file;
 use crate::geometry::TriangleMesh;
 use crate::math::{DVec2, DVec3, Vec3};
 use crate::render::{Layer, Region};
-use crate::scene::{Background, Display, Output, RadianceMap, Scene};
+use crate::scene::{
+    Background, Display, Material, Output, RadianceMap, Scene, Texels, TextureImage, Textures,
+};
 
 /// Describes a render of `region` of `scene` that keeps `layers`: the scene file, in which meshes and images are named by what is
 /// in them, so that it does not matter where they lie. How the picture is shown and stored is left out.
@@ -35,6 +37,15 @@ pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> Strin
         && let Some(map) = scene.images.get(image)
     {
         *image = name_by_content(image, &hash_of_image(map));
+    }
+    let textures = named
+        .materials
+        .values_mut()
+        .filter_map(Material::textures_mut);
+    for image in textures.flat_map(Textures::images_mut) {
+        if let Some(texture) = scene.textures.get(image) {
+            *image = name_by_content(image, &hash_of_texture(texture));
+        }
     }
     let layers: Vec<&str> = layers.iter().map(|layer| layer.name()).collect();
     let Region {
@@ -131,6 +142,24 @@ fn hash_of_image(map: &RadianceMap) -> String {
     digest.update(map.height().to_le_bytes());
     for value in map.pixels().iter().flatten() {
         digest.update(value.to_le_bytes());
+    }
+    in_hexadecimal(digest.finalize().as_slice())
+}
+
+fn hash_of_texture(image: &TextureImage) -> String {
+    let mut digest = Sha256::new();
+    digest.update(image.width().to_le_bytes());
+    digest.update(image.height().to_le_bytes());
+    match image.texels() {
+        Texels::Bytes(texels) => digest.update(texels.as_flattened()),
+        Texels::Words(texels) => {
+            let values = texels.iter().flatten();
+            values.for_each(|value| digest.update(value.to_le_bytes()));
+        }
+        Texels::Floats(texels) => {
+            let values = texels.iter().flatten();
+            values.for_each(|value| digest.update(value.to_le_bytes()));
+        }
     }
     in_hexadecimal(digest.finalize().as_slice())
 }

@@ -21,6 +21,7 @@ impl PreparedMaterial {
                 diffuse,
                 specular,
                 shininess,
+                ..
             } => Self::Phong(Phong::new(diffuse, specular, shininess)),
             Material::Mirror { reflectance } => Self::Specular(Specular::Mirror {
                 reflectance: reflectance.as_vec3(),

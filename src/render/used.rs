@@ -102,7 +102,7 @@ mod tests {
     use crate::control::CancelToken;
     use crate::geometry::shapes::icosphere;
     use crate::render::PreparedScene;
-    use crate::scene::{Copies, Light, Object};
+    use crate::scene::{Copies, Light, Object, Textures};
 
     fn used(scene: &Scene) -> (Vec<&'static str>, [usize; 2]) {
         let used = Used::of(scene);
@@ -117,6 +117,7 @@ mod tests {
             diffuse: Rgb::ZERO,
             specular: Rgb::splat(0.5),
             shininess: 9.0,
+            textures: Textures::default(),
         };
         let nothing = Material::Glass {
             ior: 1.0,

@@ -1,7 +1,7 @@
 use super::Rgb;
 
 /// How a surface scatters light. Surfaces are two-sided, except glass, where the side decides inside and outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Material {
     /// `f = diffuse/π + specular · (shininess + 2)/(2π) · cosᵅ`, the modified Phong model (Lafortune & Willems 1994), or
     /// the classic one where [`super::PhongModel`] says so.
@@ -12,6 +12,8 @@ pub enum Material {
         specular: Rgb,
         /// Exponent of the lobe, 0 or more.
         shininess: f64,
+        /// What varies over the surface.
+        textures: Textures,
     },
     /// Reflects like a perfect mirror.
     Mirror {
@@ -32,17 +34,67 @@ pub enum Material {
     },
 }
 
+/// What of a [`Material::Phong`] varies over a surface, where its mesh says how: images by texture coordinates, and the colours of
+/// vertices. What a mesh does not have changes nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Textures {
+    /// The file of an image whose colours multiply `diffuse`; its texels are in [`Scene::textures`](super::Scene::textures).
+    pub diffuse_image: Option<String>,
+    /// The file of an image of normals, relative to the surface: red goes along the first texture coordinate, green along the
+    /// second, blue off the surface, each from −1 to 1.
+    pub normal_image: Option<String>,
+    /// Whether the colours of vertices multiply `diffuse`.
+    pub vertex_colors: bool,
+}
+
+impl Textures {
+    /// The names of its images.
+    pub fn images(&self) -> impl Iterator<Item = &str> {
+        let images = [&self.diffuse_image, &self.normal_image].into_iter();
+        images.flatten().map(String::as_str)
+    }
+
+    /// The names of its images, to be changed.
+    pub fn images_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        let images = [&mut self.diffuse_image, &mut self.normal_image].into_iter();
+        images.flatten()
+    }
+
+    /// Whether nothing varies.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 impl Material {
+    /// What varies over a surface of it; `None` where nothing can.
+    #[must_use]
+    pub fn textures(&self) -> Option<&Textures> {
+        match self {
+            Self::Phong { textures, .. } => Some(textures),
+            _ => None,
+        }
+    }
+
+    /// [`Material::textures`], to be changed.
+    pub fn textures_mut(&mut self) -> Option<&mut Textures> {
+        match self {
+            Self::Phong { textures, .. } => Some(textures),
+            _ => None,
+        }
+    }
+
     /// One colour to know it by: what it reflects or lets through in all, or what it emits.
     #[must_use]
     pub fn color(&self) -> Rgb {
-        match *self {
+        match self {
             Self::Phong {
                 diffuse, specular, ..
             } => diffuse + specular,
-            Self::Mirror { reflectance } => reflectance,
+            Self::Mirror { reflectance } => *reflectance,
             Self::Glass { .. } => Rgb::ONE,
-            Self::Emitter { radiance } => radiance,
+            Self::Emitter { radiance } => *radiance,
         }
     }
 
@@ -76,6 +128,7 @@ impl Default for Material {
             diffuse: Rgb::splat(0.8),
             specular: Rgb::ZERO,
             shininess: 40.0,
+            textures: Textures::default(),
         }
     }
 }

@@ -12,10 +12,11 @@ mod object;
 pub mod presets;
 mod radiance_map;
 mod settings;
+mod texture_image;
 mod turning;
 mod validate;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::geometry::TriangleMesh;
@@ -25,13 +26,14 @@ pub use background::{Background, ImageAxes};
 pub use camera::{Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
 pub use light::{Facing, Light};
-pub use material::Material;
+pub use material::{Material, Textures};
 pub use object::{Copies, Object, Placement};
 pub use radiance_map::RadianceMap;
 pub use settings::{
     AcceleratorBuild, AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel,
     RenderSettings, Shadows, Stop,
 };
+pub use texture_image::{Texels, TextureImage};
 
 /// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.
 pub const LARGEST_EXTENT: f64 = 1e100;
@@ -80,6 +82,8 @@ pub struct Scene {
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
     /// The pixels behind the image of a [`Background`], shared with copies of the scene.
     pub images: BTreeMap<String, Arc<RadianceMap>>,
+    /// The texels behind every image of [`Textures`], shared with copies of the scene.
+    pub textures: BTreeMap<String, Arc<TextureImage>>,
 }
 
 impl Scene {
@@ -100,7 +104,7 @@ impl Scene {
             Some(name) => {
                 self.materials
                     .get(name)
-                    .copied()
+                    .cloned()
                     .ok_or_else(|| SceneError::UnknownMaterial {
                         object: object.name.clone(),
                         material: name.clone(),
@@ -135,6 +139,25 @@ impl Scene {
         map.map(Some).ok_or_else(|| SceneError::ImageNotLoaded {
             image: image.clone(),
         })
+    }
+
+    /// The image that textures call `name`.
+    ///
+    /// # Errors
+    /// When it was not loaded.
+    pub fn texture(&self, name: &str) -> Result<&Arc<TextureImage>, SceneError> {
+        let texture = self.textures.get(name);
+        texture.ok_or_else(|| SceneError::TextureNotLoaded {
+            image: name.to_owned(),
+        })
+    }
+
+    /// The names of all images that materials are textured with, each once.
+    #[must_use]
+    pub fn texture_names(&self) -> BTreeSet<String> {
+        let textures = self.materials.values().filter_map(Material::textures);
+        let images = textures.flat_map(|textures| textures.images().map(str::to_owned));
+        images.collect()
     }
 
     /// The world box of all objects with all their copies; lights do not count. Objects whose mesh is not loaded are
@@ -215,6 +238,12 @@ pub enum SceneError {
     /// The background's image has not been loaded.
     #[error("the image \"{image}\" of the background is not loaded")]
     ImageNotLoaded {
+        /// The image it asks for.
+        image: String,
+    },
+    /// The image of a texture has not been loaded.
+    #[error("the image \"{image}\" of a material is not loaded")]
+    TextureNotLoaded {
         /// The image it asks for.
         image: String,
     },

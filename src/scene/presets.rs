@@ -1,6 +1,6 @@
 //! What a bare mesh gets to become a picture: a camera that frames it, light, and a material.
 
-use super::{Background, Camera, Light, Material, Object, Rgb, Scene, SceneError};
+use super::{Background, Camera, Light, Material, Object, Rgb, Scene, SceneError, Textures};
 use crate::math::{DBounds, DVec3, Degrees};
 
 /// Name of the material of bare meshes.
@@ -57,6 +57,7 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
         diffuse: Rgb::new(0.8, 0.62, 0.47),
         specular: Rgb::splat(0.06),
         shininess: 40.0,
+        textures: Textures::default(),
     };
     scene.materials.insert(MATERIAL.to_owned(), clay);
     scene.background = Background::Gradient {

@@ -78,6 +78,12 @@ impl RadianceMap {
         &self.pixels
     }
 
+    /// All pixels, as a list of their own.
+    #[must_use]
+    pub fn into_pixels(self) -> Vec<[f32; 3]> {
+        self.pixels
+    }
+
     /// The pixels of row `y` from the top, from left to right.
     ///
     /// # Panics

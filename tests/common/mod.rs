@@ -7,7 +7,9 @@ use raymini::control::CancelToken;
 use raymini::geometry::TriangleMesh;
 use raymini::math::{DVec3, Degrees};
 use raymini::render::{Image, PreparedScene, RenderOutcome, RenderProgress, RunConfig, render};
-use raymini::scene::{Camera, LightSampling, Material, Object, RenderSettings, Rgb, Scene};
+use raymini::scene::{
+    Camera, LightSampling, Material, Object, RenderSettings, Rgb, Scene, Textures,
+};
 
 /// A matt material.
 pub fn diffuse(reflectance: f64) -> Material {
@@ -15,6 +17,7 @@ pub fn diffuse(reflectance: f64) -> Material {
         diffuse: Rgb::splat(reflectance),
         specular: Rgb::ZERO,
         shininess: 1.0,
+        textures: Textures::default(),
     }
 }
 

@@ -13,7 +13,7 @@ use crate::geometry::shapes::{self, Random};
 use crate::geometry::{Triangle, TriangleMesh};
 use crate::math::{DVec3, Degrees, SceneFrame};
 use crate::render::Image;
-use crate::scene::{AcceleratorChoice, Background, Camera, Material, Mode, Rgb, Scene};
+use crate::scene::{AcceleratorChoice, Background, Camera, Material, Mode, Rgb, Scene, Textures};
 
 pub const CASES: &[Case] = &[
     Case {
@@ -144,8 +144,8 @@ fn repeated_faces(_: Effort) -> f64 {
     let mut different = 0.0;
     for material in [phong(0.5, 0.4, 30.0), Material::mirror(), Material::glass()] {
         for smooth in [false, true] {
-            let pictures =
-                [&clean, &repeated].map(|mesh| picture(&ball(mesh.clone(), smooth, material)));
+            let pictures = [&clean, &repeated]
+                .map(|mesh| picture(&ball(mesh.clone(), smooth, material.clone())));
             different += different_pixels(&pictures[0], &pictures[1]);
         }
     }
@@ -162,6 +162,7 @@ fn coinciding_faces(_: Effort) -> f64 {
             diffuse: color,
             specular: Rgb::ZERO,
             shininess: 1.0,
+            textures: Textures::default(),
         };
         // Cut into many, so that the trees have something to arrange.
         let square = mapped(shapes::grid(8), |p| center + u * p.x + v * p.y);

@@ -548,7 +548,7 @@ fn eye_in_geometry(_: Effort) -> f64 {
     for material in [phong(0.5, 0.4, 30.0), glass(1.5)] {
         for mode in [Mode::Direct, Mode::Path, Mode::Normals] {
             let mut scene = showroom(24, 18);
-            scene.materials.insert("matt".into(), material);
+            scene.materials.insert("matt".into(), material.clone());
             scene.render.mode = mode;
             let mesh = &scene.meshes["matt"];
             let [a, b, c] = mesh.corners(17);

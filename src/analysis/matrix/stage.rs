@@ -7,7 +7,7 @@ use crate::geometry::TriangleMesh;
 use crate::math::{DVec3, Degrees};
 use crate::render::{Image, PreparedScene, RenderOutcome, RenderProgress, RunConfig, render};
 use crate::scene::{
-    Background, Camera, Facing, Light, Material, Object, RenderSettings, Rgb, Scene,
+    Background, Camera, Facing, Light, Material, Object, RenderSettings, Rgb, Scene, Textures,
 };
 
 /// A matt material that reflects this share.
@@ -21,6 +21,7 @@ pub fn phong(diffuse: f64, specular: f64, shininess: f64) -> Material {
         diffuse: Rgb::splat(diffuse),
         specular: Rgb::splat(specular),
         shininess,
+        textures: Textures::default(),
     }
 }
 

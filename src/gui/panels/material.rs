@@ -90,6 +90,7 @@ pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
             diffuse,
             specular,
             shininess,
+            ..
         } => phong_ui(ui, diffuse, specular, shininess),
         Material::Mirror { reflectance } => {
             color_row_ui(
@@ -203,7 +204,7 @@ fn rename(scene: &mut Scene, from: &str, to: &str) {
 pub fn new_material(scene: &mut Scene, like: Option<&str>) -> String {
     let base = like.unwrap_or("material");
     let material = like
-        .and_then(|name| scene.materials.get(name).copied())
+        .and_then(|name| scene.materials.get(name).cloned())
         .unwrap_or_default();
     let name = free_name(base, |name| scene.materials.contains_key(name));
     scene.materials.insert(name.clone(), material);

@@ -141,6 +141,7 @@ impl ObjectUniform {
                 diffuse,
                 specular,
                 shininess,
+                ..
             } => (diffuse, specular, shininess, 0),
             Material::Mirror { reflectance } => (reflectance, DVec3::ZERO, 1.0, 1),
             // Glass takes the tint of a unit of it.

@@ -154,16 +154,29 @@ fn own_bytes(scene: &Scene, neighbour: &Scene) -> usize {
         let there = neighbour.images.get(*name);
         !there.is_some_and(|there| Arc::ptr_eq(there, image))
     });
+    let textures = scene.textures.iter().filter(|(name, image)| {
+        let there = neighbour.textures.get(*name);
+        !there.is_some_and(|there| Arc::ptr_eq(there, image))
+    });
     plain
         + meshes.map(|(_, mesh)| mesh_bytes(mesh)).sum::<usize>()
         + images.map(|(_, image)| image_bytes(image)).sum::<usize>()
+        + textures
+            .map(|(_, image)| image.texels().bytes())
+            .sum::<usize>()
 }
 
 /// Bytes of the vertices and triangles of `mesh`.
 #[must_use]
 pub fn mesh_bytes(mesh: &TriangleMesh) -> usize {
-    let normals = mesh.normals.as_ref().map_or(0, Vec::len);
-    (mesh.positions.len() + normals) * size_of::<DVec3>() + size_of_val(&*mesh.triangles)
+    let normals = mesh.normals.as_deref().unwrap_or_default();
+    let coordinates = mesh.texture_coordinates.as_deref().unwrap_or_default();
+    let colors = mesh.colors.as_deref().unwrap_or_default();
+    size_of_val(&*mesh.positions)
+        + size_of_val(&*mesh.triangles)
+        + size_of_val(normals)
+        + size_of_val(coordinates)
+        + size_of_val(colors)
 }
 
 fn image_bytes(image: &RadianceMap) -> usize {
@@ -202,6 +215,7 @@ impl Gesture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::DVec3;
 
     fn moved(scene: &Scene, x: f64) -> Scene {
         let mut scene = scene.clone();

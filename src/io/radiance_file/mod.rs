@@ -44,13 +44,13 @@ pub struct RadianceError {
 
 /// Values as they stand in a file, row by row from the top left.
 #[derive(Debug)]
-pub struct RawImage {
+pub struct RawImage<T = f32> {
     /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Linear RGB, whatever the file holds: negative, infinite and not a number too.
-    pub pixels: Vec<[f32; 3]>,
+    /// RGB, linear where `T` is a float, whatever the file holds: negative, infinite and not a number too.
+    pub pixels: Vec<[T; 3]>,
     /// What looks wrong or was left out, in sentences.
     pub warnings: Vec<String>,
 }
@@ -99,7 +99,19 @@ pub fn parse_radiance(
 
 /// The image in `bytes`, which are those of a whole file.
 fn parse(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RadianceFile> {
-    let values = read_values(bytes, RADIANCE_FORMATS, cancel, progress)?;
+    parse_values(bytes, RADIANCE_FORMATS, cancel, progress)
+}
+
+/// The image in `bytes`, which are those of a whole file, cleaned.
+///
+/// `expected`: the formats that would do, for the message about another one.
+pub fn parse_values(
+    bytes: &[u8],
+    expected: &str,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<RadianceFile> {
+    let values = read_values(bytes, expected, cancel, progress)?;
     let Some((format, raw)) = values else {
         return Ok(None);
     };

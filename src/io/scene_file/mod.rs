@@ -102,6 +102,7 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
     })?;
     changed.meshes.clone_from(&scene.meshes);
     changed.images.clone_from(&scene.images);
+    changed.textures.clone_from(&scene.textures);
     Ok(changed)
 }
 

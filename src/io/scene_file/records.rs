@@ -169,8 +169,14 @@ fn material(keys: &mut Keys<'_>, material: &mut Material) {
             diffuse,
             specular,
             shininess,
+            textures,
         } => {
             keys.color("diffuse", diffuse);
+            keys.optional_text("diffuse_image", &mut textures.diffuse_image);
+            keys.optional_text("normal_image", &mut textures.normal_image);
+            if keys.is_reading() || textures.vertex_colors {
+                keys.flag("vertex_colors", &mut textures.vertex_colors);
+            }
             keys.color("specular", specular);
             keys.number("shininess", shininess, Allowed::Within(0.0, 1e12));
         }

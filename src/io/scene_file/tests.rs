@@ -2,7 +2,7 @@ use super::*;
 use crate::math::{DVec3, Degrees};
 use crate::scene::{
     Background, Copies, Display, Facing, Light, Material, Mode, Object, Output, PngBits, Shadows,
-    ToneCurve,
+    Textures, ToneCurve,
 };
 
 fn parse(text: &str) -> Result<Scene, SceneFileError> {
@@ -56,9 +56,23 @@ fn every_key_round_trips() {
                     diffuse: DVec3::X,
                     specular: DVec3::splat(0.1),
                     shininess: 1e7,
+                    textures: Textures::default(),
                 },
             ),
             ("odd \"name\"".into(), Material::default()),
+            (
+                "wood".into(),
+                Material::Phong {
+                    diffuse: DVec3::ONE,
+                    specular: DVec3::ZERO,
+                    shininess: 40.0,
+                    textures: Textures {
+                        diffuse_image: Some("a \"b\".png".into()),
+                        normal_image: Some("bumps.exr".into()),
+                        vertex_colors: true,
+                    },
+                },
+            ),
             (
                 "chrome".into(),
                 Material::Mirror {
@@ -157,6 +171,7 @@ fn every_key_round_trips() {
         },
         meshes: std::collections::BTreeMap::new(),
         images: std::collections::BTreeMap::new(),
+        textures: std::collections::BTreeMap::new(),
     };
     let text = write(&scene);
     assert_eq!(
