@@ -200,6 +200,17 @@ impl PreparedCamera {
         })
     }
 
+    /// How a ray's unit `direction` changes from a pixel to the next on the right, and to the one below, through the same point of the
+    /// lens: the derivative with the place on the picture. It depends on the direction alone, as rays through one point of the lens
+    /// keep apart in front of it as those of a pinhole do.
+    #[must_use]
+    pub fn spread(&self, direction: DVec3) -> [DVec3; 2] {
+        let right = self.axes.right * (self.per_pixel.x * self.half_width);
+        let down = self.axes.up * (-self.per_pixel.y * self.half_height);
+        let depth = direction.dot(self.axes.forward);
+        [right, down].map(|change| (change - direction * direction.dot(change)) * depth)
+    }
+
     /// The world's unit vectors to the right, up and into the picture.
     #[must_use]
     pub fn axes(&self) -> &CameraAxes {

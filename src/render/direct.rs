@@ -16,9 +16,11 @@ use super::sky_light;
 use super::specular::{Specular, transmittance};
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
+use super::texturing::Texturing;
 use crate::accel::{Fan, Hit};
 use crate::math::{Ray, Vec2, Vec3, warp};
 use crate::scene::Shadows;
+use std::borrow::Borrow;
 use std::hint::black_box;
 
 /// The most lights that are summed. Of more, some are chosen: what a sample costs then does not depend on their number.
@@ -30,16 +32,18 @@ const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 /// The light that arrives against `ray`, a camera ray that makes that `hit`.
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
-    CameraRay { mut ray, mut start }: CameraRay,
+    camera_ray: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
     tally: &mut K::Tally,
 ) -> Gathered<K::Parts> {
+    let mut texturing = K::Texturing::from_eye(scene, &camera_ray);
+    let CameraRay { mut ray, mut start } = camera_ray;
     let mut gathered = Gathered::<K::Parts>::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
     for bounce in 0.. {
-        let point = match scene.seen(&ray, hit) {
+        let mut point = match scene.seen(&ray, hit) {
             Seen::Background => {
                 let radiance = scene.background().radiance(ray.direction.normalize());
                 gathered.add_background(beginning, throughput * radiance);
@@ -62,6 +66,8 @@ pub fn gather<K: Kernel>(
         }
         match material {
             PreparedMaterial::Phong(phong) => {
+                let phong = texturing.at(scene, phong, &mut point, hit.as_ref());
+                let phong: &Phong = phong.borrow();
                 let mut shading = Shading::<K> {
                     scene,
                     phong,
@@ -83,6 +89,7 @@ pub fn gather<K: Kernel>(
             PreparedMaterial::Specular(specular) => {
                 let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
+                texturing.deflect(&point);
                 throughput *= onward.throughput;
                 beginning = beginning.then_specular(onward.layer);
                 ray = onward.ray;

@@ -2,10 +2,14 @@
 
 use super::camera::CameraRay;
 use super::direct::ambient_occlusion;
+use super::kernel::Kernel;
+use super::material::PreparedMaterial;
+use super::phong::Phong;
 use super::prepare::{CameraSample, PreparedScene};
 use super::sampler::{Decision, Dimension};
-use super::tally::Tally;
+use super::texturing::Texturing;
 use crate::math::Vec3;
+use std::borrow::Borrow;
 
 /// Which property of the surface a pixel shows.
 #[derive(Clone, Copy, Debug)]
@@ -19,17 +23,25 @@ pub enum FalseColor {
 }
 
 /// The property of the first surface along `camera_ray`; black where there is none.
-pub fn color(
+pub fn color<K: Kernel>(
     scene: &PreparedScene,
     which: FalseColor,
     camera_ray: &CameraRay,
     &CameraSample { sampler, hit, .. }: &CameraSample,
-    tally: &mut impl Tally,
+    tally: &mut K::Tally,
 ) -> Vec3 {
     let Some(hit) = hit else {
         return Vec3::ZERO;
     };
-    let point = scene.surface(&camera_ray.ray, &hit);
+    let mut point = scene.surface(&camera_ray.ray, &hit);
+    let material = scene.material(point.object);
+    let albedo = if let PreparedMaterial::Phong(phong) = material {
+        let texturing = K::Texturing::from_eye(scene, camera_ray);
+        let phong = texturing.at(scene, phong, &mut point, Some(&hit));
+        Borrow::<Phong>::borrow(&phong).albedo()
+    } else {
+        material.albedo()
+    };
     match which {
         FalseColor::AmbientOcclusion => {
             let samples = scene.settings().ambient_occlusion.samples;
@@ -43,7 +55,7 @@ pub fn color(
                 (camera_ray.start + f64::from(point.distance)) / scene.geometry().frame().scale();
             Vec3::splat(distance as f32)
         }
-        FalseColor::Albedo => scene.material(point.object).albedo(),
+        FalseColor::Albedo => albedo,
         FalseColor::Facing => {
             let cosine = point.shading_normal.dot(point.wo).abs();
             if point.front {

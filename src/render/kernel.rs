@@ -2,11 +2,15 @@
 //!
 //! It is compiled once for each form, and chosen once for a render; all forms give the same picture. There are as few as pay: what a
 //! scene does not need is left out by the [`Plan`](super::plan::Plan) while the code runs, as code that lacks lens, shadows, mirrors
-//! and glass was measured to gain less than 2 % by it. Only what is kept of every sample makes a difference.
+//! and glass was measured to gain less than 2 % by it. Only what is kept of every sample makes a difference, and textures, which are
+//! looked up at every surface.
+
+use std::marker::PhantomData;
 
 use super::layers::{AllParts, NoParts, Parts};
 use super::run::RayCounts;
 use super::tally::{Tally, WorkTally};
+use super::texturing::{Textured, Texturing};
 
 /// A form of the code that takes samples.
 pub trait Kernel {
@@ -14,28 +18,33 @@ pub trait Kernel {
     type Parts: Parts;
     /// What it keeps of rays and random numbers.
     type Tally: Tally;
+    /// What it knows of textures.
+    type Texturing: Texturing;
 }
 
 /// Takes samples for a picture.
-pub enum Plain {}
+pub struct Plain<T>(PhantomData<T>);
 
 /// Takes samples for a picture and its layers.
-pub enum Layered {}
+pub struct Layered<T>(PhantomData<T>);
 
 /// Tells what a sample takes: for whoever wants to know about single ones.
 pub enum Watched {}
 
-impl Kernel for Plain {
+impl<T: Texturing> Kernel for Plain<T> {
     type Parts = NoParts;
     type Tally = RayCounts;
+    type Texturing = T;
 }
 
-impl Kernel for Layered {
+impl<T: Texturing> Kernel for Layered<T> {
     type Parts = AllParts;
     type Tally = RayCounts;
+    type Texturing = T;
 }
 
 impl Kernel for Watched {
     type Parts = NoParts;
     type Tally = WorkTally;
+    type Texturing = Textured;
 }

@@ -60,7 +60,7 @@ impl PreparedMaterial {
     /// Diffuse plus specular reflectance; what a mirror reflects; white for glass; black for emitters.
     pub fn albedo(&self) -> Vec3 {
         match self {
-            Self::Phong(phong) => phong.diffuse + phong.specular,
+            Self::Phong(phong) => phong.albedo(),
             Self::Specular(Specular::Mirror { reflectance }) => *reflectance,
             Self::Specular(Specular::Glass { .. }) => Vec3::ONE,
             Self::Emitter { .. } => Vec3::ZERO,

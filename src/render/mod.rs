@@ -45,6 +45,7 @@ mod sky_light;
 mod specular;
 mod surface;
 mod tally;
+mod texturing;
 mod tile_samples;
 mod tiles;
 mod trace;

@@ -17,9 +17,11 @@ use super::prepare::{PreparedScene, Seen};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
+use super::texturing::Texturing;
 use crate::accel::Hit;
 use crate::math::{Vec2, Vec3};
 use crate::scene::{LightSampling, RenderSettings};
+use std::borrow::Borrow;
 use std::hint::black_box;
 
 /// Scattering events before roulette may end a path.
@@ -31,13 +33,19 @@ pub(super) const ROULETTE_FROM: u32 = 4;
 const ENOUGH: f32 = 0.5;
 
 /// The light that arrives against `ray`, a camera ray that makes that `hit`.
+#[expect(
+    clippy::too_many_lines,
+    reason = "one loop, to be read from top to bottom"
+)]
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
-    CameraRay { mut ray, mut start }: CameraRay,
+    camera_ray: CameraRay,
     mut hit: Option<Hit>,
     sampler: Sampler,
     tally: &mut K::Tally,
 ) -> Gathered<K::Parts> {
+    let mut texturing = K::Texturing::from_eye(scene, &camera_ray);
+    let CameraRay { mut ray, mut start } = camera_ray;
     let settings = scene.settings();
     let mut gathered = Gathered::<K::Parts>::nothing();
     let mut beginning = Beginning::Eye;
@@ -50,7 +58,7 @@ pub fn gather<K: Kernel>(
 
     for bounce in 0.. {
         // Emission met along the way.
-        let point = match scene.seen(&ray, hit) {
+        let mut point = match scene.seen(&ray, hit) {
             Seen::Background => {
                 let (radiance, pdf) = aim::background_along(scene, ray.direction.normalize());
                 let weight =
@@ -82,6 +90,8 @@ pub fn gather<K: Kernel>(
         // The next direction, after aiming at a light where that is possible.
         match material {
             PreparedMaterial::Phong(phong) => {
+                let phong = texturing.at(scene, phong, &mut point, hit.as_ref());
+                let phong: &Phong = phong.borrow();
                 if phong.is_black() && !scene.does(Feature::DarkRays) {
                     break;
                 }
@@ -99,7 +109,7 @@ pub fn gather<K: Kernel>(
                 }
                 // A ray that scatters no more is there for the light it meets alone.
                 if bounce + 1 == settings.max_bounces && !scene.does(Feature::LastRays) {
-                    gathered.is_depth_limited = throughput * material.albedo() != Vec3::ZERO;
+                    gathered.is_depth_limited = throughput * phong.albedo() != Vec3::ZERO;
                     break;
                 }
                 let direction = tally.draw_2d(&sampler, Dimension::at(Decision::Direction, bounce));
@@ -110,10 +120,12 @@ pub fn gather<K: Kernel>(
                 scattered = Some((sample.pdf_solid_angle, point.receiver()));
                 beginning = beginning.then_scattered(sample.weight);
                 ray = point.ray_above(sample.wi);
+                texturing.scatter();
             }
             PreparedMaterial::Specular(specular) => {
                 let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
                 let onward = specular.onward(&point, start, u);
+                texturing.deflect(&point);
                 throughput *= onward.throughput;
                 concentration *= onward.concentration;
                 scattered = None;

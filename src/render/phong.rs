@@ -30,18 +30,27 @@ impl Phong {
     /// Reflectances `0..=1` per channel, exponent 0 or more.
     pub fn new(diffuse: DVec3, specular: DVec3, shininess: f64) -> Self {
         let (diffuse, specular) = (diffuse.as_vec3(), specular.as_vec3());
-        let (dull, shiny) = (luminance(diffuse), luminance(specular));
         Self {
             diffuse,
             specular,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             exponent: shininess as f32,
-            specular_share: if shiny > 0.0 {
-                shiny / (dull + shiny)
-            } else {
-                0.0
-            },
+            specular_share: specular_share(diffuse, specular),
         }
+    }
+
+    /// The same with another diffuse reflectance.
+    pub fn with_diffuse(&self, diffuse: Vec3) -> Self {
+        Self {
+            diffuse,
+            specular_share: specular_share(diffuse, self.specular),
+            ..*self
+        }
+    }
+
+    /// Diffuse plus specular reflectance.
+    pub fn albedo(&self) -> Vec3 {
+        self.diffuse + self.specular
     }
 
     /// What stands in for a material that is switched off.
@@ -125,6 +134,16 @@ impl Phong {
             return 0.0;
         }
         robust::sharp_power((mirror - wi).length_squared() / 2.0, self.exponent)
+    }
+}
+
+/// How often the specular lobe of these reflectances is sampled.
+fn specular_share(diffuse: Vec3, specular: Vec3) -> f32 {
+    let (dull, shiny) = (luminance(diffuse), luminance(specular));
+    if shiny > 0.0 {
+        shiny / (dull + shiny)
+    } else {
+        0.0
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::geometry::is_nothing;
 use crate::scene::{
-    Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene, SceneError, Shadows,
+    Camera, Light, LightSampling, Material, Mode, Object, RenderSettings, Rgb, Scene, SceneError,
+    Shadows,
 };
 
 /// Work that a scene may not need. Where it does not, the picture is the same with and without.
@@ -30,13 +31,15 @@ pub enum Feature {
     LastRays,
     /// Ending paths that carry little.
     Roulette,
+    /// Looking up what varies over surfaces: on images, or between the colours of vertices.
+    Textures,
     /// Rays that can bring nothing: to lights behind a surface, to black lights, from black surfaces.
     DarkRays,
 }
 
 impl Feature {
     /// All, as a sample comes to them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::PixelPoints,
         Self::Lens,
         Self::EyeRays,
@@ -48,6 +51,7 @@ impl Feature {
         Self::Occlusion,
         Self::LastRays,
         Self::Roulette,
+        Self::Textures,
         Self::DarkRays,
     ];
 
@@ -57,7 +61,7 @@ impl Feature {
         let is_direct = mode == Mode::Direct;
         let is_path = mode == Mode::Path;
         match self {
-            Self::PixelPoints | Self::Lens | Self::EyeRays => true,
+            Self::PixelPoints | Self::Lens | Self::EyeRays | Self::Textures => true,
             Self::Light | Self::Aiming | Self::LightPoints | Self::DarkRays => is_direct || is_path,
             Self::ShadowRays | Self::GlassShadows => is_direct,
             Self::Occlusion => is_direct || mode == Mode::Ao,
@@ -68,7 +72,7 @@ impl Feature {
     /// What is done wherever it is.
     fn takes(self) -> &'static [Self] {
         match self {
-            Self::EyeRays | Self::Light => &[],
+            Self::EyeRays | Self::Light | Self::Textures => &[],
             // Of its own for every sample.
             Self::PixelPoints | Self::Lens => &[Self::EyeRays],
             Self::Aiming | Self::Occlusion | Self::LastRays | Self::Roulette => &[Self::Light],
@@ -93,6 +97,7 @@ impl Feature {
             Self::Occlusion => "looking into the hemisphere",
             Self::LastRays => "rays after the last surface",
             Self::Roulette => "roulette",
+            Self::Textures => "coordinates of textures",
             Self::DarkRays => "rays that bring nothing",
         }
     }
@@ -195,6 +200,8 @@ struct Facts<'a> {
     has_sky_image: bool,
     /// Of objects that are there.
     materials: Vec<Material>,
+    /// Whether something varies over one of these objects.
+    is_textured: bool,
     /// Those that shine.
     lights: Vec<&'a Light>,
 }
@@ -209,6 +216,14 @@ fn first_of(reasons: Reasons<'_>) -> Option<&'static str> {
 
 impl<'a> Facts<'a> {
     fn of(scene: &'a Scene) -> Result<Self, SceneError> {
+        let is_textured = |object: &Object| {
+            let material = scene.material_of(object).ok();
+            let mesh = scene.meshes.get(&object.mesh);
+            material.zip(mesh).is_some_and(|(material, mesh)| {
+                let textures = material.textures();
+                textures.is_some_and(|textures| textures.vary_over(mesh))
+            })
+        };
         let objects = scene.objects.iter();
         let solid = objects.filter(|object| scene.has_triangles(object));
         let materials = solid.map(|object| scene.material_of(object));
@@ -221,6 +236,7 @@ impl<'a> Facts<'a> {
             settings: &scene.render,
             camera: &scene.camera,
             is_background_black,
+            is_textured: scene.objects.iter().any(is_textured),
             has_sky_image: image.is_some() && !is_background_black,
             materials,
             lights: scene.lights.iter().filter(|light| light.shines()).collect(),
@@ -288,6 +304,13 @@ impl<'a> Facts<'a> {
                 ),
             ]),
             Feature::LastRays | Feature::Roulette => self.reason_against_in_paths(feature),
+            Feature::Textures => first_of(&[
+                (!self.is_textured, "no object has a texture"),
+                (
+                    matches!(settings.mode, Mode::Depth | Mode::Object),
+                    "the mode shows none",
+                ),
+            ]),
             Feature::DarkRays => Some("known before they are traced"),
         }
     }

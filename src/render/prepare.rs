@@ -20,6 +20,7 @@ use super::primary_hits::{PrimaryHitStore, PrimaryHits};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
+use super::texturing::PreparedTextures;
 use crate::accel::{Assembly, Fan, Hit, Packet};
 use crate::control::{CancelToken, Progress};
 use crate::math::{DVec3, Ray, Vec2, Vec3};
@@ -33,6 +34,8 @@ pub struct PreparedScene {
     background: PreparedBackground,
     /// One per object.
     materials: Vec<PreparedMaterial>,
+    /// What varies over objects.
+    textures: Arc<PreparedTextures>,
     lights: Vec<PreparedLight>,
     /// Those lights that rays meet.
     disks: VisibleDisks,
@@ -161,18 +164,11 @@ impl PreparedScene {
             return Ok(None);
         };
         let frame = geometry.frame();
-        let material = |object| {
-            Ok(PreparedMaterial::new(
-                &scene.material_of(object)?,
-                &scene.render,
-                frame.scale(),
-            ))
+        let materials = materials_of(scene, frame.scale())?;
+        let known = previous.map(|previous| &*previous.textures);
+        let Some(textures) = textures_of(scene, known, plan, cancel)? else {
+            return Ok(None);
         };
-        let materials: Vec<_> = scene
-            .objects
-            .iter()
-            .map(material)
-            .collect::<Result<_, SceneError>>()?;
         let lights: Vec<_> = scene
             .lights
             .iter()
@@ -237,6 +233,7 @@ impl PreparedScene {
             layers: Layer::all_of(scene),
             emitters,
             materials,
+            textures,
             disks,
             lights,
             settings: scene.render.clone(),
@@ -425,8 +422,15 @@ impl PreparedScene {
                 _ => Vec3::ZERO,
             });
         };
-        let mut false_color =
-            |which| Gathered::seen(false_color::color(self, which, &camera_ray, sample, tally));
+        let mut false_color = |which| {
+            Gathered::seen(false_color::color::<K>(
+                self,
+                which,
+                &camera_ray,
+                sample,
+                tally,
+            ))
+        };
         match self.settings.mode {
             Mode::Ao => false_color(FalseColor::AmbientOcclusion),
             Mode::Normals => false_color(FalseColor::Normals),
@@ -504,6 +508,17 @@ impl PreparedScene {
 
     pub(super) fn accelerator(&self) -> &Assembly {
         self.geometry.accelerator()
+    }
+
+    /// What varies over objects.
+    pub(super) fn textures(&self) -> &PreparedTextures {
+        &self.textures
+    }
+
+    /// Bytes of what is prepared of textures, beside those of meshes and images; 0 where nothing varies over any object.
+    #[must_use]
+    pub fn texture_bytes(&self) -> usize {
+        self.textures.bytes()
     }
 
     pub(super) fn background(&self) -> &PreparedBackground {
@@ -628,6 +643,29 @@ impl PreparedScene {
     pub fn occlusion_radius(&self) -> f32 {
         self.occlusion_radius
     }
+}
+
+/// The materials of all objects; `scale`: prepared units per scene unit.
+fn materials_of(scene: &Scene, scale: f64) -> Result<Vec<PreparedMaterial>, SceneError> {
+    let material = |object| {
+        let material = scene.material_of(object)?;
+        Ok(PreparedMaterial::new(&material, &scene.render, scale))
+    };
+    scene.objects.iter().map(material).collect()
+}
+
+/// What varies over objects, nothing where the plan needs nothing of it; `None` when cancelled.
+fn textures_of(
+    scene: &Scene,
+    previous: Option<&PreparedTextures>,
+    plan: Plan,
+    cancel: &CancelToken,
+) -> Result<Option<Arc<PreparedTextures>>, SceneError> {
+    if !plan.needs(Feature::Textures) {
+        return Ok(Some(Arc::default()));
+    }
+    let textures = PreparedTextures::prepare(scene, previous, cancel)?;
+    Ok(textures.map(Arc::new))
 }
 
 /// What one light is chosen from in `scene`; that of `previous`, where it is the same.

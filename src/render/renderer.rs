@@ -17,9 +17,11 @@ use super::fault::{RenderFault, SampleNote, caught};
 use super::film::{Film, block_after};
 use super::kernel::{Layered, Plain};
 use super::layers::Layer;
+use super::plan::Feature;
 use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 use super::run::{Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
+use super::texturing::{Textured, Untextured};
 use super::tile_samples::{SampleCounts, Stops, TileBlock, coarse_tile, sample_tile};
 use super::tiles::{Region, TilePixels};
 use crate::control::CancelToken;
@@ -470,7 +472,12 @@ impl<'a> Renderer<'a> {
             return Ok(());
         };
         self.for_each_tile(&|_, tile, _| {
-            let rgb = self.sample(|stops, note| coarse_tile(self.scene, tile, stops, note))?;
+            let take = if self.scene.does(Feature::Textures) {
+                coarse_tile::<Plain<Textured>>
+            } else {
+                coarse_tile::<Plain<Untextured>>
+            };
+            let rgb = self.sample(|stops, note| take(self.scene, tile, stops, note))?;
             on_tile(&TilePixels {
                 region: tile,
                 rgb: &rgb,
@@ -501,10 +508,11 @@ impl<'a> Renderer<'a> {
             }
             drop(shared);
             let (scene, layers, progress) = (this.scene, this.layers, this.progress);
-            let take = if layers.is_empty() {
-                sample_tile::<Plain>
-            } else {
-                sample_tile::<Layered>
+            let take = match (layers.is_empty(), scene.does(Feature::Textures)) {
+                (true, false) => sample_tile::<Plain<Untextured>>,
+                (true, true) => sample_tile::<Plain<Textured>>,
+                (false, false) => sample_tile::<Layered<Untextured>>,
+                (false, true) => sample_tile::<Layered<Textured>>,
             };
             this.sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))?;
             let mut shared = this.lock();

@@ -2,7 +2,7 @@ use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
 use super::light_tree::Receiver;
 use crate::accel::{Fan, Hit};
-use crate::math::{Ray, Vec3, robust};
+use crate::math::{DVec3, Ray, Vec3, robust};
 
 /// The point where a ray meets a surface, as shading needs it.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +92,34 @@ impl SurfacePoint {
             let error = self.error + lifted.abs() * robust::gamma(1);
             self.start =
                 robust::offset_origin(lifted, error, self.geometric_normal, self.geometric_normal);
+        }
+    }
+
+    /// Turns the shading normal to the one that an image says: `relative` to `axes`, in which the image's coordinates grow, and to the
+    /// normal of the surface's outside, so that what stands out from the front is sunk into the back. Axes and vector are of any
+    /// length; where they say no direction, or one into the surface, nothing is turned.
+    pub fn turn_normal(&mut self, relative: Vec3, axes: [DVec3; 2]) {
+        // An even surface keeps its normal in every bit.
+        if relative.x == 0.0 && relative.y == 0.0 {
+            return;
+        }
+        let side = if self.front { 1.0 } else { -1.0 };
+        let outward = self.shading_normal.as_dvec3() * side;
+        let first = axes[0] - outward * outward.dot(axes[0]);
+        let Some(first) = first.try_normalize() else {
+            return;
+        };
+        // Mirrored images turn the other way.
+        let across = outward.cross(first);
+        let second = across * across.dot(axes[1]).signum();
+        let relative = relative.as_dvec3();
+        let turned = first * relative.x + second * relative.y + outward * relative.z;
+        let Some(turned) = (turned * side).as_vec3().try_normalize() else {
+            return;
+        };
+        if turned.dot(self.geometric_normal) > 0.0 {
+            self.shading_normal = turned;
+            self.specular_normal = self.reflecting_outwards(turned);
         }
     }
 
@@ -187,7 +215,6 @@ mod tests {
     use crate::control::{CancelToken, Progress};
     use crate::geometry::TriangleMesh;
     use crate::geometry::shapes::{self, Random};
-    use crate::math::DVec3;
     use crate::scene::{Copies, Object, Scene};
 
     /// Triangles of size 1 moved by K, a ray from ten away, a bounce to the same side. No bounce may hit

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fault::SampleNote;
 use super::film::{Film, TileSums, block_after};
-use super::kernel::{Kernel, Plain};
+use super::kernel::Kernel;
 use super::layers::{Gathered, Layer, Parts};
 use super::prepare::PreparedScene;
 use super::progress::RenderProgress;
@@ -236,7 +236,7 @@ fn few(rays: u64) -> u32 {
 }
 
 /// A picture of `tile` from the first sample of the middle pixel of each block, at which `note` says it is; `None` when stopped.
-pub fn coarse_tile(
+pub fn coarse_tile<K: Kernel>(
     scene: &PreparedScene,
     tile: Region,
     stops: Stops<'_>,
@@ -258,10 +258,10 @@ pub fn coarse_tile(
                 tile.y + u32::midpoint(top, bottom - 1),
             );
             note.set(((x, y), 0));
-            let mut rays = RayCounts::default();
-            let [begun, ..] = scene.camera_samples(&[(x, y)], 0, None, &mut rays);
+            let mut tally = K::Tally::default();
+            let [begun, ..] = scene.camera_samples(&[(x, y)], 0, None, &mut tally);
             let begun = begun.expect("there is one pixel");
-            let sample = scene.gathered::<Plain>(&begun, &mut rays);
+            let sample = scene.gathered::<K>(&begun, &mut tally);
             for row in top..bottom {
                 let start = row as usize * width;
                 rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());

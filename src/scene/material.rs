@@ -1,4 +1,5 @@
 use super::Rgb;
+use crate::geometry::TriangleMesh;
 
 /// How a surface scatters light. Surfaces are two-sided, except glass, where the side decides inside and outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,10 +61,12 @@ impl Textures {
         images.flatten()
     }
 
-    /// Whether nothing varies.
+    /// Whether anything varies over `mesh`, which may have neither texture coordinates nor colours.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+    pub fn vary_over(&self, mesh: &TriangleMesh) -> bool {
+        let has_image = self.images().next().is_some();
+        has_image && mesh.texture_coordinates.is_some()
+            || self.vertex_colors && mesh.colors.is_some()
     }
 }
 

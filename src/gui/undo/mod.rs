@@ -14,7 +14,6 @@ pub use naming::name_of_change;
 use super::document::same_scene;
 use super::selection::Selection;
 use crate::geometry::TriangleMesh;
-use crate::math::DVec3;
 use crate::scene::{Light, Material, Object, RadianceMap, Scene};
 
 /// Steps that can be undone.

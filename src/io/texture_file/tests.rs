@@ -76,10 +76,7 @@ fn a_jpeg_is_read() {
     let bytes = jpeg_of_one_block();
     let file = read(&bytes).expect("is right");
     assert_eq!((file.image.width(), file.image.height()), (8, 8));
-    assert_eq!(
-        *file.image.texels(),
-        Texels::Bytes(vec![[128 + 75; 3]; 64])
-    );
+    assert_eq!(*file.image.texels(), Texels::Bytes(vec![[128 + 75; 3]; 64]));
     assert_eq!((file.format, file.warnings), ("JPEG", Vec::new()));
     let cut = read(&bytes[..bytes.len() - 2]).expect("is right");
     assert_eq!(cut.warnings.len(), 1);
