@@ -115,6 +115,7 @@ struct PerSample {
 struct Bytes {
     triangles_and_structure: usize,
     normals: usize,
+    textures: usize,
     picture: u64,
 }
 
@@ -147,6 +148,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         bytes: Bytes {
             triangles_and_structure: prepared.geometry().accelerator().bytes(),
             normals: prepared.geometry().normal_bytes(),
+            textures: prepared.texture_bytes(),
             picture: PictureMemory::of_render(&prepared, None, &RunConfig::default()).bytes(),
         },
         estimated_cpu_seconds: seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?,
@@ -253,8 +255,11 @@ fn describe(facts: &Facts) -> String {
     let _ = writeln!(text, "random numbers of a sample: {draws}");
     let _ = writeln!(
         text,
-        "bytes: triangles and structure {}, normals {}, picture {}",
-        facts.bytes.triangles_and_structure, facts.bytes.normals, facts.bytes.picture
+        "bytes: triangles and structure {}, normals {}, textures {}, picture {}",
+        facts.bytes.triangles_and_structure,
+        facts.bytes.normals,
+        facts.bytes.textures,
+        facts.bytes.picture
     );
     let sooner = if facts.may_stop_sooner {
         ", unless render.stop ends it sooner"

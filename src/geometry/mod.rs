@@ -5,7 +5,9 @@ mod normals;
 pub mod polygon;
 pub mod shapes;
 mod triangle;
+mod welded;
 
 pub use mesh::TriangleMesh;
 pub use normals::{CornerNormals, corner_normals, face_normal};
 pub use triangle::{RayKernel, Triangle, TriangleHit};
+pub use welded::Welded;

@@ -3,7 +3,7 @@
 //! Directions depend on shape alone: before anything is multiplied, lengths from 1e−300 to 1e300 are brought near 1 by an
 //! exact power of two. The functions here expect valid meshes and panic on indices out of range.
 
-use super::TriangleMesh;
+use super::{TriangleMesh, Welded};
 use crate::math::{DVec3, Degrees};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -106,7 +106,8 @@ fn near_one(vector: DVec3) -> DVec3 {
 /// triangles. Faces share it where a chain of faces, each meeting the next across an edge at no more than `crease`,
 /// connects them around the vertex; from 180° on, all faces of the vertex do. `crease` 0 (or negative, or NaN) joins only
 /// coplanar faces. A face that is there twice, either way round, counts once, as it is seen. Where an average vanishes, as between two opposite faces, each corner has its face's normal; a corner
-/// of a triangle without area takes a normal of its vertex's other faces, or +Z when there is none.
+/// of a triangle without area takes a normal of its vertex's other faces, or +Z when there is none. Of a mesh with texture coordinates,
+/// vertices at one place count as one: they are several only where the image has a seam.
 ///
 /// Source: Thürmer & Wüthrich, Computing Vertex Normals from Polygonal Facets, Journal of Graphics Tools 3(1), 1998.
 ///
@@ -114,6 +115,16 @@ fn near_one(vector: DVec3) -> DVec3 {
 /// When the mesh is not valid, or has more than 2³²/3 triangles.
 #[must_use]
 pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
+    if mesh.normals.is_none() && mesh.texture_coordinates.is_some() {
+        let welded = Welded::new(mesh);
+        let triangles = mesh.triangles.par_iter();
+        let seamless = TriangleMesh {
+            positions: mesh.positions.clone(),
+            triangles: triangles.map(|&corners| welded.corners(corners)).collect(),
+            ..TriangleMesh::default()
+        };
+        return corner_normals(&seamless, crease);
+    }
     let (faces, angles) = (0..mesh.triangles.len())
         .into_par_iter()
         .map(|triangle| {
@@ -467,7 +478,7 @@ fn sort_around(edge: &mut [Spoke]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::power_of_two;
+    use crate::math::{DVec2, power_of_two};
 
     /// A cube of edge 2 around the origin, two triangles per side.
     fn cube() -> TriangleMesh {
@@ -558,6 +569,26 @@ mod tests {
             positions,
             ..mesh.clone()
         }
+    }
+
+    /// A sphere whose triangles share no vertex, as each lies elsewhere on its image, has the normals of one whose triangles do.
+    #[test]
+    fn seams_of_images_are_not_seen_in_normals() {
+        let whole = sphere(2);
+        let corners = whole.triangles.iter().flatten();
+        let mut apart = TriangleMesh {
+            positions: corners.map(|&v| whole.positions[v as usize]).collect(),
+            triangles: whole.triangles.clone(),
+            ..TriangleMesh::default()
+        };
+        let mut next = 0..;
+        for corner in apart.triangles.iter_mut().flatten() {
+            *corner = next.next().expect("has no end");
+        }
+        apart.texture_coordinates = Some(vec![DVec2::ZERO; apart.positions.len()]);
+        assert_eq!(per_corner(&apart, 180.0), per_corner(&whole, 180.0));
+        apart.texture_coordinates = None;
+        assert_ne!(per_corner(&apart, 180.0), per_corner(&whole, 180.0));
     }
 
     /// The normal of each corner, after checking that all are unit vectors.

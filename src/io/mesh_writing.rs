@@ -46,8 +46,17 @@ pub fn srgb_byte(linear: f32) -> Option<u8> {
     (linear_from_srgb(f32::from(byte) / 255.0) == linear).then_some(byte)
 }
 
-/// A linear value in sRGB, from 0 to 1, that reads back as the same where a byte stands for it, and nearly so elsewhere.
+/// A linear value in sRGB, from 0 to 1, that reads back as the same where any `f32` does, as it does for all that came from a file.
 pub fn encoded(linear: f32) -> f32 {
-    let byte = srgb_byte(linear).map(|byte| f32::from(byte) / 255.0);
-    byte.unwrap_or_else(|| srgb_from_linear(linear))
+    /// Neighbours that are tried: rounding there and back moves a value by less.
+    const MOST_STEPS: usize = 8;
+    if let Some(byte) = srgb_byte(linear) {
+        return f32::from(byte) / 255.0;
+    }
+    let nearest = srgb_from_linear(linear);
+    let above = std::iter::successors(Some(nearest), |value| Some(value.next_up()));
+    let below = std::iter::successors(Some(nearest), |value| Some(value.next_down()));
+    let mut tried = above.take(MOST_STEPS).chain(below.take(MOST_STEPS));
+    let exact = tried.find(|&value| linear_from_srgb(value) == linear);
+    exact.unwrap_or(nearest)
 }

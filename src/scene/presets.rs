@@ -6,6 +6,9 @@ use crate::math::{DBounds, DVec3, Degrees};
 /// Name of the material of bare meshes.
 const MATERIAL: &str = "clay";
 
+/// Name of that of bare meshes whose vertices have colours.
+const COLORED: &str = "coloured";
+
 /// Which way is up in a mesh. Files do not say it, but those who write them have habits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpAxis {
@@ -48,7 +51,21 @@ pub fn object() -> Object {
     }
 }
 
-/// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky.
+/// The material of vertices with colours of their own.
+fn colored() -> Material {
+    Material::Phong {
+        diffuse: Rgb::ONE,
+        specular: Rgb::splat(0.06),
+        shininess: 40.0,
+        textures: Textures {
+            vertex_colors: true,
+            ..Textures::default()
+        },
+    }
+}
+
+/// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky. Objects of the preset material
+/// whose vertices have colours show these.
 ///
 /// # Errors
 /// When the objects are too large or too small to be measured.
@@ -60,6 +77,14 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
         textures: Textures::default(),
     };
     scene.materials.insert(MATERIAL.to_owned(), clay);
+    for object in &mut scene.objects {
+        let mesh = scene.meshes.get(&object.mesh);
+        let has_colors = mesh.is_some_and(|mesh| mesh.colors.is_some());
+        if has_colors && object.material.as_deref() == Some(MATERIAL) {
+            object.material = Some(COLORED.to_owned());
+            scene.materials.insert(COLORED.to_owned(), colored());
+        }
+    }
     scene.background = Background::Gradient {
         zenith: Rgb::new(0.11, 0.14, 0.19),
         horizon: Rgb::new(0.23, 0.245, 0.26),
@@ -134,7 +159,32 @@ fn radius(bounds: &DBounds) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn colors_of_vertices_are_shown() {
+        let mut mesh = crate::geometry::shapes::icosphere(0);
+        let mut scene = Scene::default();
+        for name in ["plain", "coloured"] {
+            scene.meshes.insert(name.into(), Arc::new(mesh.clone()));
+            scene.objects.push(Object {
+                mesh: name.into(),
+                ..object()
+            });
+            mesh.colors = Some(vec![Vec3::ONE; mesh.positions.len()]);
+        }
+        light_and_frame(&mut scene, UpAxis::Z).expect("can be measured");
+        let shows_colors = |index: usize| {
+            let material = scene.material_of(&scene.objects[index]).expect("is there");
+            material
+                .textures()
+                .is_some_and(|textures| textures.vertex_colors)
+        };
+        assert_eq!([0, 1].map(shows_colors), [false, true]);
+    }
 
     #[test]
     fn framing_touches_the_ball_on_the_narrow_side() {

@@ -4,9 +4,9 @@ use super::buckets::Buckets;
 use super::mesh_use::MeshUse;
 use super::shells::Shells;
 use super::tally::{Tally, counted};
-use super::welded::Welded;
 use super::{Hazard, HazardKind, Place, Severity, stops};
 use crate::control::CancelToken;
+use crate::geometry::Welded;
 use crate::geometry::face_normal;
 use crate::math::length_of;
 

@@ -3,10 +3,10 @@
 use super::buckets::Buckets;
 use super::mesh_use::MeshUse;
 use super::tally::Tally;
-use super::welded::Welded;
 use super::{Figure, Hazard, HazardKind, Severity, stops};
 use crate::analysis::report::three_digits;
 use crate::control::CancelToken;
+use crate::geometry::Welded;
 use crate::geometry::face_normal;
 use crate::math::DVec3;
 

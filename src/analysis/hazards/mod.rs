@@ -23,15 +23,14 @@ mod pilot;
 mod resolution;
 mod shells;
 mod tally;
-mod welded;
 
 use serde::Serialize;
 
 use crate::control::CancelToken;
+use crate::geometry::Welded;
 use crate::render::PreparedScene;
 use crate::scene::{Scene, SceneError};
 use mesh_use::MeshUse;
-use welded::Welded;
 
 /// Something that may spoil a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -11,7 +11,8 @@ use crate::geometry::TriangleMesh;
 use crate::math::{DVec3, Degrees};
 use crate::render::{PreparedScene, PrimaryHitStore};
 use crate::scene::{
-    Background, Camera, Light, LightSampling, Mode, Object, RadianceMap, Rgb, Scene,
+    Background, Camera, Light, LightSampling, Material, Mode, Object, RadianceMap, Rgb, Scene,
+    Texels, TextureImage,
 };
 
 /// See the module's description.
@@ -27,6 +28,12 @@ pub const CASES: &[Case] = &[
         when: "objects are flat",
         counted: "bytes",
         proof: Proof::Own(normals),
+    },
+    Case {
+        left_out: "coordinates of textures",
+        when: "no object has a texture",
+        counted: "bytes beside meshes and images",
+        proof: Proof::Own(textures),
     },
     Case {
         left_out: "triangles and tree, again",
@@ -120,6 +127,37 @@ fn normals(bench: &Bench<'_>) -> Measured {
         otherwise: smooth.geometry().normal_bytes() as u64,
         same_bits: Some(trial.picture_hash(flat) == trial.picture_hash(&smooth)),
         saving: trial.added_by(&smooth, bench.pairs),
+    })
+}
+
+/// Of a plane with coordinates, on which no image lies or a white one.
+fn textures(bench: &Bench<'_>) -> Measured {
+    const SIDE: u32 = 512;
+    let mut scene = of_grid(bench, 64);
+    let mut mesh = grid(64);
+    let coordinates = mesh.positions.iter().map(|position| position.truncate());
+    mesh.texture_coordinates = Some(coordinates.collect());
+    scene.meshes.insert("grid".into(), Arc::new(mesh));
+    let mut material = Material::default();
+    scene.materials.insert("grid".into(), material.clone());
+    scene.objects[0].material = Some("grid".into());
+    let trial = trial_of(&scene)?;
+
+    let mut scene = trial.scene().clone();
+    let white = Texels::Bytes(vec![[255; 3]; (SIDE * SIDE) as usize]);
+    let white = TextureImage::new(SIDE, SIDE, white);
+    scene.textures.insert("white".into(), Arc::new(white));
+    if let Some(textures) = material.textures_mut() {
+        textures.diffuse_image = Some("white".into());
+    }
+    scene.materials.insert("grid".into(), material);
+    let plain = trial.prepared();
+    let textured = trial.prepare(&scene)?.expect(NOBODY_CANCELS);
+    Ok(Finding {
+        count: plain.texture_bytes() as u64,
+        otherwise: textured.texture_bytes() as u64,
+        same_bits: Some(trial.picture_hash(plain) == trial.picture_hash(&textured)),
+        saving: trial.added_by(&textured, bench.pairs),
     })
 }
 

@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 
-use crate::geometry::TriangleMesh;
+use super::TriangleMesh;
 
 /// Which vertices of a mesh are at the same place, exactly.
 pub struct Welded {
@@ -13,6 +13,7 @@ impl Welded {
     ///
     /// # Panics
     /// When there are 2³² vertices; indices of triangles reach no further.
+    #[must_use]
     pub fn new(mesh: &TriangleMesh) -> Self {
         let positions = &mesh.positions;
         let count = u32::try_from(positions.len()).expect("fewer than 2^32 vertices");
@@ -40,11 +41,13 @@ impl Welded {
     }
 
     /// The three corners of a triangle, each by the first vertex at its place.
+    #[must_use]
     pub fn corners(&self, triangle: [u32; 3]) -> [u32; 3] {
         triangle.map(|vertex| self.firsts[vertex as usize])
     }
 
     /// Number of vertices.
+    #[must_use]
     pub fn vertices(&self) -> usize {
         self.firsts.len()
     }
