@@ -90,8 +90,7 @@ fn warnings_of_what_is_read_are_shown() {
 #[test]
 fn what_cannot_be_done_is_said_and_leaves_no_file() {
     let folder = folder(&[("a.off", BENT), ("bad.ply", "ply\nformat\n")]);
-    let expected =
-        "error: a.glb: a mesh is written to a file with the extension .off, .obj, .ply, .stl\n";
+    let expected = "error: a.glb: a mesh is written to a file with the extension .off, .obj, .ply, .stl, .mesh, .msh\n";
     assert_eq!(fail(&folder, "a.off", "a.glb"), expected);
     let expected = "error: bad.ply:2: expected the format ascii, binary_little_endian or binary_big_endian, found \"\"\n";
     assert_eq!(fail(&folder, "bad.ply", "b.off"), expected);

@@ -15,7 +15,7 @@ pub struct ConvertArguments {
     #[arg(value_name = "IN")]
     input: PathBuf,
 
-    /// The file to write, in the format of its extension: .off, .obj, .ply or .stl
+    /// The file to write, in the format of its extension: .off, .obj, .ply, .stl, .mesh or .msh
     #[arg(value_name = "OUT")]
     output: PathBuf,
 }

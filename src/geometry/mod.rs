@@ -4,6 +4,7 @@ mod mesh;
 mod normals;
 pub mod polygon;
 pub mod shapes;
+pub mod tetrahedra;
 mod triangle;
 mod welded;
 

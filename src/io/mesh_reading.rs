@@ -4,6 +4,7 @@
 mod cursor;
 mod malformed;
 mod notes;
+mod solid;
 mod tally;
 #[cfg(test)]
 pub mod trials;
@@ -12,5 +13,6 @@ mod watch;
 pub use cursor::{Cursor, number, whole};
 pub use malformed::{Malformed, Place};
 pub use notes::{Seen, numbers};
+pub use solid::Solid;
 pub use tally::{Corner, Tally};
 pub use watch::{Watch, capacity};

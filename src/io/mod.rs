@@ -3,8 +3,10 @@
 mod atomic;
 mod builtin;
 mod checkpoint_file;
+pub mod gmsh;
 mod image_file;
 mod load;
+pub mod medit;
 mod mesh_file;
 mod mesh_format;
 mod mesh_reading;

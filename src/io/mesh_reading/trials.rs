@@ -35,6 +35,61 @@ pub fn error(parse: Parse, bytes: &[u8]) -> String {
     }
 }
 
+/// The area of a closed surface, and the volume inside.
+pub fn area_and_volume(file: &MeshFile) -> (f64, f64) {
+    let corners = (0..file.mesh.triangles.len()).map(|index| file.mesh.corners(index));
+    corners.fold((0.0, 0.0), |(area, volume), [a, b, c]| {
+        let double_area = (b - a).cross(c - a).length();
+        (area + double_area / 2.0, volume + a.dot(b.cross(c)) / 6.0)
+    })
+}
+
+/// The corners of a cube of edge 1 in the order of x, y, z as bits, and its middle.
+pub const CUBE: [[f64; 3]; 9] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [0.0, 1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.5, 0.5, 0.5],
+];
+
+/// Three ways to fill it with tetrahedra, of no common orientation: one amid four corners; around a diagonal; around the middle.
+pub const FILLINGS: [&[[u32; 4]]; 3] = [
+    &[
+        [0, 3, 5, 6],
+        [1, 0, 3, 5],
+        [2, 0, 3, 6],
+        [4, 0, 5, 6],
+        [7, 3, 5, 6],
+    ],
+    &[
+        [0, 1, 3, 7],
+        [0, 1, 5, 7],
+        [0, 2, 3, 7],
+        [0, 2, 6, 7],
+        [0, 4, 5, 7],
+        [0, 4, 6, 7],
+    ],
+    &[
+        [8, 0, 1, 3],
+        [8, 0, 2, 3],
+        [8, 4, 5, 7],
+        [8, 4, 6, 7],
+        [8, 0, 1, 5],
+        [8, 0, 4, 5],
+        [8, 2, 3, 7],
+        [8, 2, 6, 7],
+        [8, 0, 2, 6],
+        [8, 0, 4, 6],
+        [8, 1, 3, 7],
+        [8, 1, 5, 7],
+    ],
+];
+
 /// Cancelling stops the reader.
 pub fn assert_cancels(parse: Parse, bytes: &[u8]) {
     let cancel = CancelToken::new();
