@@ -41,6 +41,8 @@ fn meshes_from_the_corpus_are_read_or_refused() {
     replay("obj", hostile::mesh::check_obj);
     replay("ply", hostile::mesh::check_ply);
     replay("stl", hostile::mesh::check_stl);
+    replay("medit", hostile::mesh::check_medit);
+    replay("gmsh", hostile::mesh::check_gmsh);
 }
 
 #[test]
@@ -51,6 +53,13 @@ fn scenes_from_the_corpus_are_read_or_refused() {
 #[test]
 fn pictures_from_the_corpus_are_read_or_refused() {
     replay("picture", hostile::picture::check);
+}
+
+/// Textures are read from pictures too, and from JPEG.
+#[test]
+fn textures_from_the_corpus_are_read_or_refused() {
+    replay("texture", hostile::texture::check);
+    replay("picture", hostile::texture::check);
 }
 
 #[test]

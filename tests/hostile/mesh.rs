@@ -2,7 +2,7 @@
 
 use raymini::control::{CancelToken, Progress};
 use raymini::geometry::{TriangleMesh, face_normal};
-use raymini::io::{MeshFile, MeshFormat, obj, off, ply, stl};
+use raymini::io::{MeshFile, MeshFormat, gmsh, medit, obj, off, ply, stl};
 
 use super::{assert_memory, assert_message, measured};
 
@@ -26,12 +26,23 @@ pub fn check_stl(bytes: &[u8]) {
     check(MeshFormat::Stl, 48, bytes);
 }
 
+/// Reads `bytes` as a mesh of Medit. A tetrahedron stands in ten bytes; it and its faces take 280.
+pub fn check_medit(bytes: &[u8]) {
+    check(MeshFormat::Medit, 96, bytes);
+}
+
+/// Reads `bytes` as a mesh of Gmsh. A node stands in eight bytes; it and its place among all take up to 200.
+pub fn check_gmsh(bytes: &[u8]) {
+    check(MeshFormat::Gmsh, 96, bytes);
+}
+
 /// Reads `bytes`, taking at most `memory` bytes for each. The mesh keeps its invariant, has no more than the file, and is the same
 /// when written and read again.
 fn check(format: MeshFormat, memory: usize, bytes: &[u8]) {
     // Any file may be asked whether it is of any format.
     let _ = off::has_keyword(bytes) | obj::has_keyword(bytes) | ply::has_keyword(bytes);
     let _ = stl::has_keyword(bytes) | stl::has_length(bytes);
+    let _ = medit::has_keyword(bytes) | gmsh::has_keyword(bytes);
     let progress = Progress::new();
     let (read, peak) = measured(|| format.parse(bytes, &CancelToken::new(), &progress));
     assert_memory(peak, memory, bytes.len());

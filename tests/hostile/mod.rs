@@ -8,6 +8,7 @@ pub mod picture;
 pub mod radiance;
 pub mod rays;
 pub mod scene;
+pub mod texture;
 
 use peak_alloc::PeakAlloc;
 

@@ -81,7 +81,7 @@ fn is_dwa(bytes: &[u8]) -> bool {
 }
 
 /// A PNG whose chunks have the checksums they should have: without, a changed file is hardly looked at. `None` for other files.
-fn with_checksums(bytes: &[u8]) -> Option<Vec<u8>> {
+pub fn with_checksums(bytes: &[u8]) -> Option<Vec<u8>> {
     const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
     bytes.starts_with(SIGNATURE).then_some(())?;
     let mut repaired = bytes.to_vec();

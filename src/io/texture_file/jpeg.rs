@@ -1,9 +1,10 @@
 use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::io::radiance_file::{RawImage, no_memory, refuse_size};
+use crate::io::radiance_file::{MOST_PIXELS_PER_BYTE, RawImage, no_memory, refuse_size, too_short};
 use crate::scene::RadianceMap;
 
 /// Reads a JPEG, grey or coloured, as RGB of 8 bits.
@@ -11,7 +12,10 @@ use crate::scene::RadianceMap;
 /// # Errors
 /// What is wrong with the file, in a plain sentence.
 pub fn read(bytes: &[u8]) -> Result<RawImage<u8>, String> {
-    let in_words = |error| format!("not a whole JPEG file: {error}");
+    let in_words = |error: DecodeErrors| {
+        // Some end with a line end.
+        format!("not a whole JPEG file: {}", error.to_string().trim())
+    };
     let side = RadianceMap::MAX_SIDE as usize;
     let options = DecoderOptions::default()
         .set_max_width(side)
@@ -22,6 +26,10 @@ pub fn read(bytes: &[u8]) -> Result<RawImage<u8>, String> {
     let info = decoder.info().ok_or("not a whole JPEG file")?;
     let length = bytes.len() as u64;
     let (width, height) = refuse_size(info.width.into(), info.height.into(), length)?;
+    // Every block of 64 values takes bits: even a small file cannot hold a large image of one colour, as a PNG can.
+    if u64::from(width) * u64::from(height) > MOST_PIXELS_PER_BYTE * length {
+        return Err(too_short(length, width, height));
+    }
     let mut rgb: Vec<[u8; 3]> = Vec::new();
     let count = width as usize * height as usize;
     rgb.try_reserve_exact(count)

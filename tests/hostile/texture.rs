@@ -1,0 +1,28 @@
+use raymini::control::{CancelToken, Progress};
+use raymini::io::parse_texture;
+
+use super::picture::{assert_memory, assert_size, with_checksums};
+use super::{assert_message, measured};
+
+/// Reads `bytes` as an image to be laid on surfaces. It has as many texels as it says, and no more than the file can mean.
+pub fn check(bytes: &[u8]) {
+    let repaired = with_checksums(bytes);
+    let bytes = repaired.as_deref().unwrap_or(bytes);
+    let progress = Progress::new();
+    let (read, peak) = measured(|| parse_texture("image", bytes, &CancelToken::new(), &progress));
+    let file = match read {
+        Ok(file) => file.expect("nobody cancels"),
+        Err(error) => {
+            assert_memory(peak, 0, bytes);
+            return assert_message(&error.to_string());
+        }
+    };
+    let (image, texels) = (&file.image, file.image.texels().len());
+    assert_size(image.width(), image.height(), texels, bytes);
+    assert_memory(peak, texels, bytes);
+    assert_eq!(progress.done(), bytes.len() as u64);
+    assert!(image.mean_color().is_finite() && image.mean_color().min_element() >= 0.0);
+    for warning in &file.warnings {
+        assert_message(warning);
+    }
+}
