@@ -1,4 +1,6 @@
-use super::RadianceMap;
+use super::{RadianceMap, Rgb};
+use crate::math::Vec3;
+use crate::math::color::linear_from_srgb;
 
 /// An image to be laid on surfaces, as its file holds it. What its values mean is for the material to say: colours, or normals.
 #[derive(Clone, Debug, PartialEq)]
@@ -6,6 +8,7 @@ pub struct TextureImage {
     width: u32,
     height: u32,
     texels: Texels,
+    mean: Rgb,
 }
 
 /// The values of a [`TextureImage`], red, green and blue, row by row from the top left.
@@ -34,6 +37,31 @@ impl Texels {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The mean of them as colours, linear.
+    fn mean(&self) -> Rgb {
+        let linear = |code: f32| f64::from(linear_from_srgb(code));
+        let sum = match self {
+            Self::Bytes(texels) => {
+                let table: [f64; 256] =
+                    std::array::from_fn(|code| linear(code as f32 / f32::from(u8::MAX)));
+                let decoded = texels
+                    .iter()
+                    .map(|texel| texel.map(|code| table[usize::from(code)]));
+                decoded.map(Rgb::from).sum::<Rgb>()
+            }
+            Self::Words(texels) => {
+                let decode = |code: u16| linear(f32::from(code) / f32::from(u16::MAX));
+                let decoded = texels.iter().map(|texel| texel.map(decode));
+                decoded.map(Rgb::from).sum::<Rgb>()
+            }
+            Self::Floats(texels) => {
+                let texels = texels.iter().map(|&texel| Vec3::from(texel).as_dvec3());
+                texels.sum::<Rgb>()
+            }
+        };
+        sum / self.len() as f64
     }
 
     /// Memory, in bytes.
@@ -67,8 +95,15 @@ impl TextureImage {
         Self {
             width,
             height,
+            mean: texels.mean(),
             texels,
         }
+    }
+
+    /// Its mean colour, where it is one of colours: linear.
+    #[must_use]
+    pub fn mean_color(&self) -> Rgb {
+        self.mean
     }
 
     /// Texels per row.
@@ -87,5 +122,28 @@ impl TextureImage {
     #[must_use]
     pub fn texels(&self) -> &Texels {
         &self.texels
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the texels black, half white: half of the light, whatever they are stored in.
+    #[test]
+    fn the_mean_is_that_of_the_light() {
+        let images = [
+            Texels::Bytes(vec![[0; 3], [255; 3]]),
+            Texels::Words(vec![[0; 3], [65_535; 3]]),
+            Texels::Floats(vec![[0.0; 3], [1.0; 3]]),
+        ];
+        for texels in images {
+            assert_eq!(
+                TextureImage::new(1, 2, texels).mean_color(),
+                Rgb::splat(0.5)
+            );
+        }
+        let grey = TextureImage::new(1, 1, Texels::Bytes(vec![[188, 0, 0]]));
+        assert!((grey.mean_color().x - 0.5).abs() < 0.005);
     }
 }

@@ -1,4 +1,6 @@
-use egui::{RichText, Ui};
+use std::path::Path;
+
+use egui::{RichText, Ui, Vec2};
 
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::gui::commands::Command;
@@ -6,9 +8,9 @@ use crate::gui::document::free_name;
 use crate::gui::edit;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{
-    Number, color_row_ui, combo_row_ui, light_row_ui, number_row_ui, row_ui,
+    Number, color_row_ui, combo_row_ui, light_row_ui, number_row_ui, row_ui, switch_row_ui,
 };
-use crate::scene::{Material, Rgb, Scene};
+use crate::scene::{Material, Rgb, Scene, Textures};
 
 /// Largest exponent the window offers; files may hold more.
 const MOST_SHININESS: f64 = 1e7;
@@ -90,8 +92,11 @@ pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
             diffuse,
             specular,
             shininess,
-            ..
-        } => phong_ui(ui, diffuse, specular, shininess),
+            textures,
+        } => {
+            phong_ui(ui, diffuse, specular, shininess);
+            textures_ui(ui, textures);
+        }
         Material::Mirror { reflectance } => {
             color_row_ui(
                 ui,
@@ -155,6 +160,46 @@ fn phong_ui(ui: &mut Ui, diffuse: &mut Rgb, specular: &mut Rgb, shininess: &mut 
                 .small()
                 .color(ui.visuals().warn_fg_color),
         );
+    }
+}
+
+/// What varies over the surface: images that a file named, which can be taken off, and the colours of vertices.
+fn textures_ui(ui: &mut Ui, textures: &mut Textures) {
+    image_ui(
+        ui,
+        "Image",
+        "Its colours multiply Diffuse, where the mesh has texture coordinates",
+        &mut textures.diffuse_image,
+    );
+    image_ui(
+        ui,
+        "Normals",
+        "Image of normals, by which the surface is bumpy where the mesh has texture coordinates",
+        &mut textures.normal_image,
+    );
+    switch_row_ui(
+        ui,
+        "Vertex colours",
+        "Whether the colours of the mesh's vertices, where it has some, multiply Diffuse",
+        &mut textures.vertex_colors,
+    );
+}
+
+/// The name of an image as a button that takes it off; nothing where there is none.
+fn image_ui(ui: &mut Ui, label: &str, tooltip: &str, image: &mut Option<String>) {
+    let Some(path) = image else {
+        return;
+    };
+    let name = Path::new(&*path).file_name();
+    let name = name.map_or((&**path).into(), |name| name.to_string_lossy());
+    let tooltip = format!("{path}\n{tooltip}. Click to take it off");
+    let response = row_ui(ui, label, &tooltip, |ui| {
+        let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
+        let text = format!("{name} ✖");
+        ui.add(egui::Button::new(text).truncate().min_size(size))
+    });
+    if response.clicked() {
+        *image = None;
     }
 }
 

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use super::object_color;
 use crate::gui::orbit::PictureSize;
 use crate::math::{Bounds, DMat3, DVec3, ScaledRotation, SceneFrame};
-use crate::scene::{Background, Light, Material, Mode, PhongModel, Scene, ToneCurve};
+use crate::scene::{Background, Light, Material, Mode, Object, PhongModel, Scene, ToneCurve};
 
 /// Most lights the preview shows; a picture has no such limit.
 pub const MAX_LIGHTS: usize = 256;
@@ -129,7 +129,11 @@ impl ObjectUniform {
         let uniform = |(index, turn): (usize, &ScaledRotation)| {
             let object = scene.objects.get(index);
             let material = object.and_then(|object| scene.material_of(object).ok());
-            Self::new(&material.unwrap_or_default(), index, turn)
+            let mut material = material.unwrap_or_default();
+            if let Some(object) = object {
+                take_mean_color(scene, object, &mut material);
+            }
+            Self::new(&material, index, turn)
         };
         turns.iter().enumerate().map(uniform).collect()
     }
@@ -223,4 +227,17 @@ fn mode_number(mode: Mode) -> u32 {
 #[expect(clippy::cast_possible_truncation, reason = "narrowing is the purpose")]
 pub(super) fn vec4(v: DVec3, w: f64) -> [f32; 4] {
     [v.x as f32, v.y as f32, v.z as f32, w as f32]
+}
+/// Multiplies the diffuse colour by the mean of the image that lies on `object`, if one does: the preview shows no more of it.
+fn take_mean_color(scene: &Scene, object: &Object, material: &mut Material) {
+    let mesh = scene.meshes.get(&object.mesh);
+    let is_mapped = mesh.is_some_and(|mesh| mesh.texture_coordinates.is_some());
+    if let Material::Phong {
+        diffuse, textures, ..
+    } = material
+        && let Some(image) = textures.diffuse_image.as_ref().filter(|_| is_mapped)
+        && let Some(image) = scene.textures.get(image)
+    {
+        *diffuse *= image.mean_color();
+    }
 }
