@@ -508,3 +508,20 @@ fn an_image_that_is_not_loaded_is_named() {
     let error = error.expect_err("is not loaded").to_string();
     assert_eq!(error, "the image \"a.png\" of a material is not loaded");
 }
+
+#[test]
+fn textures_that_a_mesh_cannot_show_are_warned_of() {
+    let mut scene = shiny_ball(diffuse_image("a"));
+    assert_eq!(scene.warnings(), Vec::<String>::new());
+    let mesh = Arc::make_mut(scene.meshes.get_mut("mesh").expect("is there"));
+    mesh.texture_coordinates = None;
+    let expected =
+        "the material of object \"mesh\" has an image, but the mesh has no texture coordinates";
+    assert_eq!(scene.warnings(), [expected]);
+    let textures = Textures {
+        vertex_colors: true,
+        ..Textures::default()
+    };
+    let expected = "the material of object \"mesh\" has colours of vertices, but the mesh has none";
+    assert_eq!(shiny_ball(textures).warnings(), [expected]);
+}

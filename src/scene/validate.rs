@@ -28,7 +28,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// What can be rendered but is hardly meant: materials that reflect more light than arrives, where light bounces.
+    /// What can be rendered but is hardly meant: materials that reflect more light than arrives, where light bounces, and textures on
+    /// meshes that do not say how they lie there.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let sentence = |(name, _): (&str, f64)| {
@@ -36,7 +37,27 @@ impl Scene {
                 "material \"{name}\" reflects more light than arrives; keep diffuse + specular, or reflectance, at 1 or less"
             )
         };
-        self.energy_creators().map(sentence).collect()
+        let creators = self.energy_creators().map(sentence);
+        creators.chain(self.lost_textures()).collect()
+    }
+
+    /// What of materials does not show on objects, as their meshes lack what it takes.
+    fn lost_textures(&self) -> impl Iterator<Item = String> {
+        let lost = |object: &Object| {
+            let material = self.materials.get(object.material.as_ref()?)?;
+            let (textures, mesh) = (material.textures()?, self.meshes.get(&object.mesh)?);
+            let has_image = textures.images().next().is_some();
+            let missing = if has_image && mesh.texture_coordinates.is_none() {
+                "an image, but the mesh has no texture coordinates"
+            } else if textures.vertex_colors && mesh.colors.is_none() {
+                "colours of vertices, but the mesh has none"
+            } else {
+                return None;
+            };
+            let name = &object.name;
+            Some(format!("the material of object \"{name}\" has {missing}"))
+        };
+        self.objects.iter().filter_map(lost)
     }
 
     /// The materials that reflect more light than arrives, where light bounces: their names, and the largest share of the light
