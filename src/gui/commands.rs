@@ -11,6 +11,8 @@ pub enum Command {
     AddMesh,
     /// Make an image the background.
     SetBackground,
+    /// Lay an image on the selected material.
+    SetTexture(TextureUse),
     /// Write the scene to its file.
     SaveScene,
     /// Write the scene to another file.
@@ -83,8 +85,17 @@ pub enum Command {
     ShowShortcuts,
 }
 
+/// What an image on a material says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureUse {
+    /// Colours.
+    Diffuse,
+    /// Normals.
+    Normals,
+}
+
 impl Command {
-    /// All of them, by menu.
+    /// All of them, by menu, but for those of buttons alone.
     pub const ALL: [Self; 38] = [
         Self::Open,
         Self::AddMesh,
@@ -133,6 +144,8 @@ impl Command {
             Self::Open => "Open scene or mesh…",
             Self::AddMesh => "Add mesh…",
             Self::SetBackground => "Background image…",
+            Self::SetTexture(TextureUse::Diffuse) => "Image…",
+            Self::SetTexture(TextureUse::Normals) => "Normals…",
             Self::SaveScene => "Save scene",
             Self::SaveSceneAs => "Save scene as…",
             Self::SavePicture => "Save picture…",
@@ -178,6 +191,10 @@ impl Command {
             Self::Open => "Open a scene file or a mesh in place of the present scene",
             Self::AddMesh => "Add a mesh to the present scene as a new object",
             Self::SetBackground => "Light the scene with an image of all directions",
+            Self::SetTexture(TextureUse::Diffuse) => "Lay an image on the material",
+            Self::SetTexture(TextureUse::Normals) => {
+                "Make the material bumpy by an image of normals"
+            }
             Self::SaveScene => "Write the scene to its file",
             Self::SaveSceneAs => "Write the scene to another file",
             Self::SavePicture => "Write the rendered picture as PNG or EXR",
@@ -238,6 +255,7 @@ impl Command {
             Self::Open => const { &[command(Key::O)] },
             Self::AddMesh => const { &[command_shift(Key::O)] },
             Self::SetBackground => const { &[command(Key::B)] },
+            Self::SetTexture(_) => &[],
             Self::SaveScene => const { &[command(Key::S)] },
             Self::SaveSceneAs => const { &[command_shift(Key::S)] },
             Self::SavePicture => const { &[command(Key::E)] },

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::commands::TextureUse;
 use super::compare::{Distance, Side};
 use super::dialogs::files::Answer;
 use super::dialogs::path_field::Listing;
@@ -13,7 +14,7 @@ use super::report::Findings;
 use super::worker::Placed;
 use crate::analysis::cost::Costs;
 use crate::analysis::report::ReportError;
-use crate::io::{LoadedScene, MeshFile, RadianceFile};
+use crate::io::{LoadedScene, MeshFile, RadianceFile, TextureFile};
 use crate::render::{PreparedScene, RenderStats};
 use crate::scene::Scene;
 
@@ -40,6 +41,17 @@ pub enum Event {
         path: PathBuf,
         /// The image, or why there is none.
         result: Result<RadianceFile, String>,
+    },
+    /// An image for a material.
+    TextureLoaded {
+        /// Its file.
+        path: PathBuf,
+        /// The material's name.
+        material: String,
+        /// What the image says.
+        texture: TextureUse,
+        /// The image, or why there is none.
+        result: Result<TextureFile, String>,
     },
     /// The scene can be drawn.
     Placed(Box<Placed>),

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
+use super::commands::TextureUse;
 use super::costs::PAIRS;
 use super::event::Event;
 use super::jobs::Job;
@@ -83,6 +84,25 @@ pub fn load_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
         return;
     };
     job.send(Event::ImageLoaded { path, result });
+}
+
+/// Loads an image for the material of that name.
+pub fn load_texture(
+    job: &Job<Event>,
+    path: PathBuf,
+    (material, texture): (String, TextureUse),
+    progress: &Progress,
+) {
+    progress.set_total(std::fs::metadata(&path).map_or(0, |file| 2 * file.len()));
+    let Some(result) = unless_cancelled(io::load_texture(&path, &job.cancel, progress)) else {
+        return;
+    };
+    job.send(Event::TextureLoaded {
+        path,
+        material,
+        texture,
+        result,
+    });
 }
 
 /// Prepares `scene`, keeping what is the same of what was placed and prepared before. It is told of twice: when it can be drawn, and when

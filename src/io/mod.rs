@@ -35,7 +35,7 @@ pub use image_file::{
 };
 pub use load::{
     LoadError, LoadedScene, SaveError, demo_scene, image_warnings, load_image, load_mesh,
-    load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
+    load_scene, load_scenes, mesh_warnings, override_scene, save_scene, texture_warnings,
 };
 pub use mesh_file::{Dropped, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};

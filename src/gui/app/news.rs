@@ -36,6 +36,12 @@ impl App {
             }
             Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
             Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
+            Event::TextureLoaded {
+                path,
+                material,
+                texture,
+                result,
+            } => self.texture_loaded(&path, &material, texture, result),
             Event::Placed(placed) => self.placed(*placed),
             Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
             Event::Tile(tile) => {

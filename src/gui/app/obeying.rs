@@ -26,6 +26,9 @@ impl App {
             Command::SetBackground => {
                 self.ask_for_path(FilePurpose::SetBackground);
             }
+            Command::SetTexture(texture) => {
+                self.ask_for_path(FilePurpose::SetTexture(texture));
+            }
             Command::SaveScene => self.save_scene(),
             Command::SaveSceneAs => {
                 self.ask_for_path(FilePurpose::SaveScene);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{App, Loading};
 use crate::control::Progress;
 use crate::gui::app::FileDialogs;
+use crate::gui::commands::TextureUse;
 use crate::gui::costs::CostState;
 use crate::gui::dialogs::files::{self, Answer, FilePurpose};
 use crate::gui::dialogs::path_field::PathField;
@@ -16,9 +17,9 @@ use crate::gui::panels::with_image;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
-use crate::io::{self, LoadedScene, MeshFile, RadianceFile};
+use crate::io::{self, LoadedScene, MeshFile, RadianceFile, TextureFile};
 use crate::math::DVec3;
-use crate::scene::{Background, Object, presets};
+use crate::scene::{Background, Material, Object, presets};
 
 impl App {
     /// Opens `paths` in place of the scene, once unsaved work is decided about.
@@ -54,6 +55,63 @@ impl App {
         self.jobs.start(Lane::Load, move |job| {
             worker::load_image(job, path, &progress);
         });
+    }
+
+    /// Loads an image and lays it on the selected material, or that of the selected object.
+    fn set_texture(&mut self, path: PathBuf, texture: TextureUse) {
+        let scene = &self.document.scene;
+        let material = match &self.selection {
+            Selection::Material(name) => Some(name.clone()),
+            Selection::Object(index) => scene.objects[*index].material.clone(),
+            _ => None,
+        };
+        let Some(material) = material else {
+            return;
+        };
+        let progress = self.begin_loading(what(std::slice::from_ref(&path)));
+        self.jobs.start(Lane::Load, move |job| {
+            worker::load_texture(job, path, (material, texture), &progress);
+        });
+    }
+
+    pub(super) fn texture_loaded(
+        &mut self,
+        path: &Path,
+        material: &str,
+        texture: TextureUse,
+        result: Result<TextureFile, String>,
+    ) {
+        let shown = what(&[path.to_owned()]);
+        let file = match result {
+            Ok(file) => file,
+            Err(error) => {
+                let title = format!("Cannot use {shown}");
+                let text = format!("{error}\nThe material is as it was.");
+                self.messages.error(title, text);
+                return;
+            }
+        };
+        let warnings = io::texture_warnings(&path.display().to_string(), &file);
+        if !warnings.is_empty() {
+            let title = format!("{shown} is used, with remarks");
+            self.messages.warning(title, warnings.join("\n"));
+        }
+        let scene = &mut self.document.scene;
+        let textures = scene.materials.get_mut(material);
+        // Removed meanwhile, or of another kind now.
+        let Some(textures) = textures.and_then(Material::textures_mut) else {
+            return;
+        };
+        let image = io::absolute_image(&path.to_string_lossy(), Path::new("."));
+        match texture {
+            TextureUse::Diffuse => textures.diffuse_image = Some(image.clone()),
+            TextureUse::Normals => textures.normal_image = Some(image.clone()),
+        }
+        scene.textures.insert(image, Arc::new(file.image));
+        // Large, and not coming back on their own.
+        let names = scene.texture_names();
+        scene.textures.retain(|name, _| names.contains(name));
+        self.messages.news(format!("{shown} is on {material}"));
     }
 
     pub(super) fn begin_loading(&mut self, what: String) -> Progress {
@@ -239,6 +297,11 @@ impl App {
                     self.set_background(path);
                 }
             }
+            FilePurpose::SetTexture(texture) => {
+                for path in paths.into_iter().take(1) {
+                    self.set_texture(path, texture);
+                }
+            }
             FilePurpose::Compare => {
                 for path in paths.into_iter().take(1) {
                     self.compare_with_file(path);
@@ -269,6 +332,7 @@ impl App {
         match purpose {
             FilePurpose::Open
             | FilePurpose::AddMesh
+            | FilePurpose::SetTexture(_)
             | FilePurpose::ReportReference
             | FilePurpose::Compare => folder.join(""),
             FilePurpose::ReportFolder => self.report.folder(),

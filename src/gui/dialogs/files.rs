@@ -6,9 +6,10 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::gui::commands::TextureUse;
 use crate::gui::event::Event;
 use crate::gui::jobs::Job;
-use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS};
+use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS, TEXTURE_EXTENSIONS};
 
 /// An answer faster than this is no user's.
 const NO_USER_IS_FASTER: Duration = Duration::from_millis(150);
@@ -22,6 +23,8 @@ pub enum FilePurpose {
     AddMesh,
     /// An image to make the background.
     SetBackground,
+    /// An image to lay on the selected material.
+    SetTexture(TextureUse),
     /// A scene file to write.
     SaveScene,
     /// A picture to write.
@@ -42,6 +45,8 @@ impl FilePurpose {
             Self::Open => "Open scene or mesh",
             Self::AddMesh => "Add mesh",
             Self::SetBackground => "Background image",
+            Self::SetTexture(TextureUse::Diffuse) => "Image on the material",
+            Self::SetTexture(TextureUse::Normals) => "Image of normals",
             Self::SaveScene => "Save scene",
             Self::SavePicture => "Save picture",
             Self::ReportFolder => "Folder of the report",
@@ -56,7 +61,10 @@ impl FilePurpose {
         match self {
             Self::Open => "Open",
             Self::AddMesh => "Add",
-            Self::SetBackground | Self::ReportFolder | Self::ReportReference => "Use",
+            Self::SetBackground
+            | Self::SetTexture(_)
+            | Self::ReportFolder
+            | Self::ReportReference => "Use",
             Self::SaveScene | Self::SavePicture => "Save",
             Self::Compare => "Compare",
         }
@@ -81,6 +89,7 @@ impl FilePurpose {
             Self::Open => [&["toml"], READABLE_EXTENSIONS, RENDER_EXTENSIONS].concat(),
             Self::AddMesh => READABLE_EXTENSIONS.to_vec(),
             Self::SetBackground => RADIANCE_EXTENSIONS.to_vec(),
+            Self::SetTexture(_) => TEXTURE_EXTENSIONS.to_vec(),
             Self::SaveScene => vec!["toml"],
             Self::SavePicture => vec!["png", "exr"],
             Self::ReportFolder => Vec::new(),
@@ -125,6 +134,10 @@ pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
         FilePurpose::AddMesh => dialog.add_filter("Meshes", &extensions).pick_files(),
         FilePurpose::SetBackground => dialog
             .add_filter("Images of radiance", &extensions)
+            .pick_file()
+            .map(|path| vec![path]),
+        FilePurpose::SetTexture(_) => dialog
+            .add_filter("Images", &extensions)
             .pick_file()
             .map(|path| vec![path]),
         FilePurpose::ReportFolder => dialog.pick_folder().map(|path| vec![path]),

@@ -3,7 +3,7 @@ use std::path::Path;
 use egui::{RichText, Ui, Vec2};
 
 use super::{NAME_FIELD, PanelState, command_button_ui};
-use crate::gui::commands::Command;
+use crate::gui::commands::{Command, TextureUse};
 use crate::gui::document::free_name;
 use crate::gui::edit;
 use crate::gui::selection::Selection;
@@ -25,7 +25,8 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     let Some(material) = state.scene.materials.get_mut(name) else {
         return;
     };
-    reflectance_ui(ui, material);
+    let asked = reflectance_ui(ui, material);
+    state.commands.extend(asked);
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         command_button_ui(
@@ -57,8 +58,8 @@ enum Kind {
     Emitter,
 }
 
-/// What the surface does with light.
-pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
+/// What the surface does with light; returns a command that was asked for.
+pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) -> Option<Command> {
     let before = match material {
         Material::Phong { .. } => Kind::Phong,
         Material::Mirror { .. } => Kind::Mirror,
@@ -95,7 +96,7 @@ pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
             textures,
         } => {
             phong_ui(ui, diffuse, specular, shininess);
-            textures_ui(ui, textures);
+            return textures_ui(ui, textures);
         }
         Material::Mirror { reflectance } => {
             color_row_ui(
@@ -131,6 +132,7 @@ pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) {
             );
         }
     }
+    None
 }
 
 fn phong_ui(ui: &mut Ui, diffuse: &mut Rgb, specular: &mut Rgb, shininess: &mut f64) {
@@ -163,15 +165,15 @@ fn phong_ui(ui: &mut Ui, diffuse: &mut Rgb, specular: &mut Rgb, shininess: &mut 
     }
 }
 
-/// What varies over the surface: images that a file named, which can be taken off, and the colours of vertices.
-fn textures_ui(ui: &mut Ui, textures: &mut Textures) {
-    image_ui(
+/// What varies over the surface; returns a command that was asked for.
+fn textures_ui(ui: &mut Ui, textures: &mut Textures) -> Option<Command> {
+    let diffuse = image_ui(
         ui,
         "Image",
         "Its colours multiply Diffuse, where the mesh has texture coordinates",
         &mut textures.diffuse_image,
     );
-    image_ui(
+    let normals = image_ui(
         ui,
         "Normals",
         "Image of normals, by which the surface is bumpy where the mesh has texture coordinates",
@@ -183,24 +185,34 @@ fn textures_ui(ui: &mut Ui, textures: &mut Textures) {
         "Whether the colours of the mesh's vertices, where it has some, multiply Diffuse",
         &mut textures.vertex_colors,
     );
+    let asked = [
+        (diffuse, TextureUse::Diffuse),
+        (normals, TextureUse::Normals),
+    ];
+    let asked = asked.into_iter().find(|(asked, _)| *asked);
+    asked.map(|(_, texture)| Command::SetTexture(texture))
 }
 
-/// The name of an image as a button that takes it off; nothing where there is none.
-fn image_ui(ui: &mut Ui, label: &str, tooltip: &str, image: &mut Option<String>) {
-    let Some(path) = image else {
-        return;
-    };
-    let name = Path::new(&*path).file_name();
-    let name = name.map_or((&**path).into(), |name| name.to_string_lossy());
-    let tooltip = format!("{path}\n{tooltip}. Click to take it off");
+/// The name of an image as a button that asks for another, and one that takes it off; returns whether another is asked for.
+fn image_ui(ui: &mut Ui, label: &str, tooltip: &str, image: &mut Option<String>) -> bool {
+    let path = image.clone();
+    let name = path.as_ref().map(Path::new).and_then(Path::file_name);
+    let name = name.map_or("none".into(), |name| name.to_string_lossy());
+    let full = path.as_deref().unwrap_or("No image");
+    let tooltip = format!("{full}\n{tooltip}. Click to choose one (.png, .jpg, .exr, .hdr)");
+    let height = ui.spacing().interact_size.y;
     let response = row_ui(ui, label, &tooltip, |ui| {
-        let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
-        let text = format!("{name} ✖");
-        ui.add(egui::Button::new(text).truncate().min_size(size))
+        if image.is_some() {
+            let off = ui.add(egui::Button::new("✖").min_size(Vec2::splat(height)));
+            let off = off.on_hover_text("Take the image off");
+            if off.accessible_name(format!("Take off {label}")).clicked() {
+                *image = None;
+            }
+        }
+        let size = Vec2::new(ui.available_width(), height);
+        ui.add(egui::Button::new(name).truncate().min_size(size))
     });
-    if response.clicked() {
-        *image = None;
-    }
+    response.clicked()
 }
 
 /// The name as a text field; returns a new one that was confirmed and is free.

@@ -24,7 +24,8 @@ pub fn object_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     if let Some(name) = object.material.clone()
         && let Some(material) = state.scene.materials.get_mut(&name)
     {
-        reflectance_ui(ui, material);
+        let asked = reflectance_ui(ui, material);
+        state.commands.extend(asked);
     }
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
