@@ -1,3 +1,4 @@
+use std::fmt::Display;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -9,10 +10,10 @@ use serde_json::Value;
 
 use crate::analysis::report::percent;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, MeshFile, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
+use crate::io::{self, Model, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
 use crate::math::DBounds;
 use crate::render::Image;
-use crate::scene::{Choice, Scene};
+use crate::scene::{Choice, Material, Object, Scene};
 
 /// What `raymini info` takes.
 #[derive(Debug, Args)]
@@ -37,12 +38,17 @@ enum Facts {
 #[derive(Debug, Serialize)]
 struct MeshFacts {
     format: &'static str,
-    vertices: usize,
+    vertices: u64,
     faces: u64,
     polygons: u64,
-    triangles: usize,
+    triangles: u64,
     bounds: Option<Box3>,
     dropped: DroppedFacts,
+    /// What the file becomes in a scene.
+    objects: Vec<ObjectFacts>,
+    materials: Vec<MaterialFacts>,
+    lights: usize,
+    camera: bool,
     warnings: Vec<String>,
 }
 
@@ -73,6 +79,13 @@ struct ObjectFacts {
     mesh: String,
     triangles: usize,
     copies: u64,
+    material: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct MaterialFacts {
+    name: String,
+    kind: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -133,41 +146,60 @@ fn facts(path: &Path) -> Result<Facts> {
         Some("png") => Ok(Facts::Picture(with_origin(png_facts(path)?, path)?)),
         Some("exr" | "hdr") => Ok(Facts::Picture(with_origin(radiance_facts(path)?, path)?)),
         _ => {
-            let file = io::load_mesh(path, &cancel, &progress)?.ok_or_else(cancelled)?;
-            Ok(Facts::Mesh(mesh_facts(file)))
+            let model = io::load_model(path, &cancel, &progress)?.ok_or_else(cancelled)?;
+            Ok(Facts::Mesh(mesh_facts(model)))
         }
     }
 }
 
-fn mesh_facts(file: MeshFile) -> MeshFacts {
+fn mesh_facts(model: Model) -> MeshFacts {
+    let Model { scene, facts, .. } = model;
+    let material = |(name, material): (&String, &Material)| MaterialFacts {
+        name: name.clone(),
+        kind: material.kind(),
+    };
     MeshFacts {
-        format: file.format,
-        vertices: file.mesh.positions.len(),
-        faces: file.faces,
-        polygons: file.polygons,
-        triangles: file.mesh.triangles.len(),
-        bounds: Box3::of(&file.mesh.bounds()),
+        format: facts.format,
+        vertices: facts.vertices,
+        faces: facts.faces,
+        polygons: facts.polygons,
+        triangles: facts.triangles,
+        bounds: Box3::of(&facts.bounds),
         dropped: DroppedFacts {
-            degenerate: file.dropped.degenerate,
-            too_few_corners: file.dropped.too_few_corners,
+            degenerate: facts.dropped.degenerate,
+            too_few_corners: facts.dropped.too_few_corners,
         },
-        warnings: file.warnings,
+        objects: scene
+            .objects
+            .iter()
+            .map(|object| object_facts(&scene, object))
+            .collect(),
+        materials: scene.materials.iter().map(material).collect(),
+        lights: scene.lights.len(),
+        camera: model.camera.is_some(),
+        warnings: model.warnings,
+    }
+}
+
+fn object_facts(scene: &Scene, object: &Object) -> ObjectFacts {
+    let mesh = scene.meshes.get(&object.mesh);
+    ObjectFacts {
+        name: object.name.clone(),
+        mesh: object.mesh.clone(),
+        triangles: mesh.map_or(0, |mesh| mesh.triangles.len()),
+        copies: object.copies.total(),
+        material: object.material.clone(),
     }
 }
 
 fn scene_facts(scene: &Scene, warnings: Vec<String>) -> SceneFacts {
-    let object = |object: &crate::scene::Object| ObjectFacts {
-        name: object.name.clone(),
-        mesh: object.mesh.clone(),
-        triangles: scene
-            .meshes
-            .get(&object.mesh)
-            .map_or(0, |mesh| mesh.triangles.len()),
-        copies: object.copies.total(),
-    };
     SceneFacts {
         format: "RayMini scene",
-        objects: scene.objects.iter().map(object).collect(),
+        objects: scene
+            .objects
+            .iter()
+            .map(|object| object_facts(scene, object))
+            .collect(),
         materials: scene.materials.keys().cloned().collect(),
         lights: scene.lights.len(),
         triangles: scene.triangle_count(),
@@ -247,103 +279,152 @@ fn open(path: &Path) -> Result<File> {
 
 /// The facts as lines for people: a name and a value each.
 fn describe(path: &Path, facts: &Facts) -> String {
-    let mut lines = vec![path.display().to_string()];
-    let mut line = |name: &str, value: String| lines.push(format!("  {name:<12}{value}"));
+    let mut lines = Lines(vec![path.display().to_string()]);
     let warnings = match facts {
         Facts::Mesh(mesh) => {
-            line("format", mesh.format.to_owned());
-            line("vertices", mesh.vertices.to_string());
-            line(
-                "faces",
-                format!(
-                    "{}, {} of them with more than three corners",
-                    mesh.faces, mesh.polygons
-                ),
-            );
-            line("triangles", mesh.triangles.to_string());
-            line("bounds", describe_box(mesh.bounds.as_ref()));
-            let DroppedFacts {
-                degenerate,
-                too_few_corners,
-            } = mesh.dropped;
-            line(
-                "left out",
-                format!(
-                    "{degenerate} faces without area, {too_few_corners} with fewer than three corners"
-                ),
-            );
+            describe_mesh(mesh, &mut lines);
             &mesh.warnings
         }
         Facts::Scene(scene) => {
-            line("format", scene.format.to_owned());
-            line(
-                "picture",
-                format!(
-                    "{}, {}×{}, {} samples",
-                    scene.mode, scene.width, scene.height, scene.samples_per_pixel
-                ),
-            );
-            for object in &scene.objects {
-                let copies = if object.copies == 1 {
-                    String::new()
-                } else {
-                    format!(" × {}", object.copies)
-                };
-                line(
-                    "object",
-                    format!(
-                        "{}: {} triangles{copies}, {}",
-                        object.name, object.triangles, object.mesh
-                    ),
-                );
-            }
-            line(
-                "materials",
-                if scene.materials.is_empty() {
-                    "none".to_owned()
-                } else {
-                    scene.materials.join(", ")
-                },
-            );
-            line("lights", scene.lights.to_string());
-            line("triangles", scene.triangles.to_string());
-            line("bounds", describe_box(scene.bounds.as_ref()));
+            describe_scene(scene, &mut lines);
             &scene.warnings
         }
         Facts::Picture(picture) => {
-            line("format", picture.format.to_owned());
-            line("size", format!("{}×{}", picture.width, picture.height));
-            line(
-                "hash",
-                picture
-                    .image_hash
-                    .clone()
-                    .unwrap_or_else(|| "unknown: not a picture by RayMini".to_owned()),
-            );
-            if let Some(error) = &picture.error {
-                line(
-                    "error",
-                    format!(
-                        "noise {}, rmse {:.3e}, estimated at {:.1} samples per pixel",
-                        percent(error.relmse.sqrt()),
-                        error.rmse,
-                        error.samples_per_pixel
-                    ),
-                );
-            }
-            if picture.scene.is_some() {
-                line(
-                    "scene",
-                    "in the file: open or render it as a scene".to_owned(),
-                );
-            }
+            describe_picture(picture, &mut lines);
             &picture.warnings
         }
     };
     for warning in warnings {
-        line("warning", warning.clone());
+        lines.add("warning", warning);
     }
-    lines.join("\n")
+    lines.0.join("\n")
+}
+
+/// Lines of a name and a value.
+struct Lines(Vec<String>);
+
+/// Most lines of one name: all that is said of a file fits on a screen.
+const MOST_LINES: usize = 12;
+
+impl Lines {
+    fn add(&mut self, name: &str, value: impl Display) {
+        self.0.push(format!("  {name:<12}{value}"));
+    }
+
+    /// A line for each of the first values, and how many more there are.
+    fn add_all<T>(&mut self, name: &str, values: &[T], shown: impl Fn(&T) -> String) {
+        for value in values.iter().take(MOST_LINES) {
+            self.add(name, shown(value));
+        }
+        if values.len() > MOST_LINES {
+            self.add(name, format!("and {} more", values.len() - MOST_LINES));
+        }
+    }
+}
+
+fn describe_mesh(mesh: &MeshFacts, lines: &mut Lines) {
+    lines.add("format", mesh.format);
+    lines.add("vertices", mesh.vertices);
+    let MeshFacts {
+        faces, polygons, ..
+    } = mesh;
+    lines.add(
+        "faces",
+        format!("{faces}, {polygons} of them with more than three corners"),
+    );
+    lines.add("triangles", mesh.triangles);
+    lines.add("bounds", describe_box(mesh.bounds.as_ref()));
+    let DroppedFacts {
+        degenerate,
+        too_few_corners,
+    } = mesh.dropped;
+    lines.add(
+        "left out",
+        format!("{degenerate} faces without area, {too_few_corners} with fewer than three corners"),
+    );
+    // A plain mesh is one object without a material, of which there is nothing more to say.
+    if mesh.objects.len() > 1 || !mesh.materials.is_empty() {
+        lines.add_all("object", &mesh.objects, |object| {
+            let worn = object
+                .material
+                .as_ref()
+                .map(|name| format!(", material {name}"));
+            let worn = worn.unwrap_or_default();
+            let ObjectFacts {
+                name, triangles, ..
+            } = object;
+            format!("{name}: {triangles} triangles{worn}")
+        });
+        lines.add_all("material", &mesh.materials, |material| {
+            format!("{}: {}", material.name, material.kind)
+        });
+    }
+    if mesh.lights > 0 || mesh.camera {
+        lines.add("lights", mesh.lights);
+        lines.add("camera", if mesh.camera { "one" } else { "none" });
+    }
+}
+
+fn describe_scene(scene: &SceneFacts, lines: &mut Lines) {
+    lines.add("format", scene.format);
+    let SceneFacts {
+        mode,
+        width,
+        height,
+        samples_per_pixel,
+        ..
+    } = scene;
+    lines.add(
+        "picture",
+        format!("{mode}, {width}×{height}, {samples_per_pixel} samples"),
+    );
+    lines.add_all("object", &scene.objects, |object| {
+        let copies = if object.copies == 1 {
+            String::new()
+        } else {
+            format!(" × {}", object.copies)
+        };
+        let ObjectFacts {
+            name,
+            triangles,
+            mesh,
+            ..
+        } = object;
+        format!("{name}: {triangles} triangles{copies}, {mesh}")
+    });
+    let names = match &scene.materials[..] {
+        [] => "none".to_owned(),
+        names if names.len() > MOST_LINES => {
+            let more = names.len() - MOST_LINES;
+            format!("{} and {more} more", names[..MOST_LINES].join(", "))
+        }
+        names => names.join(", "),
+    };
+    lines.add("materials", names);
+    lines.add("lights", scene.lights);
+    lines.add("triangles", scene.triangles);
+    lines.add("bounds", describe_box(scene.bounds.as_ref()));
+}
+
+fn describe_picture(picture: &PictureFacts, lines: &mut Lines) {
+    lines.add("format", picture.format);
+    lines.add("size", format!("{}×{}", picture.width, picture.height));
+    let hash = picture.image_hash.as_deref();
+    lines.add("hash", hash.unwrap_or("unknown: not a picture by RayMini"));
+    if let Some(error) = &picture.error {
+        lines.add(
+            "error",
+            format!(
+                "noise {}, rmse {:.3e}, estimated at {:.1} samples per pixel",
+                percent(error.relmse.sqrt()),
+                error.rmse,
+                error.samples_per_pixel
+            ),
+        );
+    }
+    if picture.scene.is_some() {
+        lines.add("scene", "in the file: open or render it as a scene");
+    }
 }
 
 fn describe_box(bounds: Option<&Box3>) -> String {

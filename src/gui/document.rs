@@ -191,22 +191,6 @@ pub fn name_of(path: &Path) -> String {
     )
 }
 
-/// `base`, or `base 2`, `base 3`, …: the first that `is_taken` does not hold for. A number at the end of `base` counts on.
-#[must_use]
-pub fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
-    if !is_taken(base) {
-        return base.to_owned();
-    }
-    let base = match base.rsplit_once(' ') {
-        Some((before, number)) if number.parse::<u32>().is_ok() && !before.is_empty() => before,
-        _ => base,
-    };
-    (2..u32::MAX)
-        .map(|number| format!("{base} {number}"))
-        .find(|name| !is_taken(name))
-        .unwrap_or_else(|| base.to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -270,13 +254,5 @@ mod tests {
         let mut brighter = before.clone();
         brighter.display.exposure = 1.0;
         assert!(same_picture(&before, &brighter) && !same_scene(&before, &brighter));
-    }
-
-    #[test]
-    fn free_names_count_up() {
-        let taken = ["clay", "clay 2"];
-        assert_eq!(free_name("clay", |name| taken.contains(&name)), "clay 3");
-        assert_eq!(free_name("chrome", |name| taken.contains(&name)), "chrome");
-        assert_eq!(free_name("clay 2", |name| taken.contains(&name)), "clay 3");
     }
 }

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use super::document::free_name;
 use super::selection::Selection;
 use crate::geometry::TriangleMesh;
-use crate::scene::{Light, Material, Object, Scene};
+use crate::scene::{Light, Material, Object, Scene, free_name};
 
 /// A part of a scene on its own: it can be pasted into any scene.
 #[derive(Clone, Debug, PartialEq)]

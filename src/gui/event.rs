@@ -14,7 +14,7 @@ use super::report::Findings;
 use super::worker::Placed;
 use crate::analysis::cost::Costs;
 use crate::analysis::report::ReportError;
-use crate::io::{LoadedScene, MeshFile, RadianceFile, TextureFile};
+use crate::io::{LoadedScene, Model, RadianceFile, TextureFile};
 use crate::render::{PreparedScene, RenderStats};
 use crate::scene::Scene;
 
@@ -28,12 +28,12 @@ pub enum Event {
         /// The scene, or why there is none.
         result: Result<Box<LoadedScene>, String>,
     },
-    /// A mesh to add to the scene.
-    MeshLoaded {
-        /// Its file.
+    /// A file whose objects are to be added to the scene.
+    ModelLoaded {
+        /// It.
         path: PathBuf,
-        /// The mesh, or why there is none.
-        result: Result<MeshFile, String>,
+        /// Its objects, or why there are none.
+        result: Result<Box<Model>, String>,
     },
     /// An image for the background.
     ImageLoaded {

@@ -70,12 +70,13 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     job.send(Event::SceneLoaded { paths, result });
 }
 
-/// Loads a mesh to add to the scene.
-pub fn load_mesh(job: &Job<Event>, path: PathBuf, progress: &Progress) {
-    let Some(result) = unless_cancelled(io::load_mesh(&path, &job.cancel, progress)) else {
+/// Loads a file of meshes to add to the scene.
+pub fn load_model(job: &Job<Event>, path: PathBuf, progress: &Progress) {
+    let Some(result) = unless_cancelled(io::load_model(&path, &job.cancel, progress)) else {
         return;
     };
-    job.send(Event::MeshLoaded { path, result });
+    let result = result.map(Box::new);
+    job.send(Event::ModelLoaded { path, result });
 }
 
 /// Loads an image for the background.

@@ -1,5 +1,6 @@
 //! From paths to a scene with its meshes and images, and back.
 
+use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,16 +8,19 @@ use std::sync::Arc;
 use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
+use super::mesh_parts::PartCutter;
+use super::model::{self, Model};
 use super::origin::WrittenOrigin;
+use super::part_name::file_and_part;
 use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
 use super::scene_paths::{
-    absolute_image, absolute_mesh, is_render_file, is_scene_file, relative_path,
+    absolute_image, absolute_mesh, is_render_file, is_scene_file, relative_mesh, relative_path,
 };
 use super::texture_file::{TextureFile, load_texture};
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
-use crate::scene::{Background, Material, Object, Scene, SceneError, Textures, presets};
+use crate::scene::{Background, Material, Scene, SceneError, Textures, presets};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
@@ -137,6 +141,19 @@ pub fn load_mesh(
     mesh_file::load_mesh(path, cancel, progress)
 }
 
+/// Loads the mesh file at `path` as the objects it brings into a scene. `progress` counts bytes. `None` when cancelled.
+///
+/// # Errors
+/// Those of [`load_mesh`].
+pub fn load_model(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Model>, MeshError> {
+    progress.set_total(work_of(&path.to_string_lossy()));
+    read_model(path, cancel, progress)
+}
+
 /// Loads the image at `path` for a background. `progress` counts bytes. `None` when cancelled.
 ///
 /// # Errors
@@ -169,7 +186,7 @@ pub(super) fn portable_text(scene: &Scene, path: &Path) -> io::Result<String> {
     let folder = absolute.parent().unwrap_or(&absolute);
     let mut portable = scene.clone();
     for object in &mut portable.objects {
-        object.mesh = relative_path(&object.mesh, folder);
+        object.mesh = relative_mesh(&object.mesh, folder);
     }
     if let Background::Image { image, .. } = &mut portable.background {
         *image = relative_path(image, folder);
@@ -341,20 +358,8 @@ fn load_parts(
     let textures = scene.texture_names();
     let textures = textures.iter().map(|image| work_of(image));
     progress.set_total(work + textures.sum::<u64>());
-    for index in 0..scene.objects.len() {
-        let mesh = scene.objects[index].mesh.clone();
-        if scene.meshes.contains_key(&mesh) {
-            progress.advance(work_of(&mesh));
-            continue;
-        }
-        let loaded = read_mesh(&mesh, cancel, progress)
-            .map_err(|error| file.error_at(&format!("objects.{index}.mesh"), error.to_string()))?;
-        let Some(loaded) = loaded else {
-            return Ok(None);
-        };
-        warnings.extend(outside_warning(&mesh, folder));
-        warnings.extend(mesh_warnings(&mesh, &loaded));
-        scene.meshes.insert(mesh, Arc::new(loaded.mesh));
+    if load_meshes(&mut scene, file, folder, warnings, cancel, progress)?.is_none() {
+        return Ok(None);
     }
     let whole = load_background(&mut scene, folder, warnings, cancel, progress)
         .map_err(|error| file.error_at("background.image", error.to_string()))?;
@@ -363,6 +368,66 @@ fn load_parts(
     }
     let whole = whole && load_textures(file, &mut scene, folder, warnings, cancel, progress)?;
     Ok(whole.then_some(scene))
+}
+
+/// Loads the meshes of all objects, each file once; `None` when cancelled.
+fn load_meshes(
+    scene: &mut Scene,
+    file: &SceneFile,
+    folder: &Path,
+    warnings: &mut Vec<String>,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<()>, LoadError> {
+    // The objects of each file, in the order of the first.
+    let mut files: Vec<(String, Vec<usize>)> = Vec::new();
+    let mut numbers = HashMap::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let (name, _) = file_and_part(&object.mesh);
+        let number = *numbers.entry(name).or_insert(files.len());
+        if number == files.len() {
+            files.push((name.to_owned(), Vec::new()));
+        }
+        files[number].1.push(index);
+    }
+    for (name, objects) in files {
+        let error_at = |index: usize, error: MeshError| {
+            file.error_at(&format!("objects.{index}.mesh"), error.to_string())
+        };
+        let read = match name.strip_prefix(builtin::PREFIX) {
+            Some(name) => builtin::mesh(name, cancel, progress),
+            None => mesh_file::load_file(Path::new(&name), cancel, progress),
+        };
+        let Some(read) = read.map_err(|error| error_at(objects[0], error))? else {
+            return Ok(None);
+        };
+        warnings.extend(outside_warning(&name, folder));
+        warnings.extend(mesh_warnings(&name, &read));
+        let mut whole = None;
+        let mut cutter = PartCutter::new(&read.mesh, &read.parts);
+        for &index in &objects {
+            if cancel.is_cancelled() {
+                return Ok(None);
+            }
+            let mesh = scene.objects[index].mesh.clone();
+            if scene.meshes.contains_key(&mesh) {
+                continue;
+            }
+            match file_and_part(&mesh) {
+                (_, None) => whole = Some(mesh),
+                (name, Some(part)) => {
+                    let cut = mesh_file::cut_part(&mut cutter, name, part);
+                    let cut = cut.map_err(|error| error_at(index, error))?;
+                    scene.meshes.insert(mesh, Arc::new(cut));
+                }
+            }
+        }
+        if let Some(mesh) = whole {
+            scene.meshes.insert(mesh, Arc::new(read.mesh));
+        }
+        progress.advance(work_of(&name) * (objects.len() as u64 - 1));
+    }
+    Ok(Some(()))
 }
 
 /// Loads all images of materials, which are named from the root; `folder`: that of the scene file. False when cancelled.
@@ -464,30 +529,35 @@ fn load_bare_meshes(
     let mut scene = Scene::default();
     let mut warnings = Vec::new();
     let mut up = None;
-    let meshes: Vec<String> = paths
-        .iter()
-        .map(|path| absolute_mesh(&path.to_string_lossy(), Path::new(".")))
-        .collect();
-    progress.set_total(meshes.iter().map(|mesh| work_of(mesh)).sum());
-    for (path, mesh) in paths.iter().zip(meshes) {
+    let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
+    progress.set_total(work.sum());
+    for path in paths {
         // As the user wrote it, for messages.
-        let Some(loaded) = mesh_file::load_mesh(path, cancel, progress)? else {
+        let Some(model) = read_model(path, cancel, progress)? else {
             return Ok(None);
         };
-        warnings.extend(mesh_warnings(&path.display().to_string(), &loaded));
-        up.get_or_insert(loaded.likely_up());
-        let name = path
-            .file_stem()
-            .map_or_else(|| mesh.clone(), |stem| stem.to_string_lossy().into_owned());
-        scene.objects.push(Object {
-            name,
-            mesh: mesh.clone(),
-            ..presets::object()
-        });
-        scene.meshes.insert(mesh, Arc::new(loaded.mesh));
+        warnings.extend(model.warnings);
+        up.get_or_insert(model.up);
+        scene.join(model.scene);
+    }
+    for object in &mut scene.objects {
+        object.material = object
+            .material
+            .take()
+            .or_else(|| presets::object().material);
     }
     presets::light_and_frame(&mut scene, up.unwrap_or_default())?;
     Ok(Some(LoadedScene { scene, warnings }))
+}
+
+/// The model of a file. `None` when cancelled.
+fn read_model(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Model>, MeshError> {
+    let file = mesh_file::load_mesh(path, cancel, progress)?;
+    Ok(file.and_then(|file| model::of_mesh_file(path, file, cancel)))
 }
 
 fn read_mesh(
@@ -503,6 +573,7 @@ fn read_mesh(
 
 /// The work of loading a mesh, in the unit of its progress: every byte is read once and understood once.
 fn work_of(mesh: &str) -> u64 {
+    let (mesh, _) = file_and_part(mesh);
     match mesh.strip_prefix(builtin::PREFIX) {
         Some(name) => builtin::bytes(name).map_or(0, |bytes| bytes.len() as u64),
         None => std::fs::metadata(mesh).map_or(0, |metadata| 2 * metadata.len()),

@@ -3,7 +3,10 @@
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
 use super::mesh_format::{MeshFormat, READABLE_FORMATS};
+use super::mesh_parts::{MeshParts, PartCutter};
 use super::mesh_reading::{Malformed, Place};
+use super::part_name::file_and_part;
+use super::shorten::shortened;
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
@@ -26,6 +29,19 @@ pub struct MeshFile {
     pub dropped: Dropped,
     /// What the file holds and the mesh does not, in sentences, with line numbers where the format has lines.
     pub warnings: Vec<String>,
+    /// Which triangles wear which material; empty where the file says nothing of materials.
+    pub parts: MeshParts,
+    /// The files of materials that it names.
+    pub libraries: Vec<MaterialLibrary>,
+}
+
+/// A file of materials as another file names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MaterialLibrary {
+    /// The line that names it.
+    pub line: u64,
+    /// One name, which may hold blanks, or several between blanks.
+    pub name: String,
 }
 
 impl MeshFile {
@@ -100,14 +116,37 @@ fn in_file(name: &str, error: &Malformed) -> String {
 /// numbers is. (Corners of large polygons may take six; files of such alone are small.)
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Loads the mesh file at `path`.
+/// Loads the mesh file at `path`, or the part of one that a name such as `a.obj#red` means.
 ///
 /// `progress` advances by bytes, each once when it is read and once when it is understood; setting its total is the
 /// caller's. Returns `None` when cancelled.
 ///
 /// # Errors
-/// When the file cannot be read, is of a format without reader, or is malformed.
+/// When the file cannot be read, is of a format without reader, is malformed, or has no such part.
 pub fn load_mesh(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<MeshFile>, MeshError> {
+    let name = path.to_string_lossy();
+    let (file, Some(part)) = file_and_part(&name) else {
+        return load_file(path, cancel, progress);
+    };
+    let Some(mut loaded) = load_file(Path::new(file), cancel, progress)? else {
+        return Ok(None);
+    };
+    let cut = cut_part(
+        &mut PartCutter::new(&loaded.mesh, &loaded.parts),
+        file,
+        part,
+    )?;
+    loaded.mesh = cut;
+    loaded.parts = MeshParts::default();
+    Ok(Some(loaded))
+}
+
+/// [`load_mesh`] of a whole file.
+pub fn load_file(
     path: &Path,
     cancel: &CancelToken,
     progress: &Progress,
@@ -123,6 +162,37 @@ pub fn load_mesh(
         return Ok(None);
     };
     read_mesh(&name, &bytes, cancel, progress)
+}
+
+/// The `part` of the mesh of `file`.
+///
+/// # Errors
+/// That there is none of that name, and what the parts are called.
+pub fn cut_part(
+    cutter: &mut PartCutter<'_>,
+    file: &str,
+    part: &str,
+) -> Result<TriangleMesh, MeshError> {
+    cutter.cut(part).ok_or_else(|| MeshError::Unreadable {
+        name: file.to_owned(),
+        reason: no_such_part(part, cutter.names()),
+    })
+}
+
+/// What is said where none of the parts that are called so is `part`.
+pub fn no_such_part<'a>(part: &str, names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    const MOST_SHOWN: usize = 8;
+    let count = names.len();
+    let shown: Vec<_> = names
+        .take(MOST_SHOWN)
+        .map(|name| format!("\"{}\"", shortened(name)))
+        .collect();
+    let known = match count {
+        0 => "has no parts of different materials".to_owned(),
+        _ if count > MOST_SHOWN => format!("has {count} parts, such as {}", shown.join(", ")),
+        _ => format!("has {}", shown.join(", ")),
+    };
+    format!("there is no part \"{}\"; the file {known}", shortened(part))
 }
 
 /// The mesh in `bytes`, which are those of a whole file; `name` stands for the path in messages, and its extension counts.

@@ -6,19 +6,25 @@ mod checkpoint_file;
 pub mod gmsh;
 mod image_file;
 mod load;
+mod material_library;
 pub mod medit;
 mod mesh_file;
 mod mesh_format;
+mod mesh_parts;
 mod mesh_reading;
 mod mesh_writing;
+mod model;
+pub mod mtl;
 pub mod npy;
 pub mod obj;
 pub mod off;
 mod origin;
+mod part_name;
 mod picture_file;
 pub mod ply;
 mod radiance_file;
 mod ray_file;
+mod remarks;
 mod render_description;
 pub mod scene_file;
 mod scene_paths;
@@ -35,17 +41,21 @@ pub use image_file::{
 };
 pub use load::{
     LoadError, LoadedScene, SaveError, demo_scene, image_warnings, load_image, load_mesh,
-    load_scene, load_scenes, mesh_warnings, override_scene, save_scene, texture_warnings,
+    load_model, load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
+    texture_warnings,
 };
-pub use mesh_file::{Dropped, MeshError, MeshFile};
+pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
+pub use mesh_parts::MeshParts;
 pub use mesh_reading::{Malformed, Place};
+pub use model::{Model, ModelFacts};
 pub use origin::{Origin, WrittenError, WrittenOrigin};
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};
 pub use radiance_file::{
     RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, parse_radiance,
 };
 pub use ray_file::{RayFileError, load_rays, save_rays};
+pub use remarks::Remarks;
 pub use render_description::{describe_render, difference};
 pub use scene_paths::{
     RENDER_EXTENSIONS, absolute_image, absolute_mesh, is_image_file, is_render_file, is_scene_file,

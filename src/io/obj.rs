@@ -21,8 +21,10 @@
 //! - Where a corner names a texture coordinate, the mesh has them, and vertices are split likewise; corners without one, or with
 //!   one that is not there or not finite, have (0, 0), with a warning.
 //! - A `\` at the end of a line joins the next one to it.
-//! - Objects, groups and smoothing groups mean nothing here. Materials are ignored with a warning, as are statements nobody knows,
-//!   such as those of free-form curves; a text of such alone is no OBJ file.
+//! - `usemtl` begins the faces of a material: they are a part of the file. `mtllib` names files of materials; the name is kept, see
+//!   [`super::mtl`].
+//! - Objects, groups and smoothing groups mean nothing here. Statements nobody knows, such as those of free-form curves, are ignored
+//!   with a warning; a text of such alone is no OBJ file.
 //!
 //! Source: Wavefront, Advanced Visualizer Manual, appendix B1, 1993.
 
@@ -36,14 +38,19 @@ mod tests;
 
 pub use write::write;
 
-use super::mesh_file::MeshFile;
+use super::mesh_file::{MaterialLibrary, MeshFile};
+use super::mesh_parts::PartsInOrder;
 use super::mesh_reading::{Cursor, Malformed, Place, Seen, Tally, Watch, number, numbers};
+use super::mtl;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use crate::math::{DVec2, DVec3};
 use colors::Colors;
 use corner::{Corner, Counts, Word};
 use split::Lists;
+
+/// Most files of materials that are looked for.
+const MOST_LIBRARIES: usize = 100;
 
 /// Whether the text begins as OBJ files do.
 #[must_use]
@@ -77,6 +84,9 @@ pub fn parse(
         triangles: Vec::new(),
         corners: Vec::new(),
         early: EarlyFaces::default(),
+        parts: PartsInOrder::default(),
+        material: None,
+        libraries: Vec::new(),
         tally: Tally::default(),
         notes: Notes::default(),
     };
@@ -94,7 +104,6 @@ struct Notes<'a> {
     textures_not_finite: Seen,
     with_textures: Seen,
     without_textures: Seen,
-    materials: Seen,
     lines_and_points: Seen,
     normals_not_finite: Seen,
     with_normals: Seen,
@@ -107,9 +116,17 @@ struct Notes<'a> {
 /// Faces with vertices or normals that come after them.
 #[derive(Debug, Default)]
 struct EarlyFaces {
-    /// The line of each, and the end of its corners among all.
-    faces: Vec<(u64, usize)>,
+    faces: Vec<EarlyFace>,
     corners: Vec<Corner>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct EarlyFace {
+    line: u64,
+    /// The end of its corners among all.
+    end: usize,
+    /// The number of its part, if it is of one.
+    material: Option<u32>,
 }
 
 /// The place in the text, and what stands before it.
@@ -124,6 +141,10 @@ struct Reader<'a> {
     /// Those of the face at hand.
     corners: Vec<Corner>,
     early: EarlyFaces,
+    parts: PartsInOrder<'a>,
+    /// The number of the part that faces are of at present.
+    material: Option<u32>,
+    libraries: Vec<MaterialLibrary>,
     tally: Tally,
     notes: Notes<'a>,
 }
@@ -152,8 +173,9 @@ impl<'a> Reader<'a> {
                 b"vn" => self.normal(line)?,
                 b"vt" => self.texture(line)?,
                 b"l" | b"p" => self.notes.lines_and_points.at(place),
-                b"usemtl" => self.notes.materials.at(place),
-                b"o" | b"g" | b"s" | b"mtllib" => {}
+                b"usemtl" => self.material(),
+                b"mtllib" => self.library(line),
+                b"o" | b"g" | b"s" => {}
                 word => {
                     self.notes.unknown.at(place);
                     self.notes.first_unknown.get_or_insert((line, word));
@@ -257,6 +279,23 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// The faces that follow are of another material.
+    fn material(&mut self) {
+        let name = mtl::name_in(self.cursor.rest_of_line());
+        let number = self.parts.number(name);
+        self.material = Some(number);
+        self.parts.go_on(self.triangles.len(), number);
+    }
+
+    fn library(&mut self, line: u64) {
+        let name = mtl::name_in(self.cursor.rest_of_line());
+        let name = String::from_utf8_lossy(name).into_owned();
+        let is_new = !name.is_empty() && self.libraries.iter().all(|known| known.name != name);
+        if is_new && self.libraries.len() < MOST_LIBRARIES {
+            self.libraries.push(MaterialLibrary { line, name });
+        }
+    }
+
     /// Reads three numbers of the statement that begins on `line`.
     fn vector(&mut self, line: u64) -> Result<DVec3, Malformed> {
         let mut vector = DVec3::ZERO;
@@ -293,7 +332,11 @@ impl<'a> Reader<'a> {
         }
         if is_early {
             self.early.corners.append(&mut self.corners);
-            self.early.faces.push((line, self.early.corners.len()));
+            self.early.faces.push(EarlyFace {
+                line,
+                end: self.early.corners.len(),
+                material: self.material,
+            });
         } else {
             self.add_face(line);
         }
@@ -326,10 +369,17 @@ impl<'a> Reader<'a> {
         let early = std::mem::take(&mut self.early);
         let position = self.cursor.position();
         let mut start = 0;
-        for (index, (line, end)) in (0..).zip(early.faces) {
+        for (index, face) in (0..).zip(early.faces) {
             if self.watch.report_item(index, position).is_none() {
                 return Ok(None);
             }
+            let EarlyFace {
+                line,
+                end,
+                material,
+            } = face;
+            let material = material.unwrap_or_else(|| self.parts.number(b""));
+            self.parts.go_on(self.triangles.len(), material);
             self.corners.clear();
             for corner in &early.corners[start..end] {
                 corner.check(line, self.positions.len(), self.normals.len())?;
@@ -415,7 +465,6 @@ impl<'a> Reader<'a> {
             unmapped.filter(|_| are_mapped),
             notes.textures.found(unused).filter(|_| !are_mapped),
             (missing > 0).then_some(absent),
-            notes.materials.found("materials are ignored"),
             notes
                 .lines_and_points
                 .counted("line or point is ignored", "lines and points are ignored"),
@@ -425,6 +474,11 @@ impl<'a> Reader<'a> {
             ),
         ];
         let warnings = warnings.into_iter().flatten();
-        Ok(Some(self.tally.into_file("OBJ", mesh, warnings)))
+        let file = self.tally.into_file("OBJ", mesh, warnings);
+        Ok(Some(MeshFile {
+            parts: self.parts.into_parts(file.mesh.triangles.len()),
+            libraries: self.libraries,
+            ..file
+        }))
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::builtin;
+use super::part_name::{self, with_part};
 use super::radiance_file::RADIANCE_EXTENSIONS;
 
 /// File name extensions, in lower case, of pictures that may tell what was rendered.
@@ -42,7 +43,10 @@ pub fn absolute_mesh(written: &str, folder: &Path) -> String {
     if written.starts_with(builtin::PREFIX) {
         return written.to_owned();
     }
-    absolute_image(written, folder)
+    match part_name::split(written) {
+        Some((file, part)) => with_part(&absolute_image(file, folder), part),
+        None => absolute_image(written, folder),
+    }
 }
 
 /// The name under which a scene keeps the image that a file in `folder` calls `written`; like [`absolute_mesh`], without what
@@ -72,7 +76,15 @@ fn without_dots(path: &Path) -> PathBuf {
     result
 }
 
-/// How a scene file in `folder`, an absolute path, calls the mesh or image kept under `name`.
+/// How a scene file in `folder`, an absolute path, calls the mesh kept under `name`.
+pub(super) fn relative_mesh(name: &str, folder: &Path) -> String {
+    match part_name::split(name) {
+        Some((file, part)) => with_part(&relative_path(file, folder), part),
+        None => relative_path(name, folder),
+    }
+}
+
+/// How a scene file in `folder`, an absolute path, calls the image kept under `name`.
 pub(super) fn relative_path(name: &str, folder: &Path) -> String {
     let (path, folder) = (Path::new(name), without_dots(folder));
     let (mut there, mut here) = (path.components().peekable(), folder.components().peekable());
@@ -96,6 +108,16 @@ pub(super) fn relative_path(name: &str, folder: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_of_parts_stay_as_they_are() {
+        let name = absolute_mesh("x/../a.obj#../b/./c", Path::new("/home"));
+        assert_eq!(name, "/home/a.obj#../b/./c");
+        assert_eq!(
+            relative_mesh(&name, Path::new("/home/b")),
+            "../a.obj#../b/./c"
+        );
+    }
 
     #[test]
     fn mesh_names_survive_moving_the_scene() {

@@ -101,6 +101,17 @@ impl Material {
         }
     }
 
+    /// The name of its kind, as scene files have it.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Phong { .. } => "phong",
+            Self::Mirror { .. } => "mirror",
+            Self::Glass { .. } => "glass",
+            Self::Emitter { .. } => "emitter",
+        }
+    }
+
     /// A bright mirror, for files that say no more.
     #[must_use]
     pub fn mirror() -> Self {

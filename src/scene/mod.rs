@@ -6,8 +6,10 @@
 mod background;
 mod camera;
 mod display;
+mod joining;
 mod light;
 mod material;
+mod naming;
 mod object;
 pub mod presets;
 mod radiance_map;
@@ -27,7 +29,8 @@ pub use camera::{Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
 pub use light::{Facing, Light};
 pub use material::{Material, Textures};
-pub use object::{Copies, Object, Placement};
+pub use naming::{UniqueNames, free_name};
+pub use object::{Copies, Object, Placement, rotation_degrees};
 pub use radiance_map::RadianceMap;
 pub use settings::{
     AcceleratorBuild, AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel,

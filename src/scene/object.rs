@@ -142,6 +142,25 @@ impl Object {
     }
 }
 
+/// The degrees about X, then Y, then Z, that an object turned by `rotation`, a matrix of a rotation, has. Where Y is turned by a right
+/// angle, the turn about Z is 0.
+#[must_use]
+pub fn rotation_degrees(rotation: &DMat3) -> DVec3 {
+    const SMALLEST_COSINE: f64 = 1e-9;
+    let [x_axis, y_axis, z_axis] = [rotation.x_axis, rotation.y_axis, rotation.z_axis];
+    let cosine_of_y = libm::hypot(x_axis.x, x_axis.y);
+    let y = libm::atan2(-x_axis.z, cosine_of_y);
+    let (x, z) = if cosine_of_y > SMALLEST_COSINE {
+        (
+            libm::atan2(y_axis.z, z_axis.z),
+            libm::atan2(x_axis.y, x_axis.x),
+        )
+    } else {
+        (libm::atan2(-z_axis.y, y_axis.y), 0.0)
+    };
+    DVec3::new(x, y, z).map(f64::to_degrees)
+}
+
 /// Sine and cosine of an angle in degrees, exact at multiples of 90°, so that a quarter turn moves no vertex by a
 /// rounding error; the same on every platform.
 fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
@@ -183,6 +202,34 @@ mod tests {
             tilted,
             DVec3::X + 2.0 * DVec3::new(-(0.75_f64.sqrt()), 0.0, 0.5)
         ));
+    }
+
+    #[test]
+    fn a_rotation_is_told_in_degrees() {
+        let turned = |rotate: DVec3| {
+            let object = Object {
+                rotate,
+                ..Object::default()
+            };
+            object.placement().linear
+        };
+        for rotate in [
+            DVec3::new(20.0, -35.0, 110.0),
+            DVec3::new(-170.0, 80.0, -95.0),
+            DVec3::new(30.0, 90.0, 40.0),
+            DVec3::new(-30.0, -90.0, 0.0),
+        ] {
+            let rotation = turned(rotate);
+            let again = turned(rotation_degrees(&rotation));
+            assert!(again.abs_diff_eq(rotation, 1e-14), "{rotate}");
+        }
+        for quarter in [
+            DVec3::new(90.0, 0.0, 0.0),
+            DVec3::new(0.0, 0.0, -90.0),
+            DVec3::ZERO,
+        ] {
+            assert_eq!(rotation_degrees(&turned(quarter)), quarter);
+        }
     }
 
     #[test]

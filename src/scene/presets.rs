@@ -64,8 +64,8 @@ fn colored() -> Material {
     }
 }
 
-/// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky. Objects of the preset material
-/// whose vertices have colours show these.
+/// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky; and the preset material, where
+/// an object wears it and the scene has none of its name. Objects of that material whose vertices have colours show these.
 ///
 /// # Errors
 /// When the objects are too large or too small to be measured.
@@ -76,7 +76,14 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
         shininess: 40.0,
         textures: Textures::default(),
     };
-    scene.materials.insert(MATERIAL.to_owned(), clay);
+    let is_worn = scene.objects.is_empty()
+        || scene
+            .objects
+            .iter()
+            .any(|object| object.material.as_deref() == Some(MATERIAL));
+    if is_worn {
+        scene.materials.entry(MATERIAL.to_owned()).or_insert(clay);
+    }
     for object in &mut scene.objects {
         let mesh = scene.meshes.get(&object.mesh);
         let has_colors = mesh.is_some_and(|mesh| mesh.colors.is_some());

@@ -34,7 +34,7 @@ impl App {
             Event::SceneLoaded { paths, result } => {
                 self.scene_loaded(&paths, result.map(|loaded| *loaded));
             }
-            Event::MeshLoaded { path, result } => self.mesh_loaded(&path, result),
+            Event::ModelLoaded { path, result } => self.model_loaded(&path, result),
             Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
             Event::TextureLoaded {
                 path,

@@ -11,15 +11,14 @@ use crate::gui::costs::CostState;
 use crate::gui::dialogs::files::{self, Answer, FilePurpose};
 use crate::gui::dialogs::path_field::PathField;
 use crate::gui::dialogs::{Dialog, Intent};
-use crate::gui::document::{Document, free_name, name_of};
+use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
 use crate::gui::panels::with_image;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
-use crate::io::{self, LoadedScene, MeshFile, RadianceFile, TextureFile};
-use crate::math::DVec3;
-use crate::scene::{Background, Material, Object, presets};
+use crate::io::{self, LoadedScene, Model, RadianceFile, TextureFile};
+use crate::scene::{Background, Material, presets};
 
 impl App {
     /// Opens `paths` in place of the scene, once unsaved work is decided about.
@@ -44,7 +43,7 @@ impl App {
         let progress = self.begin_loading(what(&paths));
         self.jobs.start(Lane::Load, move |job| {
             for path in paths {
-                worker::load_mesh(job, path, &progress);
+                worker::load_model(job, path, &progress);
             }
         });
     }
@@ -175,49 +174,38 @@ impl App {
         self.waiting_render = None;
     }
 
-    pub(super) fn mesh_loaded(&mut self, path: &Path, result: Result<MeshFile, String>) {
-        let file = match result {
-            Ok(file) => file,
+    pub(super) fn model_loaded(&mut self, path: &Path, result: Result<Box<Model>, String>) {
+        let model = match result {
+            Ok(model) => *model,
             Err(error) => {
                 self.messages
                     .error(format!("Cannot add {}", name_of(path)), error);
                 return;
             }
         };
-        let warnings = io::mesh_warnings(&path.display().to_string(), &file);
-        if !warnings.is_empty() {
+        if !model.warnings.is_empty() {
             let title = format!("Added {} with remarks", name_of(path));
-            self.messages.warning(title, warnings.join("\n"));
+            self.messages.warning(title, model.warnings.join("\n"));
         }
-        let up = file.likely_up();
         let scene = &mut self.document.scene;
-        let was_empty = scene.objects.is_empty();
-        let mesh = io::absolute_mesh(&path.to_string_lossy(), Path::new("."));
-        let name = free_name(&name_of(path), |name| {
-            scene.objects.iter().any(|object| object.name == name)
-        });
+        let is_first = scene.objects.is_empty() && scene.lights.is_empty();
         // The preset's own material where the scene has it, else the one used first.
-        let preset = presets::object();
-        let material = preset
+        let material = presets::object()
             .material
-            .filter(|name| scene.materials.contains_key(name))
+            .filter(|name| is_first || scene.materials.contains_key(name))
             .or_else(|| scene.materials.keys().next().cloned());
-        scene.meshes.insert(mesh.clone(), Arc::new(file.mesh));
-        let is_first = was_empty && scene.lights.is_empty();
         let turn = if is_first {
             0.0
         } else {
-            up.turn_to(scene.camera.up)
+            model.up.turn_to(scene.camera.up)
         };
-        scene.objects.push(Object {
-            name,
-            mesh,
-            material,
-            rotate: DVec3::X * turn,
-            ..presets::object()
-        });
-        self.selection = Selection::Object(scene.objects.len() - 1);
-        if is_first && let Err(error) = presets::light_and_frame(scene, up) {
+        let first = scene.join(model.scene);
+        for object in &mut scene.objects[first..] {
+            object.turn_about_x(turn);
+            object.material = object.material.take().or_else(|| material.clone());
+        }
+        self.selection = Selection::Object(first);
+        if is_first && let Err(error) = presets::light_and_frame(scene, model.up) {
             let title = "The scene cannot be framed and lit";
             self.messages.error(title, error.to_string());
         }

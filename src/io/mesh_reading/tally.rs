@@ -2,6 +2,7 @@ use super::malformed::Place;
 use super::notes::Seen;
 use crate::geometry::{TriangleMesh, face_normal, polygon};
 use crate::io::mesh_file::{Dropped, MeshFile};
+use crate::io::mesh_parts::MeshParts;
 use crate::math::DVec3;
 
 /// The corner of a face as a format gives it.
@@ -118,6 +119,8 @@ impl Tally {
                 too_few_corners: self.too_few_corners.count,
             },
             warnings,
+            parts: MeshParts::default(),
+            libraries: Vec::new(),
         }
     }
 }

@@ -99,6 +99,13 @@ pub fn assert_cancels(parse: Parse, bytes: &[u8]) {
 
 /// Reads the files with pieces replaced by `scraps` and other bytes: none panics or hangs, and what is taken is valid.
 pub fn assert_mutations_are_read_or_refused(parse: Parse, files: &[Vec<u8>], scraps: &[&[u8]]) {
+    for_mutations(files, scraps, |bytes| {
+        let _ = read(parse, bytes);
+    });
+}
+
+/// Calls `check` with the files with pieces replaced by `scraps` and other bytes; none hangs.
+pub fn for_mutations(files: &[Vec<u8>], scraps: &[&[u8]], check: impl Fn(&[u8])) {
     let mut random = Random::new(7);
     let mut below = |bound: usize| {
         usize::try_from(random.bits() % bound as u64).expect("below a number of that type")
@@ -116,7 +123,7 @@ pub fn assert_mutations_are_read_or_refused(parse: Parse, files: &[Vec<u8>], scr
             };
             bytes.splice(from..to, scrap.iter().copied());
         }
-        let _ = read(parse, &bytes);
+        check(&bytes);
     }
     assert!(start.elapsed().as_secs() < 60);
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::geometry::shapes;
 use crate::io::Dropped;
+use crate::io::mesh_parts::PartCutter;
 use crate::io::mesh_reading::trials;
 use crate::math::Vec3;
 
@@ -385,7 +386,6 @@ fn what_is_lost_is_said() {
             "1 face without area was dropped (line 8)",
             "3 faces with fewer than three corners were dropped (the first on line 9)",
             "texture coordinates are ignored, as no face has them at all its corners (the first on line 5)",
-            "materials are ignored (the first on line 6)",
             "2 lines and points are ignored (the first on line 12)",
             "1 statement of another kind is ignored (line 14)",
         ]
@@ -399,6 +399,42 @@ fn what_is_lost_is_said() {
             "{empty}"
         );
     }
+}
+
+#[test]
+fn materials_make_parts() {
+    // The second face comes before its vertices, which makes it the last triangle.
+    let text = format!(
+        "mtllib a b.mtl # c\nmtllib\nmtllib a b.mtl\nusemtl Material #25\n{SQUARE}f 1 2 3\nf 1 3 5\nusemtl  red \nf 1 3 4\nusemtl none\n\
+         usemtl Material #25\nf 2 3 4\nv 0 0 1\n"
+    );
+    let file = read(&text);
+    assert_eq!(
+        file.mesh.triangles,
+        [[0, 1, 2], [0, 2, 3], [1, 2, 3], [0, 2, 4]]
+    );
+    assert_eq!(
+        file.parts.names().collect::<Vec<_>>(),
+        ["Material #25", "red"]
+    );
+    let libraries: Vec<_> = file
+        .libraries
+        .iter()
+        .map(|l| (l.line, l.name.as_str()))
+        .collect();
+    assert_eq!(libraries, [(1, "a b.mtl")]);
+    let mut cutter = PartCutter::new(&file.mesh, &file.parts);
+    let red = cutter.cut("red").expect("is there");
+    assert_eq!((red.positions.len(), red.triangles), (3, vec![[0, 1, 2]]));
+    let other = cutter.cut("Material #25").expect("is there");
+    let corners: Vec<_> = (0..3).map(|i| other.corners(i)).collect();
+    assert_eq!(corners, [0, 2, 3].map(|i| file.mesh.corners(i)));
+    assert!(read(format!("{SQUARE}{FACES}")).parts.is_empty());
+    let unnamed = read(format!(
+        "{SQUARE}f 1 2 9\nf 1 2 3\nusemtl a\nf 1 3 4\n{}",
+        "v 0 0 2\n".repeat(5)
+    ));
+    assert_eq!(unnamed.parts.names().collect::<Vec<_>>(), ["", "a"]);
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod tree;
 
 use std::fmt;
 
+use super::part_name;
 use super::shorten::shortened;
 use crate::scene::Scene;
 use keys::{Keys, nearest};
@@ -178,13 +179,18 @@ fn check_materials(tree: &Node, name: &str, scene: &Scene) -> Result<(), SceneFi
     Ok(())
 }
 
-/// Objects without a name get that of their mesh file.
+/// Objects without a name get that of their mesh file, or of their part of it.
 fn name_objects(scene: &mut Scene) {
     for object in scene
         .objects
         .iter_mut()
         .filter(|object| object.name.is_empty())
     {
+        if let Some((_, part)) = part_name::split(&object.mesh).filter(|(_, part)| !part.is_empty())
+        {
+            object.name = part.to_owned();
+            continue;
+        }
         let file = object
             .mesh
             .rsplit(['/', '\\', ':'])

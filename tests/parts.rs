@@ -1,0 +1,257 @@
+//! Meshes of several materials as a user meets them: opened, told of, saved and found again, rendered.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use raymini::control::{CancelToken, Progress};
+use raymini::io::{LoadedScene, load_scene, load_scenes, override_scene, save_scene};
+use raymini::math::DVec3;
+use raymini::scene::{Material, Rgb, Scene};
+use tempfile::TempDir;
+
+/// Two squares beside each other, the second one in two triangles of different materials, and a triangle without material.
+const OBJ: &str = "mtllib chair.mtl\n\
+    v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nv 0 0 1\n\
+    f 1 2 7\nusemtl wood\nf 1 2 3 4\nusemtl chrome\nf 2 5 6\nusemtl wood\nf 2 6 3\n";
+const MTL: &str = "newmtl wood\nKd 0.6 0.4 0.2\nKs 0.1 0.1 0.1\nNs 60\nnewmtl chrome\nKd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\nnewmtl unused\nKd 1 0 0\n";
+
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("is written");
+    }
+    folder
+}
+
+fn load(path: &Path) -> LoadedScene {
+    let progress = Progress::new();
+    let loaded = load_scene(path, &CancelToken::new(), &progress);
+    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(progress.done(), progress.total());
+    loaded.expect("nobody cancels")
+}
+
+fn error(path: &Path) -> String {
+    let loaded = load_scene(path, &CancelToken::new(), &Progress::new());
+    loaded.expect_err("is wrong").to_string()
+}
+
+fn raymini(folder: &TempDir, arguments: &[&str]) -> (bool, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raymini"));
+    let run = command.current_dir(folder.path()).args(arguments).output();
+    let run = run.expect("starts");
+    let text = |bytes| String::from_utf8(bytes).expect("is text");
+    (run.status.success(), text(run.stdout), text(run.stderr))
+}
+
+/// Names of objects, their parts and their materials.
+fn objects(scene: &Scene) -> Vec<(&str, &str, Option<&str>)> {
+    let object = |object: &'_ raymini::scene::Object| {
+        let part = object.mesh.rsplit('/').next().expect("a name");
+        (
+            object.name.clone(),
+            part.to_owned(),
+            object.material.clone(),
+        )
+    };
+    let leak = |text: String| -> &'static str { text.leak() };
+    let objects = scene.objects.iter().map(object);
+    objects
+        .map(|(name, part, material)| (leak(name), leak(part), material.map(leak)))
+        .collect()
+}
+
+#[test]
+fn a_mesh_of_several_materials_opens_as_an_object_for_each() {
+    let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);
+    let LoadedScene { scene, warnings } = load(&folder.path().join("chair.obj"));
+    assert_eq!(warnings, Vec::<String>::new());
+    let expected = [
+        ("chair", "chair.obj#", Some("clay")),
+        ("wood", "chair.obj#wood", Some("wood")),
+        ("chrome", "chair.obj#chrome", Some("chrome")),
+    ];
+    assert_eq!(objects(&scene), expected);
+    assert_eq!(
+        scene.materials["wood"],
+        Material::Phong {
+            diffuse: Rgb::new(0.6, 0.4, 0.2),
+            specular: Rgb::splat(0.1),
+            shininess: 60.0
+        }
+    );
+    let reflectance = Rgb::splat(0.9);
+    assert_eq!(scene.materials["chrome"], Material::Mirror { reflectance });
+    assert!(!scene.materials.contains_key("unused"));
+    // Together they are the whole, each with the vertices it uses.
+    let area = |index: usize| {
+        let mesh = scene.mesh_of(&scene.objects[index]).expect("is loaded");
+        let area = |triangle| {
+            let [a, b, c] = mesh.corners(triangle);
+            (b - a).cross(c - a).length() / 2.0
+        };
+        let triangles = 0..mesh.triangles.len();
+        (triangles.map(area).sum::<f64>(), mesh.positions.len())
+    };
+    assert_eq!([0, 1, 2].map(area), [(0.5, 3), (1.5, 5), (0.5, 3)]);
+    let (min, max) = (DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));
+    assert_eq!((scene.bounds().min, scene.bounds().max), (min, max));
+    assert_eq!(scene.camera.up, DVec3::Y);
+}
+
+#[test]
+fn a_saved_scene_finds_its_parts_again() {
+    let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);
+    let opened = load(&folder.path().join("chair.obj")).scene;
+    fs::create_dir(folder.path().join("scenes")).expect("is made");
+    let path = folder.path().join("scenes/room.toml");
+    save_scene(&opened, &path).expect("is written");
+    let text = fs::read_to_string(&path).expect("is there");
+    assert!(text.contains("mesh = \"../chair.obj#wood\""), "{text}");
+    // The scene file holds the materials: no other file is needed.
+    fs::remove_file(folder.path().join("chair.mtl")).expect("is there");
+    let LoadedScene { scene, warnings } = load(&path);
+    assert_eq!((&scene, warnings), (&opened, vec![]));
+
+    // The whole mesh, a part, and both again, from one file.
+    let text = "[[objects]]\nmesh = \"chair.obj#wood\"\n[[objects]]\nmesh = \"chair.obj\"\n\
+                [[objects]]\nmesh = \"./chair.obj#wood\"\nscale = 2\n";
+    let path = folder.path().join("three.toml");
+    fs::write(&path, text).expect("is written");
+    let mut loaded = load(&path);
+    let triangles = |scene: &Scene| {
+        let of = |object| scene.mesh_of(object).expect("is loaded").triangles.len();
+        scene.objects.iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(triangles(&loaded.scene), [3, 5, 3]);
+    assert_eq!(loaded.scene.meshes.len(), 2);
+    assert_eq!(objects(&loaded.scene)[0].0, "wood");
+    let chrome = format!(
+        "objects.0.mesh=\"{}#chrome\"",
+        folder.path().join("chair.obj").display()
+    );
+    override_scene(&mut loaded, &[chrome], &CancelToken::new()).expect("is right");
+    assert_eq!(triangles(&loaded.scene), [1, 5, 3]);
+}
+
+#[test]
+fn a_part_that_is_not_there_is_an_error_at_its_place() {
+    let text = "[[objects]]\nmesh = \"chair.obj\"\n[[objects]]\nmesh = \"chair.obj#wod\"\n";
+    let folder = folder(&[
+        ("chair.obj", OBJ),
+        ("a.toml", text),
+        ("plain.obj", "v 0 0 0\n"),
+    ]);
+    let path = folder.path().join("a.toml");
+    let expected = format!(
+        "{}:4:8: {}: there is no part \"wod\"; the file has \"\", \"wood\", \"chrome\"",
+        path.display(),
+        folder.path().join("chair.obj").display()
+    );
+    assert_eq!(error(&path), expected);
+    let plain = folder.path().join("plain.obj#a");
+    assert!(
+        error(&plain)
+            .ends_with("there is no part \"a\"; the file has no parts of different materials")
+    );
+    // A file that is called so is meant.
+    fs::write(folder.path().join("chair.obj#wod"), OBJ).expect("is written");
+    assert_eq!(load(&path).scene.triangle_count(), 10);
+}
+
+#[test]
+fn missing_materials_are_warned_of() {
+    let one = "mtllib none.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let folder = folder(&[("chair.obj", OBJ), ("one.obj", one)]);
+    let path = |name: &str| folder.path().join(name);
+    let LoadedScene { scene, warnings } = load(&path("chair.obj"));
+    let shown = path("chair.obj");
+    let shown = shown.display();
+    let expected = [
+        format!(
+            "{shown}:1: the file of materials \"chair.mtl\" is left out: there is no such file"
+        ),
+        format!(
+            "{shown}: material \"wood\" and 1 more: is not defined in any file of materials that was read; it is grey"
+        ),
+    ];
+    assert_eq!(warnings, expected);
+    assert_eq!(scene.materials["wood"], Material::default());
+    assert_eq!(scene.objects.len(), 3);
+
+    // One material that is not known is like none.
+    let LoadedScene { scene, warnings } = load(&path("one.obj"));
+    assert_eq!(objects(&scene), [("one", "one.obj", Some("clay"))]);
+    assert_eq!(warnings.len(), 2);
+}
+
+/// Two files with materials of the same names.
+#[test]
+fn materials_of_several_files_keep_apart() {
+    let red = MTL.replace("0.6 0.4 0.2", "0.9 0 0");
+    let other = OBJ.replace("chair.mtl", "other.mtl");
+    let files = [
+        ("chair.obj", OBJ),
+        ("chair.mtl", MTL),
+        ("other.obj", &other),
+        ("other.mtl", &red),
+    ];
+    let folder = folder(&files);
+    let paths = ["chair.obj", "other.obj"].map(|name| folder.path().join(name));
+    let loaded = load_scenes(&paths, &CancelToken::new(), &Progress::new());
+    let scene = loaded.expect("is right").expect("nobody cancels").scene;
+    let materials: Vec<_> = scene.materials.keys().map(String::as_str).collect();
+    assert_eq!(materials, ["chrome", "clay", "wood", "wood 2"]);
+    let worn: Vec<_> = objects(&scene)
+        .into_iter()
+        .map(|(name, _, material)| (name, material))
+        .collect();
+    assert_eq!(worn[4], ("wood 2", Some("wood 2")));
+    assert_eq!(worn[5], ("chrome 2", Some("chrome")));
+}
+
+#[test]
+fn info_tells_of_parts_and_materials() {
+    let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);
+    let (_, said, _) = raymini(&folder, &["info", "chair.obj"]);
+    for line in [
+        "  vertices    7",
+        "  faces       4, 1 of them with more than three corners",
+        "  triangles   5",
+        "  object      chair: 1 triangles",
+        "  object      wood: 3 triangles, material wood",
+        "  material    chrome: mirror",
+        "  material    wood: phong",
+    ] {
+        assert!(said.lines().any(|said| said == line), "{line}\n{said}");
+    }
+    let (_, said, _) = raymini(&folder, &["info", "--json", "chair.obj"]);
+    let facts: serde_json::Value = serde_json::from_str(&said).expect("is JSON");
+    assert_eq!(facts["format"], "OBJ");
+    assert_eq!(facts["triangles"], 5);
+    assert_eq!(facts["objects"][2]["material"], "chrome");
+    assert_eq!(facts["materials"][0]["kind"], "mirror");
+}
+
+/// The picture of the opened mesh is that of its saved scene, bit for bit.
+#[test]
+fn parts_are_rendered() {
+    let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);
+    save_scene(
+        &load(&folder.path().join("chair.obj")).scene,
+        &folder.path().join("a.toml"),
+    )
+    .expect("is written");
+    let hash = |scene: &str| {
+        let (is_done, said, warned) = raymini(
+            &folder,
+            &[
+                "render", scene, "-o", "a.png", "--size", "40x30", "--spp", "1",
+            ],
+        );
+        assert!(is_done, "{warned}");
+        said.rsplit(' ').next().expect("a hash").to_owned()
+    };
+    assert_eq!(hash("chair.obj"), hash("a.toml"));
+}
