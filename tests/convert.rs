@@ -6,7 +6,8 @@ use std::process::{Command, Output};
 
 use raymini::control::{CancelToken, Progress};
 use raymini::geometry::TriangleMesh;
-use raymini::io::load_mesh;
+use raymini::io::{load_mesh, load_scene};
+use raymini::scene::{Material, Scene};
 use tempfile::TempDir;
 
 fn folder(files: &[(&str, &str)]) -> TempDir {
@@ -77,6 +78,82 @@ fn a_mesh_goes_through_all_formats() {
     assert_eq!(read.triangles, original.triangles);
 }
 
+/// What a GLB holds of a mesh: 32 bits of positions, said where they are not enough.
+#[test]
+fn a_mesh_goes_to_glb_and_back() {
+    let short = BENT
+        .replace("0.1 0 0", "0.5 0 0")
+        .replace("0 0 .3", "0 0 1");
+    let folder = folder(&[
+        ("a.off", BENT),
+        (
+            "short.off",
+            &short
+                .replace("1e-40", "0.25")
+                .replace("0 1 1", "0 0 1")
+                .replace("1 0 1\n", "0 0 1\n"),
+        ),
+    ]);
+    let path = |name: &str| folder.path().join(name);
+    let (said, warned) = succeed(&folder, "a.off", "a.glb");
+    assert_eq!(said, "a.glb: glTF, 4 vertices, 2 triangles\n");
+    assert_eq!(
+        warned,
+        "warning: a.glb: positions are rounded to 32 bits, as glTF holds them\n"
+    );
+    let (_, warned) = succeed(&folder, "short.off", "b.glb");
+    assert_eq!(warned, "");
+    let (said, _) = succeed(&folder, "b.glb", "c.off");
+    assert_eq!(said, "c.off: OFF, 4 vertices, 2 triangles\n");
+    assert_eq!(mesh(&path("b.glb")), mesh(&path("short.off")));
+    assert_eq!(mesh(&path("c.off")), mesh(&path("short.off")));
+}
+
+/// Materials go from OBJ to glTF and back, each to its kind.
+#[test]
+fn materials_go_through_both_formats_that_hold_them() {
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3\nusemtl chrome\nf 1 3 4\n";
+    let mtl = "newmtl wood\nKd 0.5 0.25 0\nKs 0.25 0.25 0.25\nNs 60\nnewmtl chrome\nKd 0 0 0\nKs 0.5 0.5 0.5\nillum 3\n";
+    let folder = folder(&[("a.obj", obj), ("a.mtl", mtl)]);
+    let (said, warned) = succeed(&folder, "a.obj", "b.glb");
+    assert_eq!(
+        (said.as_str(), warned.as_str()),
+        ("b.glb: glTF, 6 vertices, 2 triangles, 2 materials\n", "")
+    );
+    let (said, warned) = succeed(&folder, "b.glb", "c.obj");
+    assert_eq!(
+        (said.as_str(), warned.as_str()),
+        ("c.obj: OBJ, 6 vertices, 2 triangles, 2 materials\n", "")
+    );
+    let scene = |name: &str| {
+        let loaded = load_scene(
+            &folder.path().join(name),
+            &CancelToken::new(),
+            &Progress::new(),
+        );
+        loaded.expect("is right").expect("nobody cancels").scene
+    };
+    let (first, last) = (scene("a.obj"), scene("c.obj"));
+    assert_eq!(first.bounds(), last.bounds());
+    assert_eq!(last.materials["chrome"], first.materials["chrome"]);
+    let wood = |scene: &Scene| match &scene.materials["wood"] {
+        Material::Phong {
+            diffuse,
+            specular,
+            shininess,
+            ..
+        } => (*diffuse, *specular, *shininess),
+        other => panic!("{other:?}"),
+    };
+    let ((a, b, c), (x, y, z)) = (wood(&first), wood(&last));
+    assert!((a - x).length() < 1e-12 && (b - y).length() < 1e-12 && (c - z).abs() < 1e-9);
+    let (_, warned) = succeed(&folder, "a.obj", "d.ply");
+    assert_eq!(
+        warned,
+        "warning: d.ply: materials are left out: PLY holds none\n"
+    );
+}
+
 #[test]
 fn warnings_of_what_is_read_are_shown() {
     let folder = folder(&[("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n")]);
@@ -90,8 +167,8 @@ fn warnings_of_what_is_read_are_shown() {
 #[test]
 fn what_cannot_be_done_is_said_and_leaves_no_file() {
     let folder = folder(&[("a.off", BENT), ("bad.ply", "ply\nformat\n")]);
-    let expected = "error: a.glb: a mesh is written to a file with the extension .off, .obj, .ply, .stl, .mesh, .msh\n";
-    assert_eq!(fail(&folder, "a.off", "a.glb"), expected);
+    let expected = "error: a.gltf: a mesh is written to a file with the extension .off, .obj, .ply, .stl, .mesh, .msh, .glb\n";
+    assert_eq!(fail(&folder, "a.off", "a.gltf"), expected);
     let expected = "error: bad.ply:2: expected the format ascii, binary_little_endian or binary_big_endian, found \"\"\n";
     assert_eq!(fail(&folder, "bad.ply", "b.off"), expected);
     assert_eq!(

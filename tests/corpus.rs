@@ -43,6 +43,8 @@ fn meshes_from_the_corpus_are_read_or_refused() {
     replay("stl", hostile::mesh::check_stl);
     replay("medit", hostile::mesh::check_medit);
     replay("gmsh", hostile::mesh::check_gmsh);
+    replay("mtl", hostile::mtl::check);
+    replay("gltf", hostile::gltf::check);
 }
 
 #[test]

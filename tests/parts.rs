@@ -7,7 +7,7 @@ use std::process::Command;
 use raymini::control::{CancelToken, Progress};
 use raymini::io::{LoadedScene, load_scene, load_scenes, override_scene, save_scene};
 use raymini::math::DVec3;
-use raymini::scene::{Material, Rgb, Scene};
+use raymini::scene::{Material, Rgb, Scene, Textures};
 use tempfile::TempDir;
 
 /// Two squares beside each other, the second one in two triangles of different materials, and a triangle without material.
@@ -78,7 +78,8 @@ fn a_mesh_of_several_materials_opens_as_an_object_for_each() {
         Material::Phong {
             diffuse: Rgb::new(0.6, 0.4, 0.2),
             specular: Rgb::splat(0.1),
-            shininess: 60.0
+            shininess: 60.0,
+            textures: Textures::default(),
         }
     );
     let reflectance = Rgb::splat(0.9);

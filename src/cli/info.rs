@@ -44,6 +44,8 @@ struct MeshFacts {
     triangles: u64,
     bounds: Option<Box3>,
     dropped: DroppedFacts,
+    /// Nodes of its scene, where the format has them.
+    nodes: Option<u64>,
     /// What the file becomes in a scene.
     objects: Vec<ObjectFacts>,
     materials: Vec<MaterialFacts>,
@@ -169,6 +171,7 @@ fn mesh_facts(model: Model) -> MeshFacts {
             degenerate: facts.dropped.degenerate,
             too_few_corners: facts.dropped.too_few_corners,
         },
+        nodes: facts.nodes,
         objects: scene
             .objects
             .iter()
@@ -342,6 +345,9 @@ fn describe_mesh(mesh: &MeshFacts, lines: &mut Lines) {
         "left out",
         format!("{degenerate} faces without area, {too_few_corners} with fewer than three corners"),
     );
+    if let Some(nodes) = mesh.nodes {
+        lines.add("nodes", nodes);
+    }
     // A plain mesh is one object without a material, of which there is nothing more to say.
     if mesh.objects.len() > 1 || !mesh.materials.is_empty() {
         lines.add_all("object", &mesh.objects, |object| {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
-use super::mesh_parts::PartCutter;
+use super::mesh_source::MeshSource;
 use super::model::{self, Model};
 use super::origin::WrittenOrigin;
 use super::part_name::file_and_part;
@@ -17,7 +17,8 @@ use super::scene_file::{self, SceneFile, SceneFileError};
 use super::scene_paths::{
     absolute_image, absolute_mesh, is_render_file, is_scene_file, relative_mesh, relative_path,
 };
-use super::texture_file::{TextureFile, load_texture};
+use super::texture_file::TextureFile;
+use super::texture_loader::TextureLoader;
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Material, Scene, SceneError, Textures, presets};
@@ -227,9 +228,10 @@ pub fn override_scene(
     for image in texture_names_mut(&mut scene) {
         *image = absolute_image(image, here);
     }
+    let mut loader = TextureLoader::default();
     for image in scene.texture_names() {
         if !scene.textures.contains_key(&image)
-            && let Some(file) = load_texture(Path::new(&image), cancel, &progress)?
+            && let Some(file) = loader.load(&image, 0, cancel, &progress)?
         {
             loaded.warnings.extend(texture_warnings(&image, &file));
             scene.textures.insert(image, Arc::new(file.image));
@@ -395,16 +397,21 @@ fn load_meshes(
             file.error_at(&format!("objects.{index}.mesh"), error.to_string())
         };
         let read = match name.strip_prefix(builtin::PREFIX) {
-            Some(name) => builtin::mesh(name, cancel, progress),
-            None => mesh_file::load_file(Path::new(&name), cancel, progress),
+            Some(name) => builtin::mesh(name, cancel, progress)
+                .map(|file| file.map(|file| MeshSource::Mesh(Box::new(file)))),
+            None => mesh_file::load_source(Path::new(&name), cancel, progress),
         };
         let Some(read) = read.map_err(|error| error_at(objects[0], error))? else {
             return Ok(None);
         };
         warnings.extend(outside_warning(&name, folder));
-        warnings.extend(mesh_warnings(&name, &read));
+        warnings.extend(
+            read.warnings()
+                .iter()
+                .map(|warning| format!("{name}: {warning}")),
+        );
         let mut whole = None;
-        let mut cutter = PartCutter::new(&read.mesh, &read.parts);
+        let mut parts = read.taker();
         for &index in &objects {
             if cancel.is_cancelled() {
                 return Ok(None);
@@ -414,16 +421,18 @@ fn load_meshes(
                 continue;
             }
             match file_and_part(&mesh) {
-                (_, None) => whole = Some(mesh),
+                (_, None) => whole = Some((index, mesh)),
                 (name, Some(part)) => {
-                    let cut = mesh_file::cut_part(&mut cutter, name, part);
-                    let cut = cut.map_err(|error| error_at(index, error))?;
-                    scene.meshes.insert(mesh, Arc::new(cut));
+                    let taken = parts.take(name, part);
+                    let taken = taken.map_err(|error| error_at(index, error))?;
+                    scene.meshes.insert(mesh, taken);
                 }
             }
         }
-        if let Some(mesh) = whole {
-            scene.meshes.insert(mesh, Arc::new(read.mesh));
+        if let Some((index, mesh)) = whole {
+            let file = read.into_whole(&name);
+            let file = file.map_err(|error| error_at(index, error))?;
+            scene.meshes.insert(mesh, Arc::new(file.mesh));
         }
         progress.advance(work_of(&name) * (objects.len() as u64 - 1));
     }
@@ -439,11 +448,14 @@ fn load_textures(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<bool, LoadError> {
+    let mut loader = TextureLoader::default();
     for image in scene.texture_names() {
-        let loaded = load_texture(Path::new(&image), cancel, progress).map_err(|error| {
-            let key = key_of_texture(scene, &image);
-            file.error_at(&key.unwrap_or_default(), error.to_string())
-        })?;
+        let loaded = loader
+            .load(&image, work_of(&image), cancel, progress)
+            .map_err(|error| {
+                let key = key_of_texture(scene, &image);
+                file.error_at(&key.unwrap_or_default(), error.to_string())
+            })?;
         let Some(loaded) = loaded else {
             return Ok(false);
         };
@@ -531,11 +543,14 @@ fn load_bare_meshes(
     let mut up = None;
     let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
     progress.set_total(work.sum());
+    let mut camera = None;
     for path in paths {
         // As the user wrote it, for messages.
-        let Some(model) = read_model(path, cancel, progress)? else {
+        let Some(mut model) = read_model(path, cancel, progress)? else {
             return Ok(None);
         };
+        camera = camera.or(model.camera);
+        scene.lights.append(&mut model.scene.lights);
         warnings.extend(model.warnings);
         up.get_or_insert(model.up);
         scene.join(model.scene);
@@ -547,6 +562,9 @@ fn load_bare_meshes(
             .or_else(|| presets::object().material);
     }
     presets::light_and_frame(&mut scene, up.unwrap_or_default())?;
+    if let Some(camera) = camera {
+        scene.camera = presets::aimed(camera, &scene.measured_bounds()?);
+    }
     Ok(Some(LoadedScene { scene, warnings }))
 }
 
@@ -556,8 +574,53 @@ fn read_model(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<Model>, MeshError> {
-    let file = mesh_file::load_mesh(path, cancel, progress)?;
-    Ok(file.and_then(|file| model::of_mesh_file(path, file, cancel)))
+    let name = path.to_string_lossy();
+    let model = if let (_, Some(_)) = file_and_part(&name) {
+        let file = mesh_file::load_mesh(path, cancel, progress)?;
+        file.and_then(|file| model::of_mesh_file(path, file, cancel))
+    } else {
+        match mesh_file::load_source(path, cancel, progress)? {
+            None => None,
+            Some(MeshSource::Mesh(file)) => model::of_mesh_file(path, *file, cancel),
+            Some(MeshSource::Scene(gltf)) => Some(model::of_gltf(path, &gltf)),
+        }
+    };
+    Ok(model.and_then(|model| load_model_textures(model, cancel, progress)))
+}
+
+/// The model with the images of its materials; those that cannot be loaded are left out, with a warning. `None` when cancelled.
+fn load_model_textures(
+    mut model: Model,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Option<Model> {
+    let names = model.scene.texture_names();
+    let work: u64 = names.iter().map(|name| work_of(name)).sum();
+    progress.set_total(progress.total() + work);
+    let mut loader = TextureLoader::default();
+    for name in names {
+        match loader.load(&name, work_of(&name), cancel, progress) {
+            Ok(None) => return None,
+            Ok(Some(file)) => {
+                model.warnings.extend(texture_warnings(&name, &file));
+                model.scene.textures.insert(name, Arc::new(file.image));
+            }
+            Err(error) => {
+                model
+                    .warnings
+                    .push(format!("{error}; the image is left out"));
+                for textures in model
+                    .scene
+                    .materials
+                    .values_mut()
+                    .filter_map(Material::textures_mut)
+                {
+                    textures.leave_out(&name);
+                }
+            }
+        }
+    }
+    Some(model)
 }
 
 fn read_mesh(

@@ -44,7 +44,10 @@ pub fn load_libraries(
             let expected = "a file of materials";
             match read_bounded_file(&file, expected, MOST_BYTES, cancel, &Progress::new()) {
                 Ok(None) => return None,
-                Ok(Some(bytes)) => take(&file, &bytes, &mut definitions, warnings, cancel)?,
+                Ok(Some(bytes)) => {
+                    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+                    take(&file, folder, &bytes, &mut definitions, warnings, cancel)?;
+                }
                 Err(reason) => warnings.push(format!("{} is left out: {reason}", at())),
             }
         }
@@ -74,7 +77,7 @@ fn names_in<'a>(text: &'a str, folder: &Path) -> Vec<&'a str> {
 ///
 /// # Errors
 /// That it means another, in words that follow its name.
-fn path_below(name: &str, folder: &Path) -> Result<PathBuf, &'static str> {
+pub fn path_below(name: &str, folder: &Path) -> Result<PathBuf, &'static str> {
     const OUTSIDE: &str = "is left out: only files beside the mesh or in folders below are read";
     // Files of Windows are read elsewhere too.
     let relative = PathBuf::from(name.replace('\\', "/"));
@@ -96,9 +99,10 @@ fn path_below(name: &str, folder: &Path) -> Result<PathBuf, &'static str> {
     }
 }
 
-/// Adds what the `bytes` of a file of materials hold; `None` when cancelled.
+/// Adds what the `bytes` of a file of materials in a `folder` beside the mesh hold, images named from there; `None` when cancelled.
 fn take(
     file: &Path,
+    folder: &Path,
     bytes: &[u8],
     definitions: &mut Definitions,
     warnings: &mut Vec<String>,
@@ -113,7 +117,14 @@ fn take(
                     .iter()
                     .map(|warning| format!("{name}: {warning}")),
             );
-            for (material, definition) in read.materials {
+            for (material, mut definition) in read.materials {
+                let images = [&mut definition.diffuse_image, &mut definition.normal_image];
+                for image in images.into_iter().flatten() {
+                    let is_relative = Path::new(image.as_str()).is_relative();
+                    if is_relative {
+                        *image = folder.join(&*image).to_string_lossy().into_owned();
+                    }
+                }
                 definitions.entry(material).or_insert(definition);
             }
         }

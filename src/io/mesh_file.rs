@@ -2,16 +2,18 @@
 //!
 //! A reader takes bytes and knows no path; this module adds the path to its errors.
 
+use super::gltf;
 use super::mesh_format::{MeshFormat, READABLE_FORMATS};
-use super::mesh_parts::{MeshParts, PartCutter};
+use super::mesh_parts::MeshParts;
 use super::mesh_reading::{Malformed, Place};
+use super::mesh_source::{self, GLTF, MeshSource};
 use super::part_name::file_and_part;
-use super::shorten::shortened;
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use crate::scene::presets::UpAxis;
 use std::path::Path;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// What a mesh file held.
@@ -45,10 +47,10 @@ pub struct MaterialLibrary {
 }
 
 impl MeshFile {
-    /// Which way is most likely up: most programs that write OBJ take Y for it, others Z.
+    /// Which way is most likely up: most programs that write OBJ take Y for it, glTF is so, others take Z.
     #[must_use]
     pub fn likely_up(&self) -> UpAxis {
-        if self.format == MeshFormat::Obj.name() {
+        if [MeshFormat::Obj.name(), GLTF].contains(&self.format) {
             UpAxis::Y
         } else {
             UpAxis::Z
@@ -108,13 +110,13 @@ fn in_file(name: &str, error: &Malformed) -> String {
     let sentence = error.sentence();
     match error.place {
         Place::Line(line) => format!("{name}:{line}: {sentence}"),
-        place @ Place::Byte(_) => format!("{name}: {place}: {sentence}"),
+        place @ (Place::Byte(_) | Place::Item(..)) => format!("{name}: {place}: {sentence}"),
     }
 }
 
 /// So many bytes are foreseen for each byte of a file: itself, and a mesh that is at most three times as large, as that of short
 /// numbers is. (Corners of large polygons may take six; files of such alone are small.)
-const MEMORY_PER_BYTE: u64 = 4;
+pub const MEMORY_PER_BYTE: u64 = 4;
 
 /// Loads the mesh file at `path`, or the part of one that a name such as `a.obj#red` means.
 ///
@@ -129,28 +131,39 @@ pub fn load_mesh(
     progress: &Progress,
 ) -> Result<Option<MeshFile>, MeshError> {
     let name = path.to_string_lossy();
-    let (file, Some(part)) = file_and_part(&name) else {
-        return load_file(path, cancel, progress);
+    let (file, part) = file_and_part(&name);
+    let file_path = if part.is_some() {
+        Path::new(file)
+    } else {
+        path
     };
-    let Some(mut loaded) = load_file(Path::new(file), cancel, progress)? else {
+    let Some(source) = load_source(file_path, cancel, progress)? else {
         return Ok(None);
     };
-    let cut = cut_part(
-        &mut PartCutter::new(&loaded.mesh, &loaded.parts),
-        file,
-        part,
-    )?;
-    loaded.mesh = cut;
-    loaded.parts = MeshParts::default();
-    Ok(Some(loaded))
+    let Some(part) = part else {
+        return source.into_whole(file).map(Some);
+    };
+    let mesh = source.taker().take(file, part)?;
+    Ok(Some(MeshFile {
+        mesh: Arc::unwrap_or_clone(mesh),
+        format: match &source {
+            MeshSource::Mesh(file) => file.format,
+            MeshSource::Scene(_) => GLTF,
+        },
+        warnings: source.warnings().to_vec(),
+        ..MeshFile::default()
+    }))
 }
 
-/// [`load_mesh`] of a whole file.
-pub fn load_file(
+/// Loads a file of meshes, which has all its parts.
+///
+/// # Errors
+/// Those of [`load_mesh`].
+pub fn load_source(
     path: &Path,
     cancel: &CancelToken,
     progress: &Progress,
-) -> Result<Option<MeshFile>, MeshError> {
+) -> Result<Option<MeshSource>, MeshError> {
     let name = path.display().to_string();
     let bytes = require_memory(path, MEMORY_PER_BYTE)
         .and_then(|()| read_file(path, "a mesh file", cancel, progress));
@@ -161,38 +174,12 @@ pub fn load_file(
     let Some(bytes) = bytes.map_err(unreadable)? else {
         return Ok(None);
     };
-    read_mesh(&name, &bytes, cancel, progress)
-}
-
-/// The `part` of the mesh of `file`.
-///
-/// # Errors
-/// That there is none of that name, and what the parts are called.
-pub fn cut_part(
-    cutter: &mut PartCutter<'_>,
-    file: &str,
-    part: &str,
-) -> Result<TriangleMesh, MeshError> {
-    cutter.cut(part).ok_or_else(|| MeshError::Unreadable {
-        name: file.to_owned(),
-        reason: no_such_part(part, cutter.names()),
-    })
-}
-
-/// What is said where none of the parts that are called so is `part`.
-pub fn no_such_part<'a>(part: &str, names: impl ExactSizeIterator<Item = &'a str>) -> String {
-    const MOST_SHOWN: usize = 8;
-    let count = names.len();
-    let shown: Vec<_> = names
-        .take(MOST_SHOWN)
-        .map(|name| format!("\"{}\"", shortened(name)))
-        .collect();
-    let known = match count {
-        0 => "has no parts of different materials".to_owned(),
-        _ if count > MOST_SHOWN => format!("has {count} parts, such as {}", shown.join(", ")),
-        _ => format!("has {}", shown.join(", ")),
-    };
-    format!("there is no part \"{}\"; the file {known}", shortened(part))
+    if gltf::has_keyword(&bytes) {
+        let read = mesh_source::read_gltf(path, &bytes, cancel, progress)?;
+        return Ok(read.map(|gltf| MeshSource::Scene(Box::new(gltf))));
+    }
+    let file = read_mesh(&name, &bytes, cancel, progress)?;
+    Ok(file.map(|file| MeshSource::Mesh(Box::new(file))))
 }
 
 /// The mesh in `bytes`, which are those of a whole file; `name` stands for the path in messages, and its extension counts.
@@ -297,7 +284,7 @@ mod tests {
         );
         assert_eq!(
             message("a.off", "glTF"),
-            format!("a.off: this is a file of the format glTF; RayMini reads {READABLE_FORMATS}")
+            "a.off: byte 4: expected four bytes, found the end of the file"
         );
         assert_eq!(
             message("a", "\0\0"),

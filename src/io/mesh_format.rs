@@ -8,7 +8,7 @@ use crate::geometry::TriangleMesh;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// A format that is read and written.
+/// A format of one mesh in one file, which is read and written. (glTF, of many, is [`super::gltf`].)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
     /// Object File Format of Geomview.
@@ -25,11 +25,12 @@ pub enum MeshFormat {
     Gmsh,
 }
 
-/// The names of the formats, for messages and file dialogs.
-pub const READABLE_FORMATS: &str = "OFF, OBJ, PLY, STL, Medit and Gmsh";
+/// The names of all formats that are read, for messages and file dialogs.
+pub const READABLE_FORMATS: &str = "OFF, OBJ, PLY, STL, Medit, Gmsh and glTF";
 
-/// File name extensions, in lower case, of the formats.
-pub const READABLE_EXTENSIONS: &[&str] = &["off", "obj", "ply", "stl", "mesh", "msh"];
+/// File name extensions, in lower case, of these formats.
+pub const READABLE_EXTENSIONS: &[&str] =
+    &["off", "obj", "ply", "stl", "mesh", "msh", "gltf", "glb"];
 
 impl MeshFormat {
     /// All formats.
@@ -190,7 +191,7 @@ fn unused_vertices(mesh: &TriangleMesh) -> usize {
 
 /// The format, known but without reader, whose first bytes these are.
 fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
-    let formats: [(&[u8], &str); 2] = [(b"glTF", "glTF"), (b"\x89PNG", "PNG")];
+    let formats: [(&[u8], &str); 1] = [(b"\x89PNG", "PNG")];
     let starts = |(magic, _): &&(&[u8], &str)| bytes.starts_with(magic);
     formats.iter().find(starts).map(|(_, format)| *format)
 }
@@ -209,7 +210,10 @@ mod tests {
             assert_eq!(MeshFormat::of_extension(&path), Some(format));
             assert!(READABLE_FORMATS.contains(format.name()));
         }
-        assert_eq!(MeshFormat::ALL.len(), READABLE_EXTENSIONS.len());
+        assert_eq!(
+            READABLE_EXTENSIONS[MeshFormat::ALL.len()..],
+            ["gltf", "glb"]
+        );
     }
 
     /// A file is what its content says, whatever its name.

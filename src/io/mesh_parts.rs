@@ -172,8 +172,16 @@ impl<'a> PartCutter<'a> {
         Some(TriangleMesh {
             positions: of_vertices(&used, &self.mesh.positions),
             triangles,
-            normals: self.mesh.normals.as_ref().map(|all| of_vertices(&used, all)),
-            texture_coordinates: self.mesh.texture_coordinates.as_ref().map(|all| of_vertices(&used, all)),
+            normals: self
+                .mesh
+                .normals
+                .as_ref()
+                .map(|all| of_vertices(&used, all)),
+            texture_coordinates: self
+                .mesh
+                .texture_coordinates
+                .as_ref()
+                .map(|all| of_vertices(&used, all)),
             colors: self.mesh.colors.as_ref().map(|all| of_vertices(&used, all)),
         })
     }

@@ -11,7 +11,7 @@ pub mod trials;
 mod watch;
 
 pub use cursor::{Cursor, number, whole};
-pub use malformed::{Malformed, Place};
+pub use malformed::{List, Malformed, Place};
 pub use notes::{Seen, numbers};
 pub use solid::Solid;
 pub use tally::{Corner, Tally};

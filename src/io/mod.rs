@@ -3,17 +3,21 @@
 mod atomic;
 mod builtin;
 mod checkpoint_file;
+pub mod gltf;
 pub mod gmsh;
 mod image_file;
 mod load;
 mod material_library;
 pub mod medit;
+mod merging;
 mod mesh_file;
 mod mesh_format;
 mod mesh_parts;
 mod mesh_reading;
+mod mesh_source;
 mod mesh_writing;
 mod model;
+mod model_writing;
 pub mod mtl;
 pub mod npy;
 pub mod obj;
@@ -31,6 +35,7 @@ mod scene_paths;
 mod shorten;
 pub mod stl;
 mod texture_file;
+mod texture_loader;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};
@@ -47,8 +52,9 @@ pub use load::{
 pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
 pub use mesh_parts::MeshParts;
-pub use mesh_reading::{Malformed, Place};
+pub use mesh_reading::{List, Malformed, Place};
 pub use model::{Model, ModelFacts};
+pub use model_writing::{ModelFormat, WriteError, write_model};
 pub use origin::{Origin, WrittenError, WrittenOrigin};
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};
 pub use radiance_file::{

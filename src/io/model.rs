@@ -3,12 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::material_library::{Definitions, load_libraries};
+use super::gltf::{self, Gltf};
+use super::material_library::{Definitions, load_libraries, path_below};
 use super::mesh_file::{Dropped, MeshFile};
 use super::mesh_parts::PartCutter;
+use super::mesh_source::GLTF;
 use super::part_name::{self, with_part};
 use super::remarks::Remarks;
 use super::scene_paths::absolute_mesh;
+use super::shorten::shortened;
 use crate::control::CancelToken;
 use crate::math::DBounds;
 use crate::scene::presets::{self, UpAxis};
@@ -48,6 +51,8 @@ pub struct ModelFacts {
     pub triangles: u64,
     /// Faces that were left out.
     pub dropped: Dropped,
+    /// Nodes of the scene, where the format has them.
+    pub nodes: Option<u64>,
     /// The world box of all objects.
     pub bounds: DBounds,
 }
@@ -64,6 +69,7 @@ pub fn of_mesh_file(path: &Path, file: MeshFile, cancel: &CancelToken) -> Option
         polygons: file.polygons,
         triangles: file.mesh.triangles.len() as u64,
         dropped: file.dropped,
+        nodes: None,
         bounds: file.mesh.bounds(),
     };
     let up = file.likely_up();
@@ -135,8 +141,10 @@ pub fn of_mesh_file(path: &Path, file: MeshFile, cancel: &CancelToken) -> Option
         });
         scene.meshes.insert(mesh, Arc::new(file.mesh));
     }
+    show_vertex_colors(&mut scene);
     let remarks = materials.remarks.sentences();
     warnings.extend(remarks.map(|remark| format!("{shown}: {remark}")));
+    resolve_images(&mut scene, path, &mut warnings);
     Some(Model {
         scene,
         camera: None,
@@ -144,6 +152,97 @@ pub fn of_mesh_file(path: &Path, file: MeshFile, cancel: &CancelToken) -> Option
         facts,
         warnings,
     })
+}
+
+/// The model of a scene of meshes that was read from the file at `path`.
+#[must_use]
+pub fn of_gltf(path: &Path, gltf: &Gltf) -> Model {
+    let file = absolute_mesh(&path.to_string_lossy(), Path::new("."));
+    let shown = path.display();
+    let mut scene = gltf.scene(|part| with_part(&file, part));
+    let mut warnings: Vec<String> = gltf
+        .warnings
+        .iter()
+        .map(|warning| format!("{shown}: {warning}"))
+        .collect();
+    if !part_name::has_parts(&file) && !scene.objects.is_empty() {
+        warnings.push(format!(
+            "{shown}: a saved scene will not find its parts: rename it to end in .gltf or .glb"
+        ));
+    }
+    for object in &mut scene.objects {
+        object.crease_angle = presets::object().crease_angle;
+    }
+    resolve_images(&mut scene, path, &mut warnings);
+    let bounds = scene.bounds();
+    Model {
+        camera: gltf.camera,
+        up: UpAxis::Y,
+        facts: ModelFacts {
+            format: GLTF,
+            vertices: gltf
+                .parts
+                .values()
+                .map(|mesh| mesh.positions.len() as u64)
+                .sum(),
+            faces: gltf.faces,
+            polygons: 0,
+            triangles: gltf
+                .parts
+                .values()
+                .map(|mesh| mesh.triangles.len() as u64)
+                .sum(),
+            dropped: gltf.dropped,
+            nodes: Some(gltf.nodes),
+            bounds,
+        },
+        scene,
+        warnings,
+    }
+}
+
+/// Colours of vertices show where a material has no image instead.
+fn show_vertex_colors(scene: &mut Scene) {
+    for object in &scene.objects {
+        let has_colors = scene
+            .meshes
+            .get(&object.mesh)
+            .is_some_and(|mesh| mesh.colors.is_some());
+        let worn = object.material.as_ref().filter(|_| has_colors);
+        let material = worn.and_then(|name| scene.materials.get_mut(name));
+        if let Some(textures) = material.and_then(Material::textures_mut) {
+            textures.vertex_colors = textures.diffuse_image.is_none();
+        }
+    }
+}
+
+/// Gives images, which are named relative to the file at `path`, the names under which a scene keeps them. Those outside of its folder
+/// are left out, with a warning.
+fn resolve_images(scene: &mut Scene, path: &Path, warnings: &mut Vec<String>) {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = absolute_mesh(&path.to_string_lossy(), Path::new("."));
+    for name in scene.texture_names() {
+        let resolved = match gltf::within(&name) {
+            Some(part) => Ok(with_part(&file, part)),
+            None => path_below(&name, folder)
+                .map(|image| absolute_mesh(&image.to_string_lossy(), Path::new("."))),
+        };
+        let textures = scene
+            .materials
+            .values_mut()
+            .filter_map(Material::textures_mut);
+        match resolved {
+            Ok(resolved) => textures.for_each(|textures| textures.rename(&name, &resolved)),
+            Err(reason) => {
+                textures.for_each(|textures| textures.leave_out(&name));
+                warnings.push(format!(
+                    "{}: the image \"{}\" {reason}",
+                    path.display(),
+                    shortened(&name)
+                ));
+            }
+        }
+    }
 }
 
 /// What is said of a material that no file of materials has.

@@ -22,11 +22,13 @@
 //! Source: Alias/Wavefront, MTL material format, 1995.
 
 mod material;
+mod write;
 
 #[cfg(test)]
 mod tests;
 
 pub use material::MtlMaterial;
+pub use write::write;
 
 use std::collections::HashMap;
 

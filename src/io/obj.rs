@@ -36,7 +36,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-pub use write::write;
+pub use write::{write, write_parts};
 
 use super::mesh_file::{MaterialLibrary, MeshFile};
 use super::mesh_parts::PartsInOrder;

@@ -6,9 +6,9 @@ use super::{Object, Scene, UniqueNames, free_name, rotation_degrees};
 use crate::math::DVec3;
 
 impl Scene {
-    /// Adds the objects of `other` with their meshes and materials; its lights, camera and settings stay there. Objects get names that
-    /// are free here, and so do materials, but those that are here already under the same name are shared. Meshes of one name are the
-    /// same mesh.
+    /// Adds the objects of `other` with their meshes, materials and images; its lights, camera and settings stay there. Objects get names that
+    /// are free here, and so do materials, but those that are here already under the same name are shared. Meshes and images
+    /// of one name are the same.
     ///
     /// Returns the index of the first object that was added.
     pub fn join(&mut self, other: Self) -> usize {
@@ -33,6 +33,9 @@ impl Scene {
         }
         for (name, mesh) in other.meshes {
             self.meshes.entry(name).or_insert(mesh);
+        }
+        for (name, texture) in other.textures {
+            self.textures.entry(name).or_insert(texture);
         }
         first
     }

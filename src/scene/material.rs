@@ -61,6 +61,20 @@ impl Textures {
         images.flatten()
     }
 
+    /// Calls the image called `from` by another name.
+    pub fn rename(&mut self, from: &str, to: &str) {
+        for image in self.images_mut().filter(|image| *image == from) {
+            to.clone_into(image);
+        }
+    }
+
+    /// Takes the image called `name` away.
+    pub fn leave_out(&mut self, name: &str) {
+        for image in [&mut self.diffuse_image, &mut self.normal_image] {
+            image.take_if(|image| image == name);
+        }
+    }
+
     /// Whether anything varies over `mesh`, which may have neither texture coordinates nor colours.
     #[must_use]
     pub fn vary_over(&self, mesh: &TriangleMesh) -> bool {

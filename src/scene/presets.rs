@@ -65,7 +65,8 @@ fn colored() -> Material {
 }
 
 /// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky; and the preset material, where
-/// an object wears it and the scene has none of its name. Objects of that material whose vertices have colours show these.
+/// an object wears it and the scene has none of its name. Objects of that material whose vertices have colours show these. Lights that
+/// are there already stay alone, and the exposure follows them.
 ///
 /// # Errors
 /// When the objects are too large or too small to be measured.
@@ -92,13 +93,22 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
             scene.materials.insert(COLORED.to_owned(), colored());
         }
     }
+    let bounds = scene.measured_bounds()?;
+    let has_lights = !scene.lights.is_empty();
+    let stops = if has_lights {
+        exposure(&scene.lights, center(&bounds))
+    } else {
+        0.0
+    };
+    scene.display.exposure = stops;
+    // The sky looks the same on screen, however the lights are.
+    let sky = |r, g, b| Rgb::new(r, g, b) * libm::exp2(-stops);
     scene.background = Background::Gradient {
-        zenith: Rgb::new(0.11, 0.14, 0.19),
-        horizon: Rgb::new(0.23, 0.245, 0.26),
-        ground: Rgb::new(0.06, 0.055, 0.05),
+        zenith: sky(0.11, 0.14, 0.19),
+        horizon: sky(0.23, 0.245, 0.26),
+        ground: sky(0.06, 0.055, 0.05),
         up: up.turned(DVec3::Z),
     };
-    let bounds = scene.measured_bounds()?;
     let aspect = f64::from(scene.render.width) / f64::from(scene.render.height);
     scene.camera = framing(
         &bounds,
@@ -108,6 +118,9 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
         aspect,
     );
 
+    if has_lights {
+        return Ok(());
+    }
     let radius = radius(&bounds);
     let light = |direction: DVec3, irradiance: Rgb| {
         let distance = 3.0 * radius;
@@ -123,6 +136,47 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
         light(DVec3::new(-0.3, 1.0, 0.8), Rgb::splat(1.0)),
     ];
     Ok(())
+}
+
+/// Stops by which light from `lights` is made brighter on screen, so that what is at `place` is neither black nor white: none where
+/// their irradiance there is between a third and three times that of the preset lights.
+fn exposure(lights: &[Light], place: DVec3) -> f64 {
+    const USUAL: f64 = 3.0;
+    let irradiance = |light: &Light| {
+        let intensity = match *light {
+            Light::Point { intensity, .. } => intensity,
+            Light::Disk {
+                radius, radiance, ..
+            } => radiance * (std::f64::consts::PI * radius * radius),
+        };
+        intensity.max_element() / (light.position() - place).length_squared()
+    };
+    let total: f64 = lights.iter().map(irradiance).sum();
+    let stops = libm::log2(USUAL / total);
+    let is_dim_or_bright = stops.is_finite() && stops.abs() > libm::log2(3.0);
+    // Halves of stops are what people set.
+    if is_dim_or_bright {
+        ((stops * 2.0).round() / 2.0).clamp(-MOST_STOPS, MOST_STOPS)
+    } else {
+        0.0
+    }
+}
+
+/// Most stops that a preset makes brighter or darker.
+const MOST_STOPS: f64 = 20.0;
+
+/// A camera that looks the same way at the middle of `bounds`, as far as that lies before it: it is what the camera turns about.
+#[must_use]
+pub fn aimed(camera: Camera, bounds: &DBounds) -> Camera {
+    let Some(axes) = camera.axes() else {
+        return camera;
+    };
+    let depth = (center(bounds) - camera.eye).dot(axes.forward);
+    let distance = if depth > 0.0 { depth } else { radius(bounds) };
+    Camera {
+        target: camera.eye + axes.forward * distance,
+        ..camera
+    }
 }
 
 /// The camera that looks along `−direction` (from the side `direction` points to) and just holds the ball around `bounds`
@@ -214,6 +268,47 @@ mod tests {
         light_and_frame(&mut scene, UpAxis::Z).expect("nothing is too large");
         assert_eq!(scene.validate(), Ok(()));
         assert_eq!(scene.lights.len(), 3);
+    }
+
+    #[test]
+    fn lights_that_are_there_stay_and_set_the_exposure() {
+        let framed = |intensity: f64| {
+            let mut scene = Scene {
+                lights: vec![Light::Point {
+                    position: DVec3::Z * 10.0,
+                    intensity: Rgb::splat(intensity),
+                }],
+                ..Scene::default()
+            };
+            light_and_frame(&mut scene, UpAxis::Z).expect("nothing is too large");
+            assert_eq!(scene.lights.len(), 1);
+            scene.display.exposure
+        };
+        // 300 W/sr at 10 m give 3 W/m².
+        assert_eq!(
+            [300.0, 600.0, 300.0 * 64.0, 300.0 / 64.0, 0.0].map(framed),
+            [0.0, 0.0, -6.0, 6.0, 0.0]
+        );
+    }
+
+    #[test]
+    fn a_camera_is_aimed_at_what_is_before_it() {
+        let bounds = DBounds {
+            min: DVec3::new(-1.0, 4.0, -1.0),
+            max: DVec3::new(3.0, 6.0, 1.0),
+        };
+        let camera = Camera {
+            eye: DVec3::ZERO,
+            target: DVec3::Y,
+            ..Camera::default()
+        };
+        assert_eq!(aimed(camera, &bounds).target, DVec3::Y * 5.0);
+        let away = Camera {
+            target: -DVec3::Y,
+            ..camera
+        };
+        let target = aimed(away, &bounds).target;
+        assert!(target.y < -1.0 && target.x == 0.0);
     }
 
     #[test]

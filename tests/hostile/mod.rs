@@ -3,7 +3,9 @@
 //! `tests/corpus.rs` runs them over the files in `fuzz/corpus`, and the targets in `fuzz/targets`, which include this module by
 //! its path, over what the fuzzer thinks of.
 
+pub mod gltf;
 pub mod mesh;
+pub mod mtl;
 pub mod picture;
 pub mod radiance;
 pub mod rays;

@@ -4,13 +4,12 @@ use egui::{RichText, Ui, Vec2};
 
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::gui::commands::{Command, TextureUse};
-use crate::gui::document::free_name;
 use crate::gui::edit;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{
     Number, color_row_ui, combo_row_ui, light_row_ui, number_row_ui, row_ui, switch_row_ui,
 };
-use crate::scene::{Material, Rgb, Scene, Textures};
+use crate::scene::{Material, Rgb, Scene, Textures, free_name};
 
 /// Largest exponent the window offers; files may hold more.
 const MOST_SHININESS: f64 = 1e7;

@@ -9,6 +9,50 @@ pub enum Place {
     Line(u64),
     /// In binary data: the byte, counted from 0.
     Byte(u64),
+    /// In a document of lists: the list, and the number in it, counted from 0.
+    Item(List, u32),
+}
+
+/// A list of a document of glTF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum List {
+    /// Of numbers in buffer views.
+    Accessors,
+    /// Of parts of buffers.
+    BufferViews,
+    /// Of bytes.
+    Buffers,
+    /// Of cameras.
+    Cameras,
+    /// Of images.
+    Images,
+    /// Of lights, in an extension.
+    Lights,
+    /// Of materials.
+    Materials,
+    /// Of meshes.
+    Meshes,
+    /// Of what a scene is made of.
+    Nodes,
+    /// Of scenes.
+    Scenes,
+}
+
+impl Display for List {
+    fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Accessors => "accessors",
+            Self::BufferViews => "bufferViews",
+            Self::Buffers => "buffers",
+            Self::Cameras => "cameras",
+            Self::Images => "images",
+            Self::Lights => "lights",
+            Self::Materials => "materials",
+            Self::Meshes => "meshes",
+            Self::Nodes => "nodes",
+            Self::Scenes => "scenes",
+        })
+    }
 }
 
 impl Display for Place {
@@ -16,6 +60,7 @@ impl Display for Place {
         match self {
             Self::Line(line) => write!(out, "line {line}"),
             Self::Byte(byte) => write!(out, "byte {byte}"),
+            Self::Item(list, number) => write!(out, "{list}[{number}]"),
         }
     }
 }

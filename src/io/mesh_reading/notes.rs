@@ -40,6 +40,7 @@ fn on(place: Place) -> String {
     match place {
         Place::Line(line) => format!("on line {line}"),
         Place::Byte(byte) => format!("at byte {byte}"),
+        Place::Item(list, number) => format!("in {list}[{number}]"),
     }
 }
 

@@ -83,14 +83,18 @@ impl Tally {
         triangles.extend(cut.filter(|&triangle| has_area(triangle, positions)));
     }
 
-    /// What a file of this `format` held, where `mesh` is made of these faces. `warnings`: what its reader has to say besides.
-    pub fn into_file(
-        self,
-        format: &'static str,
-        mut mesh: TriangleMesh,
-        warnings: impl IntoIterator<Item = String>,
-    ) -> MeshFile {
-        mesh.triangles.shrink_to_fit();
+    /// How many faces were cut, and how many left out.
+    #[must_use]
+    pub fn counts(&self) -> (u64, Dropped) {
+        let dropped = Dropped {
+            degenerate: self.degenerate.count,
+            too_few_corners: self.too_few_corners.count,
+        };
+        (self.polygons, dropped)
+    }
+
+    /// What is to be said of faces.
+    pub fn warnings(&self) -> impl Iterator<Item = String> + use<> {
         let of_faces = [
             self.degenerate.counted(
                 "face without area was dropped",
@@ -105,7 +109,19 @@ impl Tally {
                 "polygons cross themselves; their triangles may overlap",
             ),
         ];
-        let mut warnings: Vec<_> = of_faces.into_iter().flatten().chain(warnings).collect();
+        of_faces.into_iter().flatten()
+    }
+
+    /// What a file of this `format` held, where `mesh` is made of these faces. `warnings`: what its reader has to say besides.
+    pub fn into_file(
+        self,
+        format: &'static str,
+        mut mesh: TriangleMesh,
+        warnings: impl IntoIterator<Item = String>,
+    ) -> MeshFile {
+        mesh.triangles.shrink_to_fit();
+        let mut warnings: Vec<_> = self.warnings().chain(warnings).collect();
+        let (polygons, dropped) = self.counts();
         if mesh.triangles.is_empty() {
             warnings.push("the mesh has no triangles".to_owned());
         }
@@ -113,11 +129,8 @@ impl Tally {
             mesh,
             format,
             faces: self.faces,
-            polygons: self.polygons,
-            dropped: Dropped {
-                degenerate: self.degenerate.count,
-                too_few_corners: self.too_few_corners.count,
-            },
+            polygons,
+            dropped,
             warnings,
             parts: MeshParts::default(),
             libraries: Vec::new(),

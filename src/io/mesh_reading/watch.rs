@@ -32,6 +32,12 @@ impl<'a> Watch<'a> {
             Some(())
         }
     }
+
+    /// Whether to go on, asked at one in [`REPORT_EVERY`] items; `None` when cancelled.
+    pub fn go_on(&self, index: u64) -> Option<()> {
+        let is_asked = index.is_multiple_of(REPORT_EVERY);
+        (!is_asked || !self.cancel.is_cancelled()).then_some(())
+    }
 }
 
 /// Vertices or faces between two looks at the cancel token.

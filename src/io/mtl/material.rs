@@ -1,7 +1,7 @@
 //! From what an MTL file says of a material to one of the scene's four kinds.
 
 use crate::io::remarks::Remarks;
-use crate::scene::{Material, Rgb};
+use crate::scene::{Material, Rgb, Textures};
 
 /// A material as an MTL file states it; `None` is not stated.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,6 +52,8 @@ impl MtlMaterial {
     /// 4. Phong of `Kd`, `Ks` and `Ns`; without highlight where `illum` is 0 or 1. Where the two reflect more light than arrives, `Kd`
     ///    is cut at 1 and `Ks` at what is left to 1.
     ///
+    /// The images stay names, relative to the file; Kd, white where it is black or not stated beside `map_Kd`, multiplies that.
+    ///
     /// What is changed or left out by that, `remarks` say of the material called `name`.
     #[must_use]
     pub fn to_material(&self, name: &str, remarks: &mut Remarks) -> Material {
@@ -67,7 +69,15 @@ impl MtlMaterial {
             self.illumination
                 .is_some_and(|model| models.contains(&model))
         };
-        let diffuse = self.diffuse.unwrap_or(usual_diffuse);
+        let has_image = self.diffuse_image.is_some();
+        // An image is multiplied; programs that write black beside one mean the image alone.
+        let diffuse = match self
+            .diffuse
+            .filter(|diffuse| !has_image || *diffuse != Rgb::ZERO)
+        {
+            None if has_image => Rgb::ONE,
+            stated => stated.unwrap_or(usual_diffuse),
+        };
         let specular = self.specular.unwrap_or(Rgb::ZERO);
 
         let emission = self.emission.unwrap_or(Rgb::ZERO);
@@ -103,29 +113,29 @@ impl MtlMaterial {
                 reflectance: specular.min(Rgb::ONE),
             };
         }
+        let textures = Textures {
+            diffuse_image: self.diffuse_image.clone(),
+            normal_image: self.normal_image.clone(),
+            vertex_colors: false,
+        };
         let specular = if illuminated_as(&MATT) {
             Rgb::ZERO
         } else {
             specular
         };
-        phong(
+        let (diffuse, specular) = within_energy(diffuse, specular, name, remarks);
+        let shininess = self.shininess.unwrap_or(usual_shininess);
+        Material::Phong {
             diffuse,
             specular,
-            self.shininess.unwrap_or(usual_shininess),
-            name,
-            remarks,
-        )
+            shininess: shininess.min(MOST_SHININESS),
+            textures,
+        }
     }
 }
 
-/// Phong that reflects no more light than arrives.
-fn phong(
-    diffuse: Rgb,
-    specular: Rgb,
-    shininess: f64,
-    name: &str,
-    remarks: &mut Remarks,
-) -> Material {
+/// Reflectances that reflect no more light than arrives.
+fn within_energy(diffuse: Rgb, specular: Rgb, name: &str, remarks: &mut Remarks) -> (Rgb, Rgb) {
     let kept_diffuse = diffuse.min(Rgb::ONE);
     let kept_specular = specular.min(Rgb::ONE - kept_diffuse);
     if (kept_diffuse, kept_specular) != (diffuse, specular) {
@@ -134,9 +144,5 @@ fn phong(
             "reflects more light than arrives (Kd + Ks above 1); Ks is lowered to what Kd leaves",
         );
     }
-    Material::Phong {
-        diffuse: kept_diffuse,
-        specular: kept_specular,
-        shininess: shininess.min(MOST_SHININESS),
-    }
+    (kept_diffuse, kept_specular)
 }

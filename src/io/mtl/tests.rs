@@ -2,7 +2,7 @@ use super::*;
 use crate::io::Remarks;
 use crate::io::mesh_reading::trials;
 use crate::math::DVec3;
-use crate::scene::Material;
+use crate::scene::{Material, Textures};
 
 fn read(text: &str) -> MtlFile {
     let progress = Progress::new();
@@ -33,6 +33,7 @@ fn phong(diffuse: [f64; 3], specular: [f64; 3], shininess: f64) -> Material {
         diffuse: diffuse.into(),
         specular: specular.into(),
         shininess,
+        textures: Textures::default(),
     }
 }
 
@@ -130,8 +131,12 @@ fn materials_become_the_nearest_of_the_scene() {
     let opaque = said("lets light through without being glass; it is opaque here");
     let cases = [
         (String::new(), Material::default(), none()),
-        (red.to_owned(), red_phong, none()),
-        (format!("{red}illum 2\nd 1\nNi 1.45"), red_phong, none()),
+        (red.to_owned(), red_phong.clone(), none()),
+        (
+            format!("{red}illum 2\nd 1\nNi 1.45"),
+            red_phong.clone(),
+            none(),
+        ),
         (
             format!("{red}illum 1"),
             phong([0.8, 0.1, 0.1], [0.0; 3], 60.0),
@@ -153,10 +158,10 @@ fn materials_become_the_nearest_of_the_scene() {
         ),
         (
             format!("{red}Ke 0.1 0 0"),
-            red_phong,
+            red_phong.clone(),
             said("shines less than it reflects; it only reflects here"),
         ),
-        (format!("{red}illum 3"), red_phong, none()),
+        (format!("{red}illum 3"), red_phong.clone(), none()),
         (
             "Kd 0.1\nKs 0.9 0.8 2\nillum 3".into(),
             mirror([0.9, 0.8, 1.0]),
@@ -170,19 +175,39 @@ fn materials_become_the_nearest_of_the_scene() {
         ),
         (format!("{red}d 0.1\nNi 1.3"), glass(1.3), none()),
         (format!("{red}Tr 0.9\nillum 4"), glass(1.5), none()),
-        (format!("{red}illum 4"), red_phong, none()),
+        (format!("{red}illum 4"), red_phong.clone(), none()),
         (format!("{red}illum 7\nNi 2"), glass(2.0), none()),
         (format!("{red}illum 6\nNi 1"), glass(1.5), none()),
         (format!("{red}illum 6\nNi 1e9"), glass(1.5), none()),
         (
             format!("{red}d 0.1\nNi 1\nillum 2"),
-            red_phong,
+            red_phong.clone(),
             opaque.clone(),
         ),
-        (format!("{red}d 0"), red_phong, opaque),
+        (format!("{red}d 0"), red_phong.clone(), opaque),
     ];
     for (text, material, remarks) in cases {
         assert_eq!(mapped(&text), (material, remarks), "{text}");
+    }
+}
+
+#[test]
+fn images_multiply_the_diffuse_color() {
+    let mapped = |statements: &str| match mapped(statements).0 {
+        Material::Phong {
+            diffuse, textures, ..
+        } => (diffuse, textures),
+        other => panic!("{other:?}"),
+    };
+    for (statements, expected) in [
+        ("map_Kd a.png\nnorm n.png", Rgb::ONE),
+        ("Kd 0 0 0\nmap_Kd a.png\nnorm n.png", Rgb::ONE),
+        ("Kd 0.5\nmap_Kd a.png\nnorm n.png", Rgb::splat(0.5)),
+    ] {
+        let (diffuse, textures) = mapped(statements);
+        assert_eq!(diffuse, expected, "{statements}");
+        let images: Vec<_> = textures.images().collect();
+        assert_eq!(images, ["a.png", "n.png"]);
     }
 }
 

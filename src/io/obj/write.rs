@@ -10,6 +10,23 @@ use std::io::{self, Write};
 /// # Errors
 /// What `out` returns.
 pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
+    write_parts(mesh, None, &[], out)
+}
+
+/// [`write`] of a mesh with materials: those of the file called `library`, and from which triangle on each is worn, in order.
+///
+/// # Errors
+/// What `out` returns.
+pub fn write_parts(
+    mesh: &TriangleMesh,
+    library: Option<&str>,
+    materials: &[(usize, &str)],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if let Some(library) = library {
+        writeln!(out, "mtllib {library}")?;
+    }
+    let mut materials = materials.iter().peekable();
     for (vertex, &position) in mesh.positions.iter().enumerate() {
         write!(out, "v {}", Decimals(&position.to_array()))?;
         if let Some(colors) = &mesh.colors {
@@ -26,7 +43,10 @@ pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "vt {}", Decimals(&coordinate.to_array()))?;
     }
     let (has_texture, has_normal) = (mesh.texture_coordinates.is_some(), mesh.normals.is_some());
-    for triangle in &mesh.triangles {
+    for (index, triangle) in mesh.triangles.iter().enumerate() {
+        while let Some((_, name)) = materials.next_if(|(first, _)| *first <= index) {
+            writeln!(out, "usemtl {name}")?;
+        }
         write!(out, "f")?;
         for corner in triangle.map(|vertex| u64::from(vertex) + 1) {
             match (has_texture, has_normal) {

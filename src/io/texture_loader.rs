@@ -1,0 +1,67 @@
+//! Images of materials by the names that scenes keep them under: files, and images within files of glTF (`chair.glb#image 0`).
+
+use std::path::Path;
+
+use super::gltf;
+use super::mesh_source::load_beside;
+use super::part_name::file_and_part;
+use super::radiance_file::RadianceError;
+use super::texture_file::{TextureFile, load_texture, parse_texture};
+use super::whole_file::read_file;
+use crate::control::{CancelToken, Progress};
+
+/// Loads images one after the other. The file that holds the last one is kept: it may hold the next one, too.
+#[derive(Default)]
+pub struct TextureLoader {
+    file: Option<(String, Vec<u8>)>,
+}
+
+impl TextureLoader {
+    /// Loads the image called `name`; `work`: by how much `progress` advances then. `None` when cancelled.
+    ///
+    /// # Errors
+    /// When the file cannot be read, has no such image, or that is of a format without reader or malformed.
+    pub fn load(
+        &mut self,
+        name: &str,
+        work: u64,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<TextureFile>, RadianceError> {
+        let (file, Some(part)) = file_and_part(name) else {
+            return load_texture(Path::new(name), cancel, progress);
+        };
+        let bytes = self
+            .image_in(file, part, cancel)
+            .map_err(|reason| RadianceError {
+                name: name.to_owned(),
+                reason,
+            })?;
+        let Some(bytes) = bytes else {
+            return Ok(None);
+        };
+        let loaded = parse_texture(name, &bytes, cancel, &Progress::new());
+        progress.advance(work);
+        loaded
+    }
+
+    /// The bytes of an image in a file; `None` when cancelled.
+    fn image_in(
+        &mut self,
+        file: &str,
+        part: &str,
+        cancel: &CancelToken,
+    ) -> Result<Option<Vec<u8>>, String> {
+        let number = gltf::image_number(part).ok_or("there is no such image in the file")?;
+        let is_at_hand = self.file.as_ref().is_some_and(|(known, _)| known == file);
+        if !is_at_hand {
+            let bytes = read_file(Path::new(file), "a file of glTF", cancel, &Progress::new())?;
+            self.file = bytes.map(|bytes| (file.to_owned(), bytes));
+        }
+        let Some((_, bytes)) = &self.file else {
+            return Ok(None);
+        };
+        let mut load = |name: &str| load_beside(Path::new(file), name, cancel, &Progress::new());
+        gltf::image(bytes, number, &mut load).map_err(|error| error.to_string())
+    }
+}
