@@ -6,7 +6,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, MeshFormat, ModelFormat};
+use crate::io::{self, MeshFormat, ModelFormat, READABLE_EXTENSIONS};
 
 /// What `raymini convert` takes.
 #[derive(Debug, Args)]
@@ -26,12 +26,13 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<()> {
     let mesh_format = MeshFormat::of_extension(output);
     let model_format = ModelFormat::of_extension(output);
     if mesh_format.is_none() && model_format.is_none() {
-        let known: Vec<_> = MeshFormat::ALL
+        // The text of glTF is read only: it goes with other files.
+        let known = READABLE_EXTENSIONS
             .iter()
-            .map(|format| format.name().to_lowercase())
-            .collect();
+            .filter(|extension| **extension != "gltf");
+        let known: Vec<_> = known.copied().collect();
         let known = known.join(", .");
-        bail!("{name}: a mesh is written to a file with the extension .{known}, .glb");
+        bail!("{name}: a mesh is written to a file with the extension .{known}");
     }
     io::check_writable(output).with_context(|| format!("{name}: cannot write the mesh"))?;
     match (model_format, mesh_format) {
