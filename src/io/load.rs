@@ -9,7 +9,7 @@ use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
 use super::mesh_source::MeshSource;
-use super::model::{self, Model};
+use super::model_loading::load_models;
 use super::origin::WrittenOrigin;
 use super::part_name::file_and_part;
 use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
@@ -21,7 +21,7 @@ use super::texture_file::TextureFile;
 use super::texture_loader::TextureLoader;
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
-use crate::scene::{Background, Material, Scene, SceneError, Textures, presets};
+use crate::scene::{Background, Material, Scene, SceneError, Textures};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
@@ -124,7 +124,7 @@ pub fn load_scenes(
         [path] if is_render_file(path) => load_render_file(path, cancel, progress),
         _ => match paths.iter().find(|path| is_scene_file(path)) {
             Some(path) => Err(LoadError::SceneAmongMeshes { path: path.clone() }),
-            None => load_bare_meshes(paths, cancel, progress),
+            None => load_models(paths, cancel, progress),
         },
     }
 }
@@ -140,19 +140,6 @@ pub fn load_mesh(
 ) -> Result<Option<MeshFile>, MeshError> {
     progress.set_total(work_of(&path.to_string_lossy()));
     mesh_file::load_mesh(path, cancel, progress)
-}
-
-/// Loads the mesh file at `path` as the objects it brings into a scene. `progress` counts bytes. `None` when cancelled.
-///
-/// # Errors
-/// Those of [`load_mesh`].
-pub fn load_model(
-    path: &Path,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<Model>, MeshError> {
-    progress.set_total(work_of(&path.to_string_lossy()));
-    read_model(path, cancel, progress)
 }
 
 /// Loads the image at `path` for a background. `progress` counts bytes. `None` when cancelled.
@@ -533,96 +520,6 @@ fn load_background(
     Ok(true)
 }
 
-fn load_bare_meshes(
-    paths: &[PathBuf],
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<LoadedScene>, LoadError> {
-    let mut scene = Scene::default();
-    let mut warnings = Vec::new();
-    let mut up = None;
-    let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
-    progress.set_total(work.sum());
-    let mut camera = None;
-    for path in paths {
-        // As the user wrote it, for messages.
-        let Some(mut model) = read_model(path, cancel, progress)? else {
-            return Ok(None);
-        };
-        camera = camera.or(model.camera);
-        scene.lights.append(&mut model.scene.lights);
-        warnings.extend(model.warnings);
-        up.get_or_insert(model.up);
-        scene.join(model.scene);
-    }
-    for object in &mut scene.objects {
-        object.material = object
-            .material
-            .take()
-            .or_else(|| presets::object().material);
-    }
-    presets::light_and_frame(&mut scene, up.unwrap_or_default())?;
-    if let Some(camera) = camera {
-        scene.camera = presets::aimed(camera, &scene.measured_bounds()?);
-    }
-    Ok(Some(LoadedScene { scene, warnings }))
-}
-
-/// The model of a file. `None` when cancelled.
-fn read_model(
-    path: &Path,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<Model>, MeshError> {
-    let name = path.to_string_lossy();
-    let model = if let (_, Some(_)) = file_and_part(&name) {
-        let file = mesh_file::load_mesh(path, cancel, progress)?;
-        file.and_then(|file| model::of_mesh_file(path, file, cancel))
-    } else {
-        match mesh_file::load_source(path, cancel, progress)? {
-            None => None,
-            Some(MeshSource::Mesh(file)) => model::of_mesh_file(path, *file, cancel),
-            Some(MeshSource::Scene(gltf)) => Some(model::of_gltf(path, &gltf)),
-        }
-    };
-    Ok(model.and_then(|model| load_model_textures(model, cancel, progress)))
-}
-
-/// The model with the images of its materials; those that cannot be loaded are left out, with a warning. `None` when cancelled.
-fn load_model_textures(
-    mut model: Model,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Option<Model> {
-    let names = model.scene.texture_names();
-    let work: u64 = names.iter().map(|name| work_of(name)).sum();
-    progress.set_total(progress.total() + work);
-    let mut loader = TextureLoader::default();
-    for name in names {
-        match loader.load(&name, work_of(&name), cancel, progress) {
-            Ok(None) => return None,
-            Ok(Some(file)) => {
-                model.warnings.extend(texture_warnings(&name, &file));
-                model.scene.textures.insert(name, Arc::new(file.image));
-            }
-            Err(error) => {
-                model
-                    .warnings
-                    .push(format!("{error}; the image is left out"));
-                for textures in model
-                    .scene
-                    .materials
-                    .values_mut()
-                    .filter_map(Material::textures_mut)
-                {
-                    textures.leave_out(&name);
-                }
-            }
-        }
-    }
-    Some(model)
-}
-
 fn read_mesh(
     mesh: &str,
     cancel: &CancelToken,
@@ -635,7 +532,7 @@ fn read_mesh(
 }
 
 /// The work of loading a mesh, in the unit of its progress: every byte is read once and understood once.
-fn work_of(mesh: &str) -> u64 {
+pub(super) fn work_of(mesh: &str) -> u64 {
     let (mesh, _) = file_and_part(mesh);
     match mesh.strip_prefix(builtin::PREFIX) {
         Some(name) => builtin::bytes(name).map_or(0, |bytes| bytes.len() as u64),

@@ -17,6 +17,7 @@ mod mesh_reading;
 mod mesh_source;
 mod mesh_writing;
 mod model;
+mod model_loading;
 mod model_writing;
 pub mod mtl;
 pub mod npy;
@@ -46,14 +47,14 @@ pub use image_file::{
 };
 pub use load::{
     LoadError, LoadedScene, SaveError, demo_scene, image_warnings, load_image, load_mesh,
-    load_model, load_scene, load_scenes, mesh_warnings, override_scene, save_scene,
-    texture_warnings,
+    load_scene, load_scenes, mesh_warnings, override_scene, save_scene, texture_warnings,
 };
 pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
 pub use mesh_parts::MeshParts;
 pub use mesh_reading::{List, Malformed, Place};
 pub use model::{Model, ModelFacts};
+pub use model_loading::load_model;
 pub use model_writing::{ModelFormat, WriteError, write_model};
 pub use origin::{Origin, WrittenError, WrittenOrigin};
 pub use picture_file::{PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image};

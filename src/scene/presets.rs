@@ -100,7 +100,9 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
     } else {
         0.0
     };
-    scene.display.exposure = stops;
+    if has_lights {
+        scene.display.exposure = stops;
+    }
     // The sky looks the same on screen, however the lights are.
     let sky = |r, g, b| Rgb::new(r, g, b) * libm::exp2(-stops);
     scene.background = Background::Gradient {

@@ -108,7 +108,7 @@ pub fn write(scene: &Scene, camera: Option<&Camera>, out: &mut dyn Write) -> io:
     write_container(&document, writer.binary, out)
 }
 
-/// What of a scene [`write`] leaves out or rounds, in sentences.
+/// What of a scene [`write()`] leaves out or rounds, in sentences.
 #[must_use]
 pub fn losses(scene: &Scene) -> Vec<String> {
     let is_rounded = |mesh: &Arc<TriangleMesh>| !fit_f32(&mesh.positions);

@@ -13,7 +13,7 @@ pub fn write(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     write_parts(mesh, None, &[], out)
 }
 
-/// [`write`] of a mesh with materials: those of the file called `library`, and from which triangle on each is worn, in order.
+/// [`write()`] of a mesh with materials: those of the file called `library`, and from which triangle on each is worn, in order.
 ///
 /// # Errors
 /// What `out` returns.

@@ -1,0 +1,120 @@
+//! From paths of mesh files to what they bring into a scene, with the images of their materials.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::load::{LoadError, LoadedScene, texture_warnings, work_of};
+use super::mesh_file::{self, MeshError};
+use super::mesh_source::MeshSource;
+use super::model::{self, Model};
+use super::part_name::file_and_part;
+use super::texture_loader::TextureLoader;
+use crate::control::{CancelToken, Progress};
+use crate::scene::{Material, Scene, presets};
+
+/// Loads the mesh file at `path` as the objects it brings into a scene. `progress` counts bytes. `None` when cancelled.
+///
+/// # Errors
+/// Those of [`load_mesh`](super::load_mesh).
+pub fn load_model(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Model>, MeshError> {
+    progress.set_total(work_of(&path.to_string_lossy()));
+    read_model(path, cancel, progress)
+}
+
+/// Loads files of meshes as one scene: framed, and lit where they have no lights. `None` when cancelled.
+///
+/// # Errors
+/// What cannot be read or understood.
+pub fn load_models(
+    paths: &[PathBuf],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<LoadedScene>, LoadError> {
+    let mut scene = Scene::default();
+    let mut warnings = Vec::new();
+    let mut up = None;
+    let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
+    progress.set_total(work.sum());
+    let mut camera = None;
+    for path in paths {
+        // As the user wrote it, for messages.
+        let Some(mut model) = read_model(path, cancel, progress)? else {
+            return Ok(None);
+        };
+        camera = camera.or(model.camera);
+        scene.lights.append(&mut model.scene.lights);
+        warnings.extend(model.warnings);
+        up.get_or_insert(model.up);
+        scene.join(model.scene);
+    }
+    for object in &mut scene.objects {
+        object.material = object
+            .material
+            .take()
+            .or_else(|| presets::object().material);
+    }
+    presets::light_and_frame(&mut scene, up.unwrap_or_default())?;
+    if let Some(camera) = camera {
+        scene.camera = presets::aimed(camera, &scene.measured_bounds()?);
+    }
+    Ok(Some(LoadedScene { scene, warnings }))
+}
+
+/// The model of a file. `None` when cancelled.
+fn read_model(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Model>, MeshError> {
+    let name = path.to_string_lossy();
+    let model = if let (_, Some(_)) = file_and_part(&name) {
+        let file = mesh_file::load_mesh(path, cancel, progress)?;
+        file.and_then(|file| model::of_mesh_file(path, file, cancel))
+    } else {
+        match mesh_file::load_source(path, cancel, progress)? {
+            None => None,
+            Some(MeshSource::Mesh(file)) => model::of_mesh_file(path, *file, cancel),
+            Some(MeshSource::Scene(gltf)) => Some(model::of_gltf(path, &gltf)),
+        }
+    };
+    Ok(model.and_then(|model| load_model_textures(model, cancel, progress)))
+}
+
+/// The model with the images of its materials; those that cannot be loaded are left out, with a warning. `None` when cancelled.
+fn load_model_textures(
+    mut model: Model,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Option<Model> {
+    let names = model.scene.texture_names();
+    let work: u64 = names.iter().map(|name| work_of(name)).sum();
+    progress.set_total(progress.total() + work);
+    let mut loader = TextureLoader::default();
+    for name in names {
+        match loader.load(&name, work_of(&name), cancel, progress) {
+            Ok(None) => return None,
+            Ok(Some(file)) => {
+                model.warnings.extend(texture_warnings(&name, &file));
+                model.scene.textures.insert(name, Arc::new(file.image));
+            }
+            Err(error) => {
+                model
+                    .warnings
+                    .push(format!("{error}; the image is left out"));
+                for textures in model
+                    .scene
+                    .materials
+                    .values_mut()
+                    .filter_map(Material::textures_mut)
+                {
+                    textures.leave_out(&name);
+                }
+            }
+        }
+    }
+    Some(model)
+}
