@@ -4,8 +4,8 @@
 //!   follows where names repeat. Meshes without a name are `mesh 0` and so on.
 //! - Each node with a mesh is an object. Nodes that share a mesh share its triangles. A transform that is no rotation, translation and
 //!   even scale is worked into the vertices; such a part is called `part@node`.
-//! - Materials become the nearest of the scene's four kinds: by what they emit, let through and reflect (see `materials.rs`). Images of colours and normals are files, or `image 0` and so on within the file. The
-//!   colours of vertices count.
+//! - Materials become the nearest of the scene's four kinds: by what they emit, let through and reflect (see `materials.rs`). Images of
+//!   colours and normals are files, or `image 0` and so on within the file. The colours of vertices count.
 //! - Point lights of `KHR_lights_punctual` are point lights; a spot light is an invisible disk that shines where it points; a
 //!   directional light is a point far away. Candela, lux and nit are taken for W/sr, W/m² and W/m²/sr, as programs that show glTF do.
 //! - The first perspective camera of the scene is the camera.
