@@ -7,8 +7,8 @@ use crate::math::DVec3;
 
 impl Scene {
     /// Adds the objects of `other` with their meshes, materials and images; its lights, camera and settings stay there. Objects get names that
-    /// are free here, and so do materials, but those that are here already under the same name are shared. Meshes and images
-    /// of one name are the same.
+    /// are free here, and so do materials, but those that are here already under the same name are shared. Of meshes and
+    /// images of one name, the new one counts for all.
     ///
     /// Returns the index of the first object that was added.
     pub fn join(&mut self, other: Self) -> usize {
@@ -31,12 +31,8 @@ impl Scene {
             }
             self.objects.push(object);
         }
-        for (name, mesh) in other.meshes {
-            self.meshes.entry(name).or_insert(mesh);
-        }
-        for (name, texture) in other.textures {
-            self.textures.entry(name).or_insert(texture);
-        }
+        self.meshes.extend(other.meshes);
+        self.textures.extend(other.textures);
         first
     }
 }
