@@ -1,7 +1,8 @@
 //! Watching and stopping long work from outside: values that are cloned and polled, with no callback and no lock.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// A request to stop that travels to whoever holds a clone.
 ///
@@ -25,6 +26,114 @@ impl CancelToken {
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// How many of the threads that share a piece of work may go on now: all of them at first, fewer where somebody else needs the
+/// processor, none while it is paused. Clones are one and the same. A thread that waits uses no processor time.
+#[derive(Clone, Debug, Default)]
+pub struct Throttle(Arc<ThrottleState>);
+
+#[derive(Debug)]
+struct ThrottleState {
+    allowed: AtomicUsize,
+    pauses: Mutex<Pauses>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Pauses {
+    /// When the pause began that is going on.
+    since: Option<Instant>,
+    /// What those before it took.
+    before: Duration,
+}
+
+impl Pauses {
+    /// What all of them took until `now`.
+    fn until(&self, now: Instant) -> Duration {
+        let present = self.since.map(|since| now.saturating_duration_since(since));
+        self.before + present.unwrap_or_default()
+    }
+}
+
+impl Default for ThrottleState {
+    fn default() -> Self {
+        Self {
+            allowed: AtomicUsize::new(usize::MAX),
+            pauses: Mutex::default(),
+            changed: Condvar::new(),
+        }
+    }
+}
+
+impl Throttle {
+    /// Lets so many threads go on, those with the lowest numbers; none is a pause, which threads obey at once, in the middle of what
+    /// they are at.
+    pub fn allow(&self, threads: usize) {
+        let mut pauses = self.pauses();
+        self.0.allowed.store(threads, Ordering::Relaxed);
+        if threads == 0 {
+            pauses.since.get_or_insert_with(Instant::now);
+        } else if let Some(since) = pauses.since.take() {
+            pauses.before += since.elapsed();
+        }
+        self.0.changed.notify_all();
+    }
+
+    /// How many threads may go on.
+    #[must_use]
+    pub fn allowed(&self) -> usize {
+        self.0.allowed.load(Ordering::Relaxed)
+    }
+
+    /// Whether no thread may go on.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.allowed() == 0
+    }
+
+    /// What all pauses took so far.
+    #[must_use]
+    pub fn paused_time(&self) -> Duration {
+        self.pauses().until(Instant::now())
+    }
+
+    /// The time since `started` without the pauses there ever were: it stands still in a pause.
+    #[must_use]
+    pub fn time_since(&self, started: Instant) -> Duration {
+        let pauses = self.pauses();
+        let now = Instant::now();
+        now.saturating_duration_since(started)
+            .saturating_sub(pauses.until(now))
+    }
+
+    /// Waits until the work is not paused.
+    pub fn wait_while_paused(&self) {
+        if self.is_paused() {
+            let pauses = self.pauses();
+            drop(self.0.changed.wait_while(pauses, |_| self.is_paused()));
+        }
+    }
+
+    /// Waits until thread `number`, counted from 0, may go on, or `is_over` holds: nothing is left to do, as whoever finds that out
+    /// [tells](Self::wake).
+    pub fn wait_for_turn(&self, number: usize, is_over: impl Fn() -> bool) {
+        if number >= self.allowed() {
+            let waits = |_: &mut Pauses| number >= self.allowed() && !is_over();
+            drop(self.0.changed.wait_while(self.pauses(), waits));
+        }
+    }
+
+    /// Has threads that wait for their turn look whether there is still something to do.
+    pub fn wake(&self) {
+        // Whoever is about to wait has looked before, or looks again.
+        drop(self.pauses());
+        self.0.changed.notify_all();
+    }
+
+    fn pauses(&self) -> MutexGuard<'_, Pauses> {
+        self.0.pauses.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -70,7 +179,7 @@ impl Progress {
         self.set_total(known.done + remaining);
     }
 
-    fn known(&self) -> std::sync::MutexGuard<'_, Known> {
+    fn known(&self) -> MutexGuard<'_, Known> {
         self.0.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -108,6 +217,62 @@ impl Progress {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn threads_wait_for_their_turn_until_it_comes_or_nothing_is_left() {
+        let throttle = Throttle::default();
+        throttle.wait_while_paused();
+        throttle.wait_for_turn(1_000, || false);
+        throttle.allow(1);
+        throttle.wait_for_turn(0, || false);
+        let is_over = AtomicBool::new(false);
+        let passed = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            let wait = |number: usize| {
+                let (throttle, is_over, passed) = (&throttle, &is_over, &passed);
+                scope.spawn(move || {
+                    throttle.wait_for_turn(number, || is_over.load(Ordering::Relaxed));
+                    passed.fetch_add(1, Ordering::Relaxed);
+                });
+            };
+            wait(1);
+            wait(2);
+            std::thread::sleep(Duration::from_millis(20));
+            assert_eq!(passed.load(Ordering::Relaxed), 0);
+            throttle.allow(2);
+            while passed.load(Ordering::Relaxed) < 1 {
+                std::thread::yield_now();
+            }
+            std::thread::sleep(Duration::from_millis(20));
+            assert_eq!(passed.load(Ordering::Relaxed), 1, "it is the turn of one");
+            is_over.store(true, Ordering::Relaxed);
+            throttle.wake();
+        });
+        assert_eq!(passed.load(Ordering::Relaxed), 2);
+    }
+
+    #[test]
+    fn pauses_are_timed_and_the_time_between_them_is_not() {
+        let throttle = Throttle::default();
+        assert_eq!(throttle.paused_time(), Duration::ZERO);
+        let (pause, started) = (Duration::from_millis(30), Instant::now());
+        for _ in 0..2 {
+            throttle.allow(0);
+            throttle.allow(0);
+            assert!(throttle.is_paused());
+            let time = throttle.time_since(started);
+            std::thread::sleep(pause);
+            assert_eq!(throttle.time_since(started), time);
+            throttle.allow(1);
+            let so_far = throttle.paused_time();
+            std::thread::sleep(pause);
+            assert_eq!(throttle.paused_time(), so_far);
+        }
+        let paused = throttle.paused_time();
+        assert!(paused >= 2 * pause);
+        assert!(throttle.time_since(started) >= 2 * pause);
+        assert!(throttle.time_since(started) + paused <= started.elapsed());
+    }
 
     #[test]
     fn the_fraction_goes_on_without_a_jump_when_more_is_learnt() {

@@ -3,12 +3,18 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
-/// Measures a render in wall time and in processor time of the threads that render, and can be stopped for what is not rendering.
-/// What else the process does, such as drawing a window, does not count.
+use crate::control::Throttle;
+
+/// Measures a render in wall time and in processor time of the threads that render, and can be stopped for what is not rendering. It
+/// stands still while the render is paused. What else the process does, such as drawing a window, does not count.
 #[derive(Debug)]
 pub struct Clock {
+    /// When it was started, less what had been paused until then.
     started: Instant,
-    paused: Duration,
+    /// Tells of pauses.
+    throttle: Throttle,
+    /// Wall time that does not count.
+    uncounted: Duration,
     /// What had passed when it was started.
     seconds_before: f64,
     cpu_seconds_before: f64,
@@ -31,11 +37,13 @@ fn nanoseconds(time: Duration) -> u64 {
 
 impl Clock {
     /// A clock that goes on from so many seconds of wall time and of processor time, for the thread that calls, which leads, and so many
-    /// others that begin now.
-    pub fn start_at(seconds: f64, cpu_seconds: f64, others: usize) -> Self {
+    /// others that begin now. It stands still whenever `throttle` pauses them.
+    pub fn start_at(seconds: f64, cpu_seconds: f64, others: usize, throttle: &Throttle) -> Self {
+        let now = Instant::now();
         Self {
-            started: Instant::now(),
-            paused: Duration::ZERO,
+            started: now.checked_sub(throttle.paused_time()).unwrap_or(now),
+            throttle: throttle.clone(),
+            uncounted: Duration::ZERO,
             seconds_before: seconds,
             cpu_seconds_before: cpu_seconds,
             lead_started: thread_time(),
@@ -47,7 +55,10 @@ impl Clock {
 
     /// Wall time since the start, in seconds.
     pub fn seconds(&self) -> f64 {
-        let here = self.started.elapsed().saturating_sub(self.paused);
+        let here = self
+            .throttle
+            .time_since(self.started)
+            .saturating_sub(self.uncounted);
         self.seconds_before + here.as_secs_f64()
     }
 
@@ -71,9 +82,12 @@ impl Clock {
 
     /// Does `work`, whose time does not count, on the thread that leads.
     pub fn pause(&mut self, work: impl FnOnce()) {
-        let (started, lead_started) = (Instant::now(), thread_time());
+        let (started, lead_started) = (self.throttle.time_since(self.started), thread_time());
         work();
-        self.paused += started.elapsed();
+        self.uncounted += self
+            .throttle
+            .time_since(self.started)
+            .saturating_sub(started);
         self.lead_paused += thread_time().saturating_sub(lead_started);
     }
 }

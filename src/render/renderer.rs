@@ -152,7 +152,7 @@ impl<'a> Renderer<'a> {
             expected_samples,
         } = checkpoint;
         let threads = run.thread_count();
-        let clock = Clock::start_at(seconds, cpu_seconds, threads);
+        let clock = Clock::start_at(seconds, cpu_seconds, threads, &run.throttle);
         progress.samples.set_total(expected_samples);
         progress.samples.advance(shared.film.total_samples());
         for point in errors {
@@ -424,19 +424,27 @@ impl<'a> Renderer<'a> {
         work: &(dyn Fn(usize, Region, &mut TileBlock) -> Option<()> + Sync),
     ) -> Result<(), Cut> {
         let next_tile = AtomicUsize::new(0);
+        let is_cut = || {
+            [&self.run.cancel, &self.run.interrupt, &self.halt]
+                .iter()
+                .any(|token| token.is_cancelled())
+        };
+        let is_over = || next_tile.load(Ordering::Relaxed) >= self.tiles.len() || is_cut();
         self.pool.broadcast(|thread| {
             let mut block = TileBlock::default();
             loop {
+                self.run.throttle.wait_for_turn(thread.index(), is_over);
                 let number = next_tile.fetch_add(1, Ordering::Relaxed);
                 let Some(&tile) = self.tiles.get(number) else {
-                    return;
+                    break;
                 };
-                let is_cut = self.run.interrupt.is_cancelled() || self.halt.is_cancelled();
-                if is_cut || work(number, tile, &mut block).is_none() {
-                    return;
+                if is_cut() || work(number, tile, &mut block).is_none() {
+                    break;
                 }
                 self.clock.note(thread.index());
             }
+            // The others need not wait for their turn any more.
+            self.run.throttle.wake();
         });
         self.clock.note_lead();
         let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
@@ -458,6 +466,7 @@ impl<'a> Renderer<'a> {
         let stops = Stops {
             cancel: &self.run.cancel,
             halt: &self.halt,
+            throttle: &self.run.throttle,
         };
         caught(&note, || take(stops, &note)).unwrap_or_else(|found| {
             let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);

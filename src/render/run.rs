@@ -11,7 +11,7 @@ use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, RenderProgress};
 use super::renderer::Renderer;
 use super::tiles::{Region, TilePixels};
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Throttle};
 
 /// How to run a render; it never changes the picture.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,9 @@ pub struct RunConfig {
     pub cancel: CancelToken,
     /// Asked between tiles: ends the render with the samples it has then, [`Ending::Interrupted`].
     pub interrupt: CancelToken,
+    /// How many of the threads may work: a pause holds them between samples, without a trace in times and pixels; fewer than all are
+    /// held between tiles. Whoever cancels a paused render must let it go on as well.
+    pub throttle: Throttle,
     /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
     pub layers: bool,
     /// Whether to deliver a picture of one sample per block of pixels first, whose rays are not counted: for whoever waits.

@@ -12,7 +12,7 @@ use super::run::{Clamped, RayCounts};
 use super::tally::Tally;
 use super::tiles::Region;
 use crate::accel::Packet;
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Throttle};
 use crate::math::color::luminance;
 
 /// Side of the blocks of pixels whose rays are traced together.
@@ -144,10 +144,14 @@ pub struct Stops<'a> {
     pub cancel: &'a CancelToken,
     /// Another thread that cannot go on.
     pub halt: &'a CancelToken,
+    /// Whoever pauses the render.
+    pub throttle: &'a Throttle,
 }
 
 impl Stops<'_> {
+    /// Whether somebody asks to end. Waits while the render is paused.
     fn is_asked(self) -> bool {
+        self.throttle.wait_while_paused();
         self.cancel.is_cancelled() || self.halt.is_cancelled()
     }
 }
