@@ -7,6 +7,7 @@ mod difference;
 pub mod hazards;
 pub mod matrix;
 mod metrics;
+pub mod pilot;
 pub mod proofs;
 pub mod report;
 

@@ -10,10 +10,12 @@ use serde::Serialize;
 
 use super::costs::{LEAST_PAIRS, MeasuredCosts};
 use crate::analysis::cost::Trial;
+use crate::analysis::pilot::estimate_time;
 use crate::control::CancelToken;
 use crate::io;
 use crate::render::{
-    Decision, Feature, PictureMemory, PreparedScene, RunConfig, Used, Work, even_passes, reasons,
+    Decision, Feature, Interval, PictureMemory, PreparedScene, RunConfig, Used, Work, even_passes,
+    reasons,
 };
 use crate::scene::{Choice, Mode, Scene, Stop};
 
@@ -97,6 +99,11 @@ struct Facts {
     estimated_cpu_seconds: f64,
     /// Whether the error or the clock may end it before.
     may_stop_sooner: bool,
+    /// What the render takes on `threads` threads, stops included.
+    estimated_seconds: Interval,
+    /// Whether that is only what it takes at most.
+    is_bound: bool,
+    threads: usize,
     costs: MeasuredCosts,
 }
 
@@ -137,6 +144,9 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let pairs = arguments.measure.unwrap_or(ROUGH_PAIRS);
     let costs = MeasuredCosts::of(&trial, pairs)?;
     let seconds = trial.estimated_seconds(scene)?;
+    let run = RunConfig::default();
+    let time = estimate_time(scene, &prepared, None, &run)?;
+    let time = time.ok_or_else(|| anyhow!("measuring was cancelled"))?;
     let facts = Facts {
         mode: scene.render.mode.name(),
         width: scene.render.width,
@@ -149,10 +159,13 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             triangles_and_structure: prepared.geometry().accelerator().bytes(),
             normals: prepared.geometry().normal_bytes(),
             textures: prepared.texture_bytes(),
-            picture: PictureMemory::of_render(&prepared, None, &RunConfig::default()).bytes(),
+            picture: PictureMemory::of_render(&prepared, None, &run).bytes(),
         },
         estimated_cpu_seconds: seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?,
         may_stop_sooner: scene.render.stop != Stop::default(),
+        estimated_seconds: time.seconds,
+        is_bound: time.is_bound,
+        threads: run.thread_count(),
         costs: costs.ok_or_else(|| anyhow!("measuring was cancelled"))?,
     };
     if arguments.json {
@@ -270,6 +283,16 @@ fn describe(facts: &Facts) -> String {
         text,
         "processor time: about {:.2} s{sooner}",
         facts.estimated_cpu_seconds
+    );
+    let Interval { value, low, high } = facts.estimated_seconds;
+    let about = if facts.is_bound { "at most" } else { "about" };
+    let threads = match facts.threads {
+        1 => "1 thread".to_owned(),
+        threads => format!("{threads} threads"),
+    };
+    let _ = writeln!(
+        text,
+        "render time: {about} {value:.2} s ({low:.2} to {high:.2}), on {threads}"
     );
     let _ = write!(text, "\n{}", facts.costs.describe());
     text
