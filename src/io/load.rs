@@ -129,6 +129,37 @@ pub fn load_scenes(
     }
 }
 
+/// Loads the scene file at `path` again, whose scene was `known`: meshes and images that it had are kept as they are, and not read.
+/// `None` when cancelled.
+///
+/// # Errors
+/// What cannot be read or understood, with file and line.
+pub fn reload_scene(
+    path: &Path,
+    known: &Scene,
+    cancel: &CancelToken,
+) -> Result<Option<LoadedScene>, LoadError> {
+    let Some(text) = read_text(path, cancel)? else {
+        return Ok(None);
+    };
+    let name = path.display().to_string();
+    let mut file = SceneFile::parse(&text, &name)?;
+    file.scene.meshes.clone_from(&known.meshes);
+    file.scene.images.clone_from(&known.images);
+    let mut loaded = load_file(&file, path, cancel, &Progress::new())?;
+    if let Some(LoadedScene { scene, .. }) = &mut loaded {
+        let objects = &scene.objects;
+        scene
+            .meshes
+            .retain(|name, _| objects.iter().any(|object| object.mesh == *name));
+        let background = &scene.background;
+        scene.images.retain(
+            |name, _| matches!(background, Background::Image { image, .. } if image == name),
+        );
+    }
+    Ok(loaded)
+}
+
 /// Loads the mesh file at `path`. `progress` counts bytes. `None` when cancelled.
 ///
 /// # Errors
@@ -266,6 +297,14 @@ fn load_scene_file(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<LoadedScene>, LoadError> {
+    match read_text(path, cancel)? {
+        Some(text) => load_text(&text, &path.display().to_string(), path, cancel, progress),
+        None => Ok(None),
+    }
+}
+
+/// The text of a scene file; `None` when cancelled.
+fn read_text(path: &Path, cancel: &CancelToken) -> Result<Option<String>, LoadError> {
     let unreadable = |reason: String| LoadError::Unreadable {
         path: path.to_owned(),
         reason,
@@ -287,7 +326,7 @@ fn load_scene_file(
             error.utf8_error().valid_up_to() + 1
         ))
     })?;
-    load_text(&text, &path.display().to_string(), path, cancel, progress)
+    Ok(Some(text))
 }
 
 /// The scene of which a picture was rendered.
@@ -317,9 +356,19 @@ fn load_text(
     progress: &Progress,
 ) -> Result<Option<LoadedScene>, LoadError> {
     let file = SceneFile::parse(text, name)?;
+    load_file(&file, path, cancel, progress)
+}
+
+/// The scene of `file`, which lies at `path`; `None` when cancelled.
+fn load_file(
+    file: &SceneFile,
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<LoadedScene>, LoadError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut warnings = Vec::new();
-    let scene = load_parts(&file, folder, &mut warnings, cancel, progress)?;
+    let scene = load_parts(file, folder, &mut warnings, cancel, progress)?;
     Ok(scene.map(|scene| LoadedScene { scene, warnings }))
 }
 
@@ -785,6 +834,36 @@ mod tests {
         std::fs::write(path("project/scenes/b.toml"), text).expect("is written");
         let loaded = load(&path("project/scenes/b.toml")).expect("is right");
         assert_eq!(loaded.warnings, expected(&sky.to_string_lossy()));
+    }
+
+    #[test]
+    fn a_scene_that_is_read_again_keeps_the_meshes_it_still_has() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        for (mesh, x) in [("a.off", 1), ("b.off", 2), ("c.off", 3)] {
+            let text = format!("OFF\n3 1 0\n0 0 0\n{x} 0 0\n0 1 0\n3 0 1 2\n");
+            std::fs::write(path(mesh), text).expect("is written");
+        }
+        let write = |meshes: &[&str]| {
+            let object = |mesh: &&str| format!("[[objects]]\nmesh = {mesh:?}\n");
+            let text: String = meshes.iter().map(object).collect();
+            std::fs::write(path("scene.toml"), text).expect("is written");
+        };
+        write(&["a.off", "b.off"]);
+        let before = load(&path("scene.toml")).expect("is right").scene;
+        // What has changed on disk is known from elsewhere, and read from there.
+        std::fs::write(path("b.off"), "no mesh").expect("is written");
+        write(&["b.off", "c.off"]);
+        let again = reload_scene(&path("scene.toml"), &before, &CancelToken::new());
+        let again = again.expect("is right").expect("nobody cancels").scene;
+        let mesh = |scene: &Scene, name: &str| {
+            let name = path(name).to_string_lossy().into_owned();
+            scene.meshes.get(&name).cloned()
+        };
+        assert!(mesh(&again, "a.off").is_none() && again.meshes.len() == 2);
+        let [old, new] = [&before, &again].map(|scene| mesh(scene, "b.off").expect("is there"));
+        assert!(Arc::ptr_eq(&old, &new));
+        assert_eq!(mesh(&again, "c.off").expect("is read").positions[1].x, 3.0);
     }
 
     #[test]
