@@ -75,8 +75,16 @@ pub enum Command {
     Render,
     /// Render anew whenever the scene or the camera changes, or no longer.
     ToggleLive,
+    /// Have the running render rest, or go on.
+    TogglePause,
+    /// Draw the part of the picture to render, or put the tool away.
+    DrawRegion,
+    /// Render all of the picture again.
+    ClearRegion,
     /// Stop the running render or report.
     Cancel,
+    /// Find out how long a render will take.
+    EstimateTime,
     /// Describe, watch or look at a report of error against run time.
     Report,
     /// Measure what effects cost and what leaving out saves.
@@ -96,7 +104,7 @@ pub enum TextureUse {
 
 impl Command {
     /// All of them, by menu, but for those of buttons alone.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 42] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -113,7 +121,11 @@ impl Command {
         Self::Remove,
         Self::Render,
         Self::ToggleLive,
+        Self::TogglePause,
         Self::Cancel,
+        Self::DrawRegion,
+        Self::ClearRegion,
+        Self::EstimateTime,
         Self::Report,
         Self::MeasureCosts,
         Self::FrameAll,
@@ -177,7 +189,11 @@ impl Command {
             Self::Reduce => "Reduce",
             Self::Render => "Render",
             Self::ToggleLive => "Live",
+            Self::TogglePause => "Pause",
+            Self::DrawRegion => "Draw region to render",
+            Self::ClearRegion => "Render whole picture",
             Self::Cancel => "Cancel",
+            Self::EstimateTime => "How long will it take?",
             Self::Report => "Report…",
             Self::MeasureCosts => "Measure costs",
             Self::ShowShortcuts => "Keyboard and mouse",
@@ -230,9 +246,19 @@ impl Command {
             Self::ToggleLive => {
                 "Render anew whenever the scene or the camera changes: coarse at once, then ever finer"
             }
+            Self::TogglePause => {
+                "Have the render rest without using the processor, or go on where it was; the picture is the same"
+            }
+            Self::DrawRegion => {
+                "Draw with the mouse which part of the picture is rendered; a click takes all of it"
+            }
+            Self::ClearRegion => "Render all of the picture again in place of a part",
             Self::Cancel => "Stop the running render, report, measurement or load",
             Self::MeasureCosts => {
                 "Measure what each effect costs and what leaving out saves, for the panel Plan"
+            }
+            Self::EstimateTime => {
+                "Render a few tiles to tell how long the whole will take; pointing at Render for a moment does so too"
             }
             Self::Report => "Measure how the error falls with time, over several renders",
             Self::ShowShortcuts => "Show this sheet",
@@ -287,7 +313,11 @@ impl Command {
             Self::Reduce => const { &[plain(Key::Minus)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
             Self::ToggleLive => const { &[plain(Key::L)] },
+            Self::TogglePause => const { &[plain(Key::P)] },
+            Self::DrawRegion => const { &[plain(Key::B)] },
+            Self::ClearRegion => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::B)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
+            Self::EstimateTime => const { &[plain(Key::T)] },
             Self::Report => const { &[command_shift(Key::R)] },
             Self::MeasureCosts => const { &[plain(Key::F7)] },
             Self::ShowShortcuts => const { &[plain(Key::F1), plain(Key::Questionmark)] },

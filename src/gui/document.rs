@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::selection::Selection;
 use super::undo::{Snapshot, UndoHistory};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, RadianceMap, Scene};
 
 /// A scene, the file it belongs to, and its last saved state.
 #[derive(Clone, Debug)]
@@ -99,6 +99,52 @@ impl Document {
     fn restore(&mut self, snapshot: Snapshot) -> Selection {
         self.scene = snapshot.scene;
         snapshot.selection
+    }
+
+    /// Puts `mesh` in place of that called `name`, in every step to undo too: its file is another one now.
+    pub fn replace_mesh(&mut self, name: &str, mesh: &Arc<TriangleMesh>) {
+        let Some(old) = self.scene.meshes.get(name).cloned() else {
+            return;
+        };
+        self.change_all(|scene| {
+            if let Some(there) = scene.meshes.get_mut(name).filter(|m| Arc::ptr_eq(m, &old)) {
+                there.clone_from(mesh);
+            }
+        });
+    }
+
+    /// [`Document::replace_mesh`], of an image.
+    pub fn replace_image(&mut self, name: &str, image: &Arc<RadianceMap>) {
+        let Some(old) = self.scene.images.get(name).cloned() else {
+            return;
+        };
+        self.change_all(|scene| {
+            if let Some(there) = scene.images.get_mut(name).filter(|i| Arc::ptr_eq(i, &old)) {
+                there.clone_from(image);
+            }
+        });
+    }
+
+    /// Changes the scene, as it is, was saved and ever was.
+    fn change_all(&mut self, change: impl Fn(&mut Scene)) {
+        change(&mut self.scene);
+        change(&mut self.saved);
+        self.undo.change_all(change);
+    }
+
+    /// Takes the scene that the file holds now, as a step to undo. Where the file's camera is the same, one keeps looking from where one
+    /// does.
+    pub fn reload(&mut self, scene: Scene, selection: &Selection) {
+        self.record_edit(selection);
+        let camera = if scene.camera == self.saved.camera {
+            self.scene.camera
+        } else {
+            scene.camera
+        };
+        self.home = scene.camera;
+        self.saved = scene.clone();
+        self.scene = Scene { camera, ..scene };
+        self.record_edit_as(selection, format!("reading {} again", self.name));
     }
 
     /// Takes note that `scene` is what `path` now holds. Edits made since it was handed to the writer stay unsaved.
@@ -227,6 +273,51 @@ mod tests {
         assert!(file.is_modified());
         bare.scene.lights.push(light());
         assert!(bare.is_modified());
+    }
+
+    #[test]
+    fn a_mesh_that_changed_on_disk_is_new_in_every_step_and_no_edit() {
+        let mut document = Document::new(scene(), "room".into(), Some("room.toml".into()));
+        document.scene.lights.push(light());
+        document.record_edit(&Selection::Camera);
+        let mesh = Arc::new(TriangleMesh {
+            positions: vec![DVec3::ONE],
+            ..TriangleMesh::default()
+        });
+        document.replace_mesh("a", &mesh);
+        document.replace_mesh("b", &mesh);
+        let is_new =
+            |scene: &Scene| Arc::ptr_eq(&scene.meshes["a"], &mesh) && scene.meshes.len() == 1;
+        document.record_edit(&Selection::Camera);
+        assert_eq!(document.undo_history().next_undo(), Some("adding light 1"));
+        assert!(is_new(&document.scene));
+        document.undo();
+        assert!(is_new(&document.scene) && !document.is_modified());
+        document.redo();
+        assert!(is_new(&document.scene) && document.is_modified());
+    }
+
+    #[test]
+    fn reading_the_file_again_can_be_undone_and_leaves_the_view() {
+        let mut document = Document::new(scene(), "room".into(), Some("room.toml".into()));
+        document.scene.lights.push(light());
+        document.scene.camera.eye.x += 1.0;
+        let mine = document.scene.clone();
+        let mut file = scene();
+        file.objects[0].name = "ram".into();
+        document.reload(file.clone(), &Selection::Camera);
+        assert_eq!(document.scene.camera, mine.camera);
+        assert!(same_but_camera(&document.scene, &file));
+        assert_eq!(
+            document.undo_history().next_undo(),
+            Some("reading room again")
+        );
+        document.undo();
+        assert!(same_scene(&document.scene, &mine) && document.is_modified());
+        file.camera.eye.y += 2.0;
+        document.reload(file.clone(), &Selection::Camera);
+        assert_eq!(document.scene.camera, file.camera);
+        assert!(!document.is_modified());
     }
 
     #[test]

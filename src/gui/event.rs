@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::app::Stale;
 use super::commands::TextureUse;
 use super::compare::{Distance, Side};
 use super::dialogs::files::Answer;
@@ -11,12 +12,25 @@ use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
 use super::picture_buffer::{EncodedTile, PictureBuffer};
 use super::report::Findings;
+use super::time_estimate::Subject;
 use super::worker::Placed;
 use crate::analysis::cost::Costs;
+use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
-use crate::io::{LoadedScene, Model, RadianceFile, TextureFile};
+use crate::io::{LoadedScene, Model, RadianceFile, ReadAgain, TextureFile};
 use crate::render::{PreparedScene, RenderStats};
 use crate::scene::Scene;
+
+/// What was read again.
+#[derive(Debug)]
+pub enum Reloaded {
+    /// Meshes of a file.
+    Meshes(ReadAgain),
+    /// An image.
+    Image(RadianceFile),
+    /// A scene.
+    Scene(Box<LoadedScene>),
+}
 
 /// What a job tells the window. Failures are sentences for the user.
 #[derive(Debug)]
@@ -121,6 +135,13 @@ pub enum Event {
         /// The costs.
         result: Result<Box<Costs>, String>,
     },
+    /// How long a render will take was found out, or why not.
+    TimeEstimated {
+        /// What was asked about.
+        subject: Box<Subject>,
+        /// The time.
+        result: Result<TimeEstimate, String>,
+    },
     /// The desktop's file dialog is closed.
     PathsChosen(Answer),
     /// What is in the folder that the path field shows.
@@ -146,6 +167,15 @@ pub enum Event {
         lost: Lost,
         /// The scene.
         result: Result<Box<LoadedScene>, String>,
+    },
+    /// These files have changed on disk.
+    FilesChanged(Vec<PathBuf>),
+    /// One of them was read again, or why not.
+    Reloaded {
+        /// Which.
+        stale: Stale,
+        /// What is in it.
+        result: Result<Reloaded, String>,
     },
     /// The files opened last are these now.
     RecentChanged(Vec<PathBuf>),

@@ -53,6 +53,8 @@ pub enum Lane {
     Report,
     /// Measuring what effects cost.
     Costs,
+    /// Finding out how long a render will take.
+    Time,
     /// Waiting for the desktop to show a folder.
     ShowFolder,
     /// Looking for what earlier windows left.
@@ -63,9 +65,13 @@ pub enum Lane {
     Discard,
     /// Writing the list of files opened last.
     Recent,
+    /// Looking whether files have changed.
+    Watch,
+    /// Reading those that have.
+    Reload,
 }
 
-const LANES: usize = 20;
+const LANES: usize = 23;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

@@ -61,6 +61,11 @@ impl Messages {
         &self.banners
     }
 
+    /// Removes the banners called `title`: what they say is no longer so.
+    pub fn withdraw(&mut self, title: &str) {
+        self.banners.retain(|banner| banner.title != title);
+    }
+
     /// Removes all banners: what they were about is gone.
     pub fn clear(&mut self) {
         self.banners.clear();
@@ -128,6 +133,20 @@ fn banner_ui(ui: &mut Ui, message: &Message) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_longer_so_is_withdrawn() {
+        let mut messages = Messages::default();
+        messages.error("cannot read a", "line 1");
+        messages.error("cannot read b", "line 2");
+        messages.withdraw("cannot read a");
+        let titles: Vec<_> = messages
+            .banners()
+            .iter()
+            .map(|m| m.title.as_str())
+            .collect();
+        assert_eq!(titles, ["cannot read b"]);
+    }
 
     #[test]
     fn the_newest_messages_stay_and_none_is_doubled() {

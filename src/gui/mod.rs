@@ -7,19 +7,22 @@
 //! - [`jobs`], [`worker`], [`event`]: background work and what it says
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
-//! - [`picture`], [`picture_buffer`]: the render as it fills in
+//! - [`picture`], [`picture_buffer`], [`canvas`]: the render as it fills in
+//! - [`part`], [`region`], [`threads`]: which of its pixels, and who renders them
 //! - [`renders`], [`compare`]: the renders of this session, one against another
 //! - [`zoom`], [`look`], [`inspector`], [`histogram`]: a picture looked at closely
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
-//! - [`costs`]: what effects cost
+//! - [`costs`], [`time_estimate`]: what effects cost, and how long all takes
 //! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`keeping`]: what outlives the window
+//! - [`watching`]: files that change while they are open
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
 //! - `start`: opening the window, and words for when it does not open
 
 pub mod app;
+pub mod canvas;
 pub mod commands;
 pub mod compare;
 pub mod costs;
@@ -39,20 +42,25 @@ pub mod look;
 pub mod messages;
 pub mod orbit;
 pub mod panels;
+pub mod part;
 pub mod pick;
 pub mod picture;
 pub mod picture_buffer;
 pub mod preview;
 pub mod preview_image;
+pub mod region;
 pub mod renders;
 pub mod report;
 pub mod selection;
 mod start;
 pub mod status_bar;
 pub mod theme;
+pub mod threads;
+pub mod time_estimate;
 pub mod top_bar;
 pub mod undo;
 pub mod viewport;
+pub mod watching;
 pub mod widgets;
 pub mod worker;
 pub mod zoom;

@@ -3,18 +3,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
-
+use super::canvas::Canvas;
+use super::part::Part;
 use super::picture_buffer::{EncodedTile, PictureBuffer};
+use crate::control::Throttle;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
-
-/// Sharp pixels when enlarged, smooth when reduced.
-const TEXTURE_OPTIONS: TextureOptions = TextureOptions {
-    magnification: TextureFilter::Nearest,
-    minification: TextureFilter::Linear,
-    ..TextureOptions::NEAREST
-};
 
 /// How a render ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +26,16 @@ pub enum Outcome {
     Cancelled,
     /// Ended by a fault of the program.
     Failed,
+}
+
+/// What holds a render back. Whoever lets go of it lets the render go on, so that a cancelled one ends.
+#[derive(Debug, Default)]
+struct Hold(Throttle);
+
+impl Drop for Hold {
+    fn drop(&mut self) {
+        self.0.allow(usize::MAX);
+    }
 }
 
 /// A render and what the window shows of it.
@@ -54,13 +58,16 @@ pub struct Picture {
     pub is_replaced: bool,
     /// From the click to the first tile on its way to the screen.
     pub first_tile: Option<Duration>,
+    hold: Hold,
+    /// What was edited while the render was paused, and that it goes on without.
+    passed_over: Option<(Scene, Part)>,
     /// What is known of its error, oldest first.
     errors: Vec<ErrorPoint>,
-    /// When the last of it came.
-    newest_error: Instant,
+    /// How long it had taken when the last of it came.
+    newest_error: Duration,
     started: Instant,
     elapsed: Option<Duration>,
-    texture: Option<TextureHandle>,
+    canvas: Canvas,
 }
 
 impl Picture {
@@ -84,39 +91,51 @@ impl Picture {
             outcome: Outcome::Running,
             is_replaced: false,
             first_tile: None,
+            hold: Hold::default(),
+            passed_over: None,
             errors: Vec::new(),
-            newest_error: started,
+            newest_error: Duration::ZERO,
             started,
             elapsed: None,
-            texture: None,
+            canvas: Canvas::default(),
         }
     }
 
-    /// Puts a tile on the screen.
-    pub fn show_tile(&mut self, ctx: &egui::Context, tile: EncodedTile) {
+    /// Takes in a tile; it is on the screen from [`Self::show_tiles`] on.
+    pub fn take_tile(&mut self, tile: EncodedTile) {
         if self.first_tile.is_none() {
-            self.first_tile = Some(self.started.elapsed());
+            self.first_tile = Some(self.elapsed());
         }
-        let size = self.buffer.texture_size();
-        put_tile(ctx, &mut self.texture, size, tile);
+        self.canvas.put(tile);
     }
 
-    /// Goes on showing what `previous` showed until the first tiles are there, where both are of one size.
+    /// Puts the tiles that were taken in on the screen.
+    pub fn show_tiles(&mut self, ctx: &egui::Context) {
+        self.canvas.flush(ctx, self.buffer.texture_size());
+    }
+
+    /// Goes on showing what `previous` showed until the first tiles are there, where both are of one part of a picture.
     pub fn continue_from(&mut self, previous: &mut Self) {
-        if previous.buffer.texture_size() == self.buffer.texture_size() {
-            self.texture = previous.texture.take();
+        if previous.buffer.part() == self.buffer.part() {
+            self.canvas = std::mem::take(&mut previous.canvas);
         }
     }
 
     /// Takes it off the screen; it is shown again by encoding it anew.
     pub fn hide(&mut self) {
-        self.texture = None;
+        self.canvas = Canvas::default();
+    }
+
+    /// Whether something is on the screen everywhere in it.
+    #[must_use]
+    pub fn is_covered(&self) -> bool {
+        self.canvas.is_covered()
     }
 
     /// What there is to show; `None` before the first tile.
     #[must_use]
     pub fn texture(&self) -> Option<egui::TextureId> {
-        self.texture.as_ref().map(TextureHandle::id)
+        self.canvas.texture()
     }
 
     /// Takes in what the render has learnt of its error since the last call.
@@ -124,7 +143,7 @@ impl Picture {
         let new = self.progress.errors_from(self.errors.len());
         if !new.is_empty() {
             self.errors.extend(new);
-            self.newest_error = Instant::now();
+            self.newest_error = self.elapsed();
         }
     }
 
@@ -137,8 +156,49 @@ impl Picture {
     /// Ends the picture.
     pub fn end(&mut self, outcome: Outcome) {
         self.take_errors();
+        self.elapsed = Some(self.elapsed());
         self.outcome = outcome;
-        self.elapsed = Some(self.started.elapsed());
+        self.hold.0.allow(usize::MAX);
+    }
+
+    /// What holds the render back, for the threads that render.
+    #[must_use]
+    pub fn throttle(&self) -> &Throttle {
+        &self.hold.0
+    }
+
+    /// Lets so many of its threads work, unless it is paused.
+    pub fn allow_threads(&self, threads: usize) {
+        let throttle = self.throttle();
+        if self.is_running() && !self.is_paused() && throttle.allowed() != threads {
+            throttle.allow(threads);
+        }
+    }
+
+    /// Has a running render rest, with its time standing still.
+    pub fn pause(&self) {
+        if self.is_running() {
+            self.throttle().allow(0);
+        }
+    }
+
+    /// Goes on with a paused render. Whatever was edited meanwhile, up to `scene` and `part`, does not start it anew.
+    pub fn resume(&mut self, scene: &Scene, part: Part) {
+        self.passed_over = Some((scene.clone(), part));
+        self.throttle().allow(usize::MAX);
+    }
+
+    /// Whether it is paused.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.is_running() && self.throttle().is_paused()
+    }
+
+    /// What was edited while the render was paused, and that it goes on without.
+    #[must_use]
+    pub fn passed_over(&self) -> Option<(&Scene, Part)> {
+        let (scene, part) = self.passed_over.as_ref()?;
+        Some((scene, *part))
     }
 
     /// Whether the render runs.
@@ -147,10 +207,11 @@ impl Picture {
         self.outcome == Outcome::Running
     }
 
-    /// Time since the render was asked for, up to its end.
+    /// Time since the render was asked for, up to its end, without pauses.
     #[must_use]
     pub fn elapsed(&self) -> Duration {
-        self.elapsed.unwrap_or_else(|| self.started.elapsed())
+        self.elapsed
+            .unwrap_or_else(|| self.throttle().time_since(self.started))
     }
 
     /// Time the rest takes: until the noise is low enough where that is foreseen, else at the pace so far; `None` while that is
@@ -161,7 +222,8 @@ impl Picture {
             let end = stop
                 .value
                 .min(self.scene.render.stop.seconds.unwrap_or(f64::INFINITY));
-            let since = self.newest_error.elapsed().as_secs_f64();
+            let since = self.elapsed().saturating_sub(self.newest_error);
+            let since = since.as_secs_f64();
             return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
         }
         time_left(self.progress.samples.fraction(), self.elapsed())
@@ -172,20 +234,6 @@ impl Picture {
     pub fn mrays_per_second(&self) -> f64 {
         self.progress.rays() as f64 / self.elapsed().as_secs_f64().max(1e-9) / 1e6
     }
-}
-
-/// Puts a tile into `texture`, which is made of `size` texels where it is not there.
-pub(super) fn put_tile(
-    ctx: &egui::Context,
-    texture: &mut Option<TextureHandle>,
-    size: [usize; 2],
-    tile: EncodedTile,
-) {
-    let texture = texture.get_or_insert_with(|| {
-        let empty = ColorImage::filled(size, Color32::TRANSPARENT);
-        ctx.load_texture("picture", empty, TEXTURE_OPTIONS)
-    });
-    texture.set_partial(tile.position, tile.pixels, TEXTURE_OPTIONS);
 }
 
 /// Time that the rest of some work takes at the pace so far; `None` while that is a guess. `done`: the done part, `0..=1`.

@@ -87,11 +87,13 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
 
 fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
     let render = &picture.scene.render;
-    let size = format!("{} × {}", render.width, render.height);
+    let size = picture.buffer.part().size_in_words();
     let mut parts = Vec::new();
     let mut warnings = Vec::new();
     if outdated {
-        let hint = if picture.is_running() {
+        let hint = if picture.is_paused() {
+            "settings changed: Resume goes on without, Render restarts"
+        } else if picture.is_running() {
             "settings changed: Render restarts"
         } else {
             "settings changed since"
@@ -107,7 +109,12 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             } else {
                 "up to "
             };
-            parts.push(format!("Rendering {size}, {most}{samples}"));
+            let what = if picture.is_paused() {
+                "Paused:"
+            } else {
+                "Rendering"
+            };
+            parts.push(format!("{what} {size}, {most}{samples}"));
             parts.push(duration(picture.elapsed()));
             if let Some(remaining) = picture.remaining() {
                 parts.push(format!("{} left", duration(remaining)));

@@ -1,12 +1,15 @@
 //! The bar at the top: menus, what the central area shows, and the one button that matters.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use egui::{Align, Button, Layout, RichText, Ui, Vec2};
 
 use super::commands::Command;
 use super::theme;
+use super::time_estimate::{in_short, in_words};
 use super::widgets::primary_button;
+use crate::analysis::pilot::TimeEstimate;
 
 /// Width of the menus, in points.
 const MENUS_WIDTH: f32 = 282.0;
@@ -47,6 +50,20 @@ pub struct TopBarState<'a> {
     pub phase: Phase,
     /// Whether the picture follows every change.
     pub is_live: bool,
+    /// Whether a render is under way that can rest.
+    pub can_pause: bool,
+    /// Whether it rests.
+    pub is_paused: bool,
+    /// What a render of the scene as it is takes, where that is known.
+    pub time: Option<TimeEstimate>,
+    /// Whether that is being found out.
+    pub is_estimating_time: bool,
+    /// Whether it can be found out now.
+    pub can_estimate_time: bool,
+    /// Whether the mouse draws the region to render.
+    pub is_drawing_region: bool,
+    /// Whether only a part of the picture is rendered.
+    pub has_region: bool,
     /// Whether costs are being measured.
     pub is_measuring: bool,
     /// Whether there is a picture to look at and save.
@@ -124,11 +141,14 @@ impl TopBarState<'_> {
                 self.is_picture_shown
             }
             Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
-            Command::Cancel => self.is_measuring || self.is_busy(),
+            Command::Cancel => self.is_drawing_region || self.is_measuring || self.is_busy(),
+            Command::TogglePause => self.can_pause,
+            Command::ClearRegion => self.has_region,
+            Command::EstimateTime => self.can_estimate_time,
             Command::Render | Command::ToggleLive => {
                 matches!(self.phase, Phase::Ready | Phase::Rendering)
             }
-            Command::Report => self.phase != Phase::Empty,
+            Command::DrawRegion | Command::Report => self.phase != Phase::Empty,
             Command::MeasureCosts => self.phase == Phase::Ready,
             Command::Undo => self.edit.undo.is_some(),
             Command::Redo => self.edit.redo.is_some(),
@@ -138,6 +158,11 @@ impl TopBarState<'_> {
             Command::Remove => self.edit.can_remove,
             _ => true,
         }
+    }
+
+    /// What pausing is called now.
+    fn pause_label(self) -> &'static str {
+        if self.is_paused { "Resume" } else { "Pause" }
     }
 
     /// Whether a render or a report goes on.
@@ -157,7 +182,14 @@ impl TopBarState<'_> {
                 "No picture is on the screen"
             }
             Command::ShowOlderRender | Command::ShowNewerRender => "Nothing was rendered yet",
-            Command::Cancel => "Nothing is rendered now",
+            Command::TogglePause if self.phase == Phase::Rendering => {
+                "The scene is still being prepared"
+            }
+            Command::Cancel | Command::TogglePause => "Nothing is rendered now",
+            Command::EstimateTime if self.phase == Phase::Rendering || self.is_measuring => {
+                "Something is rendered or measured now, which would spoil it"
+            }
+            Command::ClearRegion => "All of the picture is rendered",
             Command::Undo => "Nothing was edited yet",
             Command::Redo => "Nothing was undone",
             Command::Paste => "Nothing was copied yet",
@@ -195,6 +227,7 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Asked {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             render_button_ui(ui, state, &mut asked.commands);
             live_switch_ui(ui, state, &mut asked.commands);
+            time_ui(ui, state, &mut asked.commands);
             ui.add_space(8.0);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add_space(14.0);
@@ -293,14 +326,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
             ui.separator();
             theme_ui(ui);
         });
-        let menu = ui.menu_button("Render", |ui| {
-            for command in [Command::Render, Command::ToggleLive, Command::Cancel] {
-                menu_item_ui(ui, state, command, asked);
-            }
-            ui.separator();
-            menu_item_ui(ui, state, Command::Report, asked);
-            menu_item_ui(ui, state, Command::MeasureCosts, asked);
-        });
+        let menu = ui.menu_button("Render", |ui| render_menu_ui(ui, state, asked));
         // The button that renders is called Render too.
         menu.response.accessible_name("Render menu");
         ui.menu_button("Help", |ui| {
@@ -311,6 +337,29 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
     });
 }
 
+fn render_menu_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+    for command in [
+        Command::Render,
+        Command::ToggleLive,
+        Command::TogglePause,
+        Command::Cancel,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    for command in [Command::DrawRegion, Command::ClearRegion] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    for command in [
+        Command::EstimateTime,
+        Command::Report,
+        Command::MeasureCosts,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+}
+
 fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &mut Vec<Command>) {
     let shown = match command {
         Command::ShowPreview => state.view == View::Preview,
@@ -319,6 +368,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         Command::ToggleErrorPlot => state.error_plot_open,
         Command::ToggleRenders => state.renders_open,
         Command::ToggleLive => state.is_live,
+        Command::DrawRegion => state.is_drawing_region,
         Command::Compare => state.is_comparing,
         _ => false,
     };
@@ -337,6 +387,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         ) => {
             format!("{} {name}", command.label())
         }
+        (Command::TogglePause, _) => state.pause_label().to_owned(),
         _ => command.label().to_owned(),
     };
     let button = Button::new(&label)
@@ -451,22 +502,112 @@ fn live_switch_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>)
     }
 }
 
-/// Render, or Cancel while rendering or making a report.
-fn render_button_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
-    let size = Vec2::new(116.0, theme::BAR_BUTTON_HEIGHT);
-    // Costs that are measured give way to a render.
-    let (command, button) = if state.is_busy() {
-        let text = RichText::new("Cancel").strong().color(theme::ON_ACCENT);
-        (Command::Cancel, Button::new(text).fill(theme::STOP))
-    } else {
-        (Command::Render, primary_button("▶  Render"))
+/// Least room that the name of the scene is left beside the time, in points.
+const LEAST_NAME_WIDTH: f32 = 120.0;
+/// How long the mouse rests on Render until the time is found out, in seconds.
+const REST_SECONDS: f32 = 0.3;
+
+/// How long a render will take, beside the button that starts it; a click finds out. Left out where there is no room.
+fn time_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+    let text = match &state.time {
+        _ if state.phase != Phase::Ready => return,
+        Some(time) => in_short(time),
+        None if state.is_estimating_time => "…".to_owned(),
+        None => "time?".to_owned(),
     };
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let galley = ui
+        .painter()
+        .layout_no_wrap(text.clone(), font, egui::Color32::WHITE);
+    if ui.available_width() < galley.size().x + LEAST_NAME_WIDTH {
+        return;
+    }
+    let command = Command::EstimateTime;
+    let explained = match &state.time {
+        Some(time) => in_words(time),
+        None => command.tooltip(ui.ctx()),
+    };
+    let button = Button::new(RichText::new(text).weak()).frame(false);
     let response = ui
-        .add_enabled(state.allows(command), button.min_size(size))
-        .accessible_name(command.label())
-        .on_hover_text(command.tooltip(ui.ctx()))
+        .add_enabled(state.time.is_some() || state.allows(command), button)
+        .on_hover_text(explained)
         .on_disabled_hover_text(state.why_not(command));
     if response.clicked() {
         asked.push(command);
     }
+}
+
+/// Width of the button that renders, in points; those that stop and pause share it.
+const RENDER_WIDTH: f32 = 136.0;
+
+/// Render, or Cancel while rendering or making a report, with Pause beside it.
+fn render_button_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+    let spacing = ui.spacing().item_spacing.x;
+    let half = (RENDER_WIDTH - spacing) / 2.0;
+    // Costs that are measured give way to a render.
+    if !state.is_busy() {
+        let button = (primary_button("▶  Render"), RENDER_WIDTH);
+        let response = bar_button_ui(ui, state, Command::Render, "Render", button, asked);
+        let is_asked = state.time.is_none() && state.allows(Command::EstimateTime);
+        if is_asked && response.hovered() {
+            let rest = ui.input(|input| input.pointer.time_since_last_movement());
+            if rest >= REST_SECONDS {
+                asked.push(Command::EstimateTime);
+            } else {
+                let wait = Duration::from_secs_f32(REST_SECONDS - rest);
+                ui.ctx().request_repaint_after(wait);
+            }
+        }
+        return;
+    }
+    let text = RichText::new("Cancel").strong().color(theme::ON_ACCENT);
+    let button = Button::new(text).fill(theme::STOP);
+    let width = if state.phase == Phase::Rendering {
+        half
+    } else {
+        RENDER_WIDTH
+    };
+    bar_button_ui(ui, state, Command::Cancel, "Cancel", (button, width), asked);
+    if state.phase == Phase::Rendering {
+        let label = state.pause_label();
+        let button = if state.is_paused {
+            primary_button(label)
+        } else {
+            Button::new(label)
+        };
+        bar_button_ui(
+            ui,
+            state,
+            Command::TogglePause,
+            label,
+            (button, half),
+            asked,
+        );
+    }
+}
+
+/// A button of the bar with its width in points, called `label`.
+fn bar_button_ui(
+    ui: &mut Ui,
+    state: TopBarState<'_>,
+    command: Command,
+    label: &str,
+    (button, width): (Button<'_>, f32),
+    asked: &mut Vec<Command>,
+) -> egui::Response {
+    let size = Vec2::new(width, theme::BAR_BUTTON_HEIGHT);
+    let response = ui
+        .add_enabled(state.allows(command), button.min_size(size))
+        .accessible_name(label)
+        .on_hover_text(match &state.time {
+            Some(time) if command == Command::Render => {
+                format!("{}\n{}", command.tooltip(ui.ctx()), in_words(time))
+            }
+            _ => command.tooltip(ui.ctx()),
+        })
+        .on_disabled_hover_text(state.why_not(command));
+    if response.clicked() {
+        asked.push(command);
+    }
+    response
 }

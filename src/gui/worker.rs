@@ -12,18 +12,21 @@ use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
+use super::app::Stale;
 use super::commands::TextureUse;
 use super::costs::PAIRS;
-use super::event::Event;
+use super::event::{Event, Reloaded};
 use super::jobs::Job;
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
 use super::report::Findings;
+use super::time_estimate::Subject;
 use crate::analysis::cost::{Costs, Trial};
+use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
-use crate::control::Progress;
+use crate::control::{Progress, Throttle};
 use crate::io::{self, LoadedScene};
 use crate::math::DBounds;
 use crate::render::{
@@ -106,6 +109,30 @@ pub fn load_texture(
     });
 }
 
+/// Reads again what has changed on disk. `known`: the scene whose meshes and images a scene file keeps.
+pub fn reload(job: &Job<Event>, stale: Stale, known: Scene) {
+    let (path, progress) = (stale.path(), Progress::new());
+    let result = match &stale {
+        Stale::Meshes(_) => {
+            let names = known.meshes.keys();
+            let names: Vec<String> = names
+                .filter(|name| Path::new(io::file_and_part(name).0) == path)
+                .cloned()
+                .collect();
+            unless_cancelled(io::load_again(path, &names, &job.cancel))
+                .map(|result| result.map(Reloaded::Meshes))
+        }
+        Stale::Image(_) => unless_cancelled(io::load_image(path, &job.cancel, &progress))
+            .map(|result| result.map(Reloaded::Image)),
+        Stale::Scene(_) => unless_cancelled(io::reload_scene(path, &known, &job.cancel))
+            .map(|result| result.map(|loaded| Reloaded::Scene(Box::new(loaded)))),
+    };
+    drop(known);
+    if let Some(result) = result {
+        job.send(Event::Reloaded { stale, result });
+    }
+}
+
 /// Prepares `scene`, keeping what is the same of what was placed and prepared before. It is told of twice: when it can be drawn, and when
 /// it can be rendered, which takes a tree. `progress` counts triangles that structures are built over.
 pub fn prepare(
@@ -178,7 +205,9 @@ pub struct RenderRequest {
     pub primary_hits: PrimaryHitStore,
     /// Render threads; 0 is one per core.
     pub threads: usize,
-    /// Where the picture goes.
+    /// How many of them may work.
+    pub throttle: Throttle,
+    /// Where the picture goes. What it keeps is what is rendered.
     pub buffer: Arc<PictureBuffer>,
     /// What the window watches.
     pub progress: RenderProgress,
@@ -205,15 +234,17 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let run = RunConfig {
         threads: request.threads,
         cancel: job.cancel.clone(),
+        throttle: request.throttle.clone(),
         layers: !request.buffer.layers().is_empty(),
         coarse_first: true,
         ..RunConfig::default()
     };
+    let region = request.buffer.part().region();
     let memory = PictureMemory {
         // Those that the window shows.
         copies: 1 + request.buffer.layers().len(),
         kept_bytes: prepared.primary_hit_bytes(&request.primary_hits),
-        ..PictureMemory::of_render(&prepared, None, &run)
+        ..PictureMemory::of_render(&prepared, region, &run)
     };
     if let Err(short) = memory.require() {
         request.primary_hits.clear();
@@ -256,7 +287,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
         ..Watch::default()
     };
-    let outcome = render::render_watched(&prepared, None, &run, &request.progress, watch);
+    let outcome = render::render_watched(&prepared, region, &run, &request.progress, watch);
     let Some(RenderOutcome {
         image,
         layers,
@@ -390,6 +421,21 @@ pub fn measure_costs(
             scene: Box::new(scene),
             result: result.map(Box::new),
         });
+    }
+}
+
+/// Finds out how long a render of `subject` will take; `prepared`: what was prepared of its scene.
+pub fn estimate_time(job: &Job<Event>, subject: Subject, prepared: &PreparedScene) {
+    let run = RunConfig {
+        threads: subject.threads.count(),
+        cancel: job.cancel.clone(),
+        ..RunConfig::default()
+    };
+    let region = subject.part.region();
+    let estimated = pilot::estimate_time(&subject.scene, prepared, region, &run);
+    if let Some(result) = unless_cancelled(estimated) {
+        let subject = Box::new(subject);
+        job.send(Event::TimeEstimated { subject, result });
     }
 }
 

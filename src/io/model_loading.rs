@@ -10,6 +10,7 @@ use super::model::{self, Model};
 use super::part_name::file_and_part;
 use super::texture_loader::TextureLoader;
 use crate::control::{CancelToken, Progress};
+use crate::geometry::TriangleMesh;
 use crate::scene::{Material, Scene, presets};
 
 /// Loads the mesh file at `path` as the objects it brings into a scene. `progress` counts bytes. `None` when cancelled.
@@ -23,6 +24,50 @@ pub fn load_model(
 ) -> Result<Option<Model>, MeshError> {
     progress.set_total(work_of(&path.to_string_lossy()));
     read_model(path, cancel, progress)
+}
+
+/// What a file holds now of meshes that were read from it before.
+#[derive(Clone, Debug)]
+pub struct ReadAgain {
+    /// The meshes and what scenes call them.
+    pub meshes: Vec<(String, Arc<TriangleMesh>)>,
+    /// What is to be said of the file, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Loads the meshes that scenes call `names`, each the file at `path` or a part of it. `None` when cancelled.
+///
+/// # Errors
+/// Those of [`load_mesh`](super::load_mesh), and that a part is no longer there.
+pub fn load_again(
+    path: &Path,
+    names: &[String],
+    cancel: &CancelToken,
+) -> Result<Option<ReadAgain>, MeshError> {
+    let Some(source) = mesh_file::load_source(path, cancel, &Progress::new())? else {
+        return Ok(None);
+    };
+    let file = path.to_string_lossy();
+    let warnings = source.warnings().iter();
+    let warnings = warnings
+        .map(|warning| format!("{file}: {warning}"))
+        .collect();
+    let (parts, whole): (Vec<_>, Vec<_>) = names
+        .iter()
+        .partition(|name| file_and_part(name).1.is_some());
+    let mut meshes = Vec::with_capacity(names.len());
+    let mut taker = source.taker();
+    for name in parts {
+        if let (_, Some(part)) = file_and_part(name) {
+            meshes.push((name.clone(), taker.take(&file, part)?));
+        }
+    }
+    drop(taker);
+    if let [name] = whole[..] {
+        let whole = source.into_whole(&file)?;
+        meshes.push((name.clone(), Arc::new(whole.mesh)));
+    }
+    Ok(Some(ReadAgain { meshes, warnings }))
 }
 
 /// Loads files of meshes as one scene: framed, and lit where they have no lights. `None` when cancelled.

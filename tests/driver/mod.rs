@@ -144,6 +144,11 @@ impl Window {
         self.harness.query_by_label(name).is_some()
     }
 
+    /// Where the control called `name` is on the screen.
+    pub fn rect(&self, name: &str) -> egui::Rect {
+        self.harness.get_by_label(name).rect()
+    }
+
     pub fn press(&mut self, modifiers: Modifiers, key: Key) {
         self.harness.key_press_modifiers(modifiers, key);
         self.harness.run_steps(3);

@@ -13,7 +13,6 @@ use crate::gui::dialogs::{
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
-use crate::gui::picture::Picture;
 use crate::gui::renders::{self, StripState};
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
@@ -133,7 +132,8 @@ impl App {
             Activity::Idle
         };
         let is_preparing = matches!(activity, Activity::Preparing { .. });
-        if self.loading.is_some() || is_preparing || self.is_rendering() {
+        let is_rendering = self.is_rendering() && !self.is_paused();
+        if self.loading.is_some() || is_preparing || is_rendering {
             // Times and shares move also while nothing else happens.
             ui.ctx().request_repaint_after(self.refresh_interval());
         }
@@ -178,6 +178,7 @@ impl App {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
                             threads: &mut self.threads,
+                            region: &mut self.region,
                             shown_layer: &mut self.shown_layer,
                             layers,
                             histogram: self.brightness.histogram.as_ref(),
@@ -196,6 +197,7 @@ impl App {
         if let Some(problem) = &self.problem {
             problem_ui(ui, problem);
         }
+        self.reload_question_ui(ui);
         self.comparison_bar_ui(ui);
         let area = ui.available_rect_before_wrap();
         let showing_picture = self.picture_on_screen().is_some();
@@ -218,14 +220,18 @@ impl App {
             hovered_files_ui(ui, area);
             return;
         }
-        // Behind an enlarged picture it would be larger than a texture may be.
-        if !showing_picture || !self.zoom.is_enlarged() {
+        // Behind an enlarged picture it would be larger than a texture may be, and behind a whole one nobody sees it.
+        if !showing_picture || !self.zoom.is_enlarged() && !self.is_preview_hidden() {
             self.preview_ui(ui, frame, showing_picture);
         }
         if showing_picture {
             self.picture_ui(ui, frame, area);
         }
-        self.interact_ui(ui, frame, area);
+        if self.region.is_drawing {
+            self.region.draw_ui(ui, frame, area, size);
+        } else {
+            self.interact_ui(ui, frame, area);
+        }
         if !showing_picture {
             Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
             viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
@@ -236,6 +242,7 @@ impl App {
                 comparison.show_ui(ui, frame, frame.intersect(area), &name);
             }
         }
+        self.region.outline_ui(ui, frame, area, size);
         let picture = self.picture_on_screen();
         if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
             error_colors::legend_ui(ui, frame.intersect(area), scale);
@@ -252,6 +259,12 @@ impl App {
             Some(compare::Asked::Close) => self.stop_comparing(),
             None => {}
         }
+    }
+
+    /// Whether the picture on the screen leaves nothing of the preview to be seen.
+    fn is_preview_hidden(&self) -> bool {
+        let picture = self.picture_on_screen();
+        picture.is_some_and(|picture| picture.is_covered() && picture.buffer.part().is_whole())
     }
 
     /// Draws the preview; under a picture that is not whole, that picture's own view, dimmed.
@@ -299,9 +312,11 @@ impl App {
 
     /// Draws what of the picture lies in `area`.
     fn picture_ui(&self, ui: &Ui, frame: Rect, area: Rect) {
-        if let Some(texture) = self.shown_picture().and_then(Picture::texture) {
+        let picture = self.shown_picture();
+        if let Some((texture, picture)) = picture.and_then(|p| Some((p.texture()?, p))) {
             let painter = ui.painter().with_clip_rect(area);
-            image_ui(&painter, texture, frame, Color32::WHITE);
+            let place = picture.buffer.part().rect_in(frame);
+            image_ui(&painter, texture, place, Color32::WHITE);
         }
     }
 

@@ -14,6 +14,7 @@ impl App {
     }
 
     pub(super) fn measure_costs(&mut self) {
+        self.stop_estimating_time();
         let progress = Progress::new();
         self.costs = CostState::Measuring(progress.clone());
         let scene = self.document.scene.clone();

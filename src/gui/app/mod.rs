@@ -9,12 +9,14 @@
 //! - `editing`: undoing, copying, removing
 //! - `keeping`: unsaved work and recent files on disk
 //! - `opening`: scenes and meshes from files
+//! - `reloading`: files that change while they are open
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `seeing`: pixels and brightness of the picture on the screen
 //! - `rendering`: preparing, rendering, showing the picture
 //! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
 //! - `measuring`: what effects cost
+//! - `timing`: how long a render will take
 //! - `news`: what jobs have to say
 //! - `obeying`: what the user asks for by name
 //! - `layout`: where everything is drawn
@@ -27,11 +29,13 @@ mod measuring;
 mod news;
 mod obeying;
 mod opening;
+mod reloading;
 mod rendering;
 mod renders;
 mod reporting;
 mod saving;
 mod seeing;
+mod timing;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -49,10 +53,13 @@ use super::jobs::{Jobs, Lane};
 use super::messages::Messages;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
+use super::region::RegionTool;
 use super::renders::{Freed, Renders};
 use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
+use super::threads::{Attention, Threads};
+use super::time_estimate::TimeState;
 use super::top_bar::{Phase, Recent, TopBarState, View};
 use super::undo::Gesture;
 use super::viewport::Viewport;
@@ -63,6 +70,8 @@ use crate::io;
 use crate::math::DBounds;
 use crate::render::{Layer, PreparedScene, PrimaryHitStore};
 use crate::scene::Scene;
+
+pub use reloading::Stale;
 
 /// How the window starts.
 #[derive(Clone, Debug, Default)]
@@ -126,10 +135,12 @@ pub struct App {
     /// A render was asked for at this time and waits for its geometry.
     waiting_render: Option<Instant>,
     costs: CostState,
+    time: TimeState,
     report: ReportWindow,
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
     loading: Option<Loading>,
+    reloading: reloading::Reloading,
     keeping: keeping::Keeping,
     jobs: Jobs<Event>,
     messages: Messages,
@@ -138,7 +149,10 @@ pub struct App {
     after_saving: Option<Intent>,
     may_close: bool,
     panel_open: bool,
-    threads: usize,
+    threads: Threads,
+    attention: Attention,
+    /// The part of the picture that is rendered.
+    region: RegionTool,
     title: String,
 }
 
@@ -191,9 +205,11 @@ impl App {
             is_live: false,
             waiting_render: None,
             costs: CostState::default(),
+            time: TimeState::default(),
             report: ReportWindow::default(),
             waiting_report: None,
             loading: None,
+            reloading: reloading::Reloading::default(),
             keeping: keeping::Keeping::default(),
             jobs: Jobs::new(creation.egui_ctx.clone()),
             messages: Messages::default(),
@@ -202,7 +218,9 @@ impl App {
             after_saving: None,
             may_close: false,
             panel_open: true,
-            threads: 0,
+            threads: Threads::default(),
+            attention: Attention::default(),
+            region: RegionTool::default(),
             title: String::new(),
         };
         app.load(options.paths);
@@ -250,6 +268,12 @@ impl App {
     #[must_use]
     pub fn comparison(&self) -> Option<&Comparison> {
         self.comparison.as_ref()
+    }
+
+    /// The part of the picture that is rendered.
+    #[must_use]
+    pub fn region(&self) -> &RegionTool {
+        &self.region
     }
 
     /// How the picture is looked at.
@@ -306,6 +330,18 @@ impl App {
         self.jobs.started(lane)
     }
 
+    /// Whether a render follows every change.
+    #[must_use]
+    pub fn is_live(&self) -> bool {
+        self.is_live
+    }
+
+    /// Whether the processor itself draws the window.
+    #[must_use]
+    pub fn is_drawn_by_processor(&self) -> bool {
+        self.preview.as_ref().is_some_and(PreviewImage::is_software)
+    }
+
     /// Threads that still work on renders and reports, cancelled ones included.
     #[must_use]
     pub fn render_threads(&self) -> usize {
@@ -326,6 +362,13 @@ impl App {
                 Phase::Ready
             },
             is_live: self.is_live,
+            can_pause: self.picture.as_ref().is_some_and(Picture::is_running),
+            is_paused: self.is_paused(),
+            time: self.estimated_time(),
+            is_estimating_time: self.is_estimating_time(),
+            can_estimate_time: self.can_estimate_time(),
+            is_drawing_region: self.region.is_drawing,
+            has_region: self.region.is_chosen(),
             is_measuring: self.is_measuring_costs(),
             has_picture: self.shown_picture().is_some_and(|p| p.texture().is_some()),
             panel_open: self.panel_open,
@@ -359,8 +402,9 @@ impl App {
         let rendered = running.map(|picture| picture.progress.samples.fraction());
         let run = self.report.run().filter(|_| self.report.is_running());
         let share = rendered.or_else(|| Some(run?.progress.how_far().0));
+        let paused = if self.is_paused() { ", paused" } else { "" };
         let progress = share.map_or_else(String::new, |share| {
-            format!("{} % – ", (share * 100.0).floor())
+            format!("{} %{paused} – ", (share * 100.0).floor())
         });
         let title = format!("{progress}{}{dot} – RayMini", self.document.name());
         if title != self.title {
@@ -459,11 +503,14 @@ impl eframe::App for App {
             self.show_layer(self.shown_layer);
         }
         self.restart_edited_render();
+        self.share_processor(&ctx);
         self.update_background_work();
         self.start_waiting_report();
         self.update_thumbnails();
         self.update_comparison();
         self.update_histogram();
+        self.watch_files();
+        self.reload_next();
         self.keep_work(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);

@@ -8,11 +8,26 @@ use crate::gui::dialogs::Dialog;
 use crate::gui::event::Event;
 use crate::gui::jobs::{Lane, News};
 use crate::gui::picture::Outcome;
+use crate::gui::time_estimate::TimeState;
 
 impl App {
     /// Takes in what background jobs have to say, for a few milliseconds at most.
     pub(super) fn take_news(&mut self, ctx: &egui::Context) {
-        const BUDGET_SECONDS: f64 = 0.004;
+        self.take_events(ctx);
+        let shown = self.shown_number();
+        if let Some(picture) = &mut self.picture {
+            picture.show_tiles(ctx);
+        }
+        if let Some(picture) = shown.and_then(|number| self.renders.picture_mut(number)) {
+            picture.show_tiles(ctx);
+        }
+        if let Some(comparison) = &mut self.comparison {
+            comparison.show_tiles(ctx);
+        }
+    }
+
+    fn take_events(&mut self, ctx: &egui::Context) {
+        const BUDGET_SECONDS: f64 = 0.002;
         let started = Instant::now();
         while let Some(news) = self.jobs.next_event() {
             match news {
@@ -46,12 +61,12 @@ impl App {
             Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
             Event::Tile(tile) => {
                 if let Some(picture) = &mut self.picture {
-                    picture.show_tile(ctx, tile);
+                    picture.take_tile(tile);
                 }
             }
             Event::Encoded { number, tile } => {
                 if let Some(picture) = self.picture_of_mut(number) {
-                    picture.show_tile(ctx, tile);
+                    picture.take_tile(tile);
                 }
             }
             Event::Compared(result) => {
@@ -61,7 +76,7 @@ impl App {
             }
             Event::CompareTile(side, tile) => {
                 if let Some(comparison) = &mut self.comparison {
-                    comparison.show_tile(ctx, side, tile);
+                    comparison.take_tile(side, tile);
                 }
             }
             Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
@@ -78,10 +93,13 @@ impl App {
             Event::ReportGrew(findings) => self.report.set_findings(findings),
             Event::Reported(result) => self.reported(&result),
             Event::CostsMeasured { scene, result } => self.costs_measured(scene, result),
+            Event::TimeEstimated { subject, result } => self.time_estimated(subject, result),
             Event::KeepingBegun { recent, begun } => self.keeping_begun(recent, begun),
             Event::WorkKept(result) => self.work_kept(result),
             Event::Restored { lost, result } => self.restored(lost, result),
             Event::RecentChanged(recent) => self.keeping.recent = recent,
+            Event::FilesChanged(paths) => self.files_changed(paths),
+            Event::Reloaded { stale, result } => self.reloaded(&stale, result),
             Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
             Event::Listed(listing) => {
                 if let Some(Dialog::Path(field)) = &mut self.dialog {
@@ -99,6 +117,7 @@ impl App {
             Lane::SaveScene => self.after_saving = None,
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
+            Lane::Time => self.time = TimeState::Unknown,
             _ => {}
         }
         let text =

@@ -64,7 +64,11 @@ impl App {
             Command::Reduce => self.zoom.farther(),
             Command::Render => self.ask_for_render(),
             Command::ToggleLive => self.toggle_live(),
+            Command::TogglePause => self.toggle_pause(),
+            Command::DrawRegion => self.region.is_drawing = !self.region.is_drawing,
+            Command::ClearRegion => self.region.clear(),
             Command::Cancel => self.cancel(),
+            Command::EstimateTime => self.estimate_time(),
             Command::Report => self.show_report(ctx),
             Command::MeasureCosts => self.measure_costs(),
             Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
@@ -80,9 +84,11 @@ impl App {
         self.view = View::Preview;
     }
 
-    /// Stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
+    /// Puts the tool away that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
     fn cancel(&mut self) {
-        if self.is_rendering() {
+        if self.region.is_drawing {
+            self.region.is_drawing = false;
+        } else if self.is_rendering() {
             self.cancel_render();
         } else if self.report.is_running() {
             self.cancel_report();

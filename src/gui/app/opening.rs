@@ -156,6 +156,9 @@ impl App {
         self.jobs.cancel(Lane::Prepare);
         self.jobs.cancel(Lane::Render);
         self.jobs.cancel(Lane::Encode);
+        self.jobs.cancel(Lane::Reload);
+        self.reloading.stale.clear();
+        self.reloading.asks = false;
         self.messages.clear();
         self.messages.news("");
         self.document = document;
@@ -165,6 +168,7 @@ impl App {
         self.primary_hits.clear();
         self.cancel_measuring_costs();
         self.costs = CostState::Unknown;
+        self.stop_estimating_time();
         self.preparing = None;
         self.problem = None;
         self.hide_past_render();

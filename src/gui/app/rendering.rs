@@ -11,10 +11,12 @@ use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::error_plot::name_of_render;
 use crate::gui::jobs::Lane;
+use crate::gui::part::Part;
 use crate::gui::pick::world_bounds;
 use crate::gui::picture::{Outcome, Picture};
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::preview_image::PreviewImage;
+use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
 use crate::gui::worker::{self, Placed, RenderRequest};
 use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
@@ -69,12 +71,14 @@ impl App {
     /// From now on the preview shows the scene that is being prepared.
     pub(super) fn placed(&mut self, placed: Placed) {
         let bounds = world_bounds(&placed.geometry);
+        let mut before = self.prepared.take();
         self.prepared = Some(PreparedState {
             placed,
-            prepared: self.prepared.take().and_then(|before| before.prepared),
+            prepared: before.as_mut().and_then(|before| before.prepared.take()),
             scene: self.preparing.clone().unwrap_or_default(),
             bounds,
         });
+        free(before);
     }
 
     pub(super) fn prepared(&mut self, result: Result<PreparedScene, String>) {
@@ -82,8 +86,9 @@ impl App {
             Ok(prepared) => {
                 self.problem = None;
                 if let Some(state) = &mut self.prepared {
-                    state.placed.geometry = Arc::clone(prepared.geometry());
-                    state.prepared = Some(prepared);
+                    let geometry = Arc::clone(prepared.geometry());
+                    let geometry = std::mem::replace(&mut state.placed.geometry, geometry);
+                    free((geometry, state.prepared.replace(prepared)));
                 }
             }
             Err(problem) => {
@@ -100,6 +105,7 @@ impl App {
             self.cancel_render();
         }
         self.cancel_measuring_costs();
+        self.stop_estimating_time();
         self.messages.news("");
         self.waiting_render = Some(Instant::now());
         self.update_background_work();
@@ -108,7 +114,7 @@ impl App {
     fn start_render(&mut self, asked: Instant) {
         let scene = self.document.scene.clone();
         let largest = self.largest_texture();
-        let size = &scene.render;
+        let part = self.wanted_part();
         let mut layers = if scene.output.layers {
             Layer::all_of(&scene)
         } else {
@@ -117,11 +123,11 @@ impl App {
         if !layers.is_empty() && scene.render.measures_error() {
             layers.push(Layer::Error);
         }
-        let buffer = PictureBuffer::new([size.width, size.height], layers, scene.display, largest);
+        let buffer = PictureBuffer::new(part, layers, scene.display, largest);
         let Some(buffer) = buffer.map(Arc::new) else {
             let text = format!(
-                "A picture of {} × {} pixels does not fit into memory. Make it smaller.",
-                size.width, size.height
+                "A picture of {} pixels does not fit into memory. Make it smaller.",
+                part.size_in_words()
             );
             self.messages.error("Cannot render", text);
             self.is_live = false;
@@ -148,6 +154,7 @@ impl App {
         }
         picture.number = self.render_count + 1;
         let number = picture.number;
+        let throttle = picture.throttle().clone();
         self.picture = Some(picture);
         self.view = View::Picture;
 
@@ -156,7 +163,8 @@ impl App {
             scene,
             previous: self.prepared.as_ref().and_then(|p| p.prepared.clone()),
             primary_hits: self.primary_hits.clone(),
-            threads: self.threads,
+            threads: self.threads.count(),
+            throttle,
             buffer,
             progress,
             tile_delay: self.refresh_interval(),
@@ -176,7 +184,52 @@ impl App {
         let present = present.map(|picture| (picture.scene_name.as_str(), &picture.scene));
         let past = self.renders.entries().last();
         let past = past.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));
-        name_of_render(self.document.name(), &self.document.scene, present.or(past))
+        let name = name_of_render(self.document.name(), &self.document.scene, present.or(past));
+        if self.wanted_part().is_whole() {
+            name
+        } else {
+            format!("{name}, region")
+        }
+    }
+
+    /// What of the picture is rendered.
+    pub(super) fn wanted_part(&self) -> Part {
+        let render = &self.document.scene.render;
+        self.region.part([render.width, render.height])
+    }
+
+    /// Whether a render is paused.
+    pub(super) fn is_paused(&self) -> bool {
+        self.picture.as_ref().is_some_and(Picture::is_paused)
+    }
+
+    /// Has the running render rest, or go on as it was: with the scene it was started with. Where it is to follow every change, it
+    /// does so now.
+    pub(super) fn toggle_pause(&mut self) {
+        let part = self.wanted_part();
+        let Some(picture) = &mut self.picture else {
+            return;
+        };
+        if !picture.is_paused() {
+            picture.pause();
+        } else if self.is_live && !same_picture(&picture.scene, &self.document.scene) {
+            self.ask_for_render();
+        } else {
+            picture.resume(&self.document.scene, part);
+        }
+    }
+
+    /// Leaves a core to the user who works in the window, where that is wanted.
+    pub(super) fn share_processor(&mut self, ctx: &egui::Context) {
+        self.attention.note(ctx);
+        let Some(picture) = self.picture.as_ref().filter(|p| p.is_running()) else {
+            return;
+        };
+        let time_left = self.attention.time_left();
+        picture.allow_threads(self.threads.allowed(cores(), time_left.is_some()));
+        if let Some(time_left) = time_left.filter(|_| !picture.is_paused()) {
+            ctx.request_repaint_after(time_left);
+        }
     }
 
     /// Has a render follow every change from now on, beginning with the scene as it is, or no longer.
@@ -199,6 +252,9 @@ impl App {
         let is_shown = self.view == View::Picture && self.shown_render.is_none();
         let picture = self.picture.as_ref().filter(|_| is_shown);
         let can_start = self.problem.is_none() && !self.report.is_running();
+        // What is edited in a pause shows in the preview, and in the picture when Render is pressed.
+        let picture =
+            picture.filter(|picture| !picture.is_paused() && !self.goes_on_as_it_was(picture));
         let is_followed = self.is_live && can_start && self.waiting_render.is_none();
         let is_wanted = |p: &Picture| (p.is_running() || is_followed) && self.is_outdated(p);
         if picture.is_some_and(is_wanted) {
@@ -212,8 +268,11 @@ impl App {
     /// Time between two frames while a render runs and the user does nothing. Where the processor draws the window, each
     /// frame takes time from the render.
     pub(super) fn refresh_interval(&self) -> Duration {
-        let is_software = self.preview.as_ref().is_some_and(PreviewImage::is_software);
-        Duration::from_millis(if is_software { 400 } else { 33 })
+        Duration::from_millis(if self.is_drawn_by_processor() {
+            400
+        } else {
+            33
+        })
     }
 
     pub(super) fn rendered(&mut self, hash: String, stats: Box<RenderStats>) {
@@ -276,8 +335,22 @@ impl App {
         }
     }
 
-    /// Whether `picture` is of another scene than the one being edited.
+    /// Whether `picture` is of another scene than the one being edited, or of another part of it.
     pub(super) fn is_outdated(&self, picture: &Picture) -> bool {
-        !same_picture(&picture.scene, &self.document.scene)
+        picture.buffer.part() != self.wanted_part()
+            || !same_picture(&picture.scene, &self.document.scene)
     }
+
+    /// Whether all that was edited since `picture` began was edited while it was paused.
+    fn goes_on_as_it_was(&self, picture: &Picture) -> bool {
+        let passed_over = picture.passed_over();
+        passed_over.is_some_and(|(scene, part)| {
+            part == self.wanted_part() && same_picture(scene, &self.document.scene)
+        })
+    }
+}
+
+/// Gives back memory on another thread: for triangles and trees that takes longer than the window has for a frame.
+fn free(what: impl Send + 'static) {
+    rayon::spawn(move || drop(what));
 }

@@ -36,11 +36,12 @@ impl App {
             Some(Asked::Start { folder, options }) => {
                 self.cancel_render();
                 self.cancel_measuring_costs();
+                self.stop_estimating_time();
                 self.waiting_report = Some(ReportRequest {
                     scene: self.document.scene.clone(),
                     scene_name: self.document.name().to_owned(),
                     options,
-                    threads: self.threads,
+                    threads: self.threads.count(),
                     progress: self.report.begin(folder.clone()),
                     folder,
                 });

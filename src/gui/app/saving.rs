@@ -40,6 +40,10 @@ impl App {
             Ok(scene) => {
                 self.messages.news(format!("Saved {}", path.display()));
                 self.remember(&path);
+                self.reloading
+                    .watch
+                    .accept(&std::path::absolute(&path).unwrap_or_else(|_| path.clone()));
+                self.reloading.asks = false;
                 self.document.set_saved(*scene, path);
                 if let Some(intent) = self.after_saving.take() {
                     self.go_on(ctx, intent);

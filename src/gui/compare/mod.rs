@@ -9,9 +9,9 @@ mod wipe;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{TextureHandle, TextureId};
+use egui::TextureId;
 
-use super::picture::put_tile;
+use super::canvas::Canvas;
 use super::picture_buffer::{EncodedTile, PictureBuffer};
 use crate::analysis::{Metrics, scaled_difference};
 use crate::render::Image;
@@ -69,6 +69,18 @@ pub struct Distance {
 /// What a comparison found: the distance, and the picture of the difference.
 pub type Compared = Result<(Distance, Arc<PictureBuffer>), String>;
 
+/// [`compare`], of what the renders in two buffers have so far.
+///
+/// # Errors
+/// When the sizes differ, or the parts of pictures of one size do, in words.
+pub fn compare_buffers(a: &PictureBuffer, b: &PictureBuffer, largest_texture: u32) -> Compared {
+    let (a_part, b_part) = (a.part(), b.part());
+    if a_part.of == b_part.of && a_part != b_part {
+        return Err("they show different parts of the picture".to_owned());
+    }
+    compare(&a.image(), &b.image(), largest_texture)
+}
+
 /// Measures how far `a` is from `b`, and draws where; `largest_texture`: see [`PictureBuffer::new`].
 ///
 /// # Errors
@@ -116,8 +128,8 @@ pub struct Comparison {
     distance: Option<Result<Distance, String>>,
     /// Texels of the difference.
     difference_size: [usize; 2],
-    other_texture: Option<TextureHandle>,
-    difference_texture: Option<TextureHandle>,
+    other: Canvas,
+    difference: Canvas,
 }
 
 impl std::fmt::Debug for Comparison {
@@ -144,8 +156,8 @@ impl Comparison {
             measured: None,
             distance: None,
             difference_size: [0; 2],
-            other_texture: None,
-            difference_texture: None,
+            other: Canvas::default(),
+            difference: Canvas::default(),
         }
     }
 
@@ -168,7 +180,7 @@ impl Comparison {
                 .is_some_and(|measured| measured.number != number)
             {
                 self.distance = None;
-                self.difference_texture = None;
+                self.difference = Canvas::default();
             }
             self.measured = Some(Measured {
                 number,
@@ -183,32 +195,34 @@ impl Comparison {
     pub fn set_distance(&mut self, result: Result<(Distance, [usize; 2]), String>) {
         self.distance = Some(result.map(|(distance, size)| {
             if self.difference_size != size {
-                self.difference_texture = None;
+                self.difference = Canvas::default();
             }
             self.difference_size = size;
             distance
         }));
     }
 
-    /// Puts a piece of a picture on the screen.
-    pub fn show_tile(&mut self, ctx: &egui::Context, side: Side, tile: EncodedTile) {
-        let (texture, size) = match side {
-            Side::Other => (&mut self.other_texture, self.buffer.texture_size()),
-            Side::Difference => (&mut self.difference_texture, self.difference_size),
-        };
-        put_tile(ctx, texture, size, tile);
+    /// Takes in a piece of a picture; it is on the screen from [`Self::show_tiles`] on.
+    pub fn take_tile(&mut self, side: Side, tile: EncodedTile) {
+        match side {
+            Side::Other => self.other.put(tile),
+            Side::Difference => self.difference.put(tile),
+        }
+    }
+
+    /// Puts the pieces that were taken in on the screen.
+    pub fn show_tiles(&mut self, ctx: &egui::Context) {
+        self.other.flush(ctx, self.buffer.texture_size());
+        self.difference.flush(ctx, self.difference_size);
     }
 
     fn other(&self) -> Option<TextureId> {
-        self.other_texture.as_ref().map(TextureHandle::id)
+        self.other.texture()
     }
 
     fn difference(&self) -> Option<TextureId> {
         let is_known = matches!(self.distance, Some(Ok(_)));
-        self.difference_texture
-            .as_ref()
-            .filter(|_| is_known)
-            .map(TextureHandle::id)
+        self.difference.texture().filter(|_| is_known)
     }
 }
 

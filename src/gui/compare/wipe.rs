@@ -29,15 +29,19 @@ impl Comparison {
         }
     }
 
+    /// Draws B, or the difference, which are of one part of the picture.
     fn picture_ui(&self, ui: &Ui, frame: Rect, clip: Rect, texture: Option<egui::TextureId>) {
         let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
         if let Some(texture) = texture {
             let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            painter.image(texture, frame, whole, Color32::WHITE);
+            let place = self.buffer.part().rect_in(frame);
+            painter.image(texture, place, whole, Color32::WHITE);
             return;
         }
         let words = match &self.distance {
-            Some(Err(_)) => "There is no difference to show: the sizes differ",
+            Some(Err(_)) => {
+                "There is no difference to show: it takes the same part of pictures of one size"
+            }
             _ => "…",
         };
         painter.rect_filled(frame, 0.0, Color32::from_black_alpha(190));

@@ -18,7 +18,9 @@ pub(super) use settings::StructureInUse;
 use super::commands::Command;
 use super::costs::CostState;
 use super::histogram::Histogram;
+use super::region::RegionTool;
 use super::selection::Selection;
+use super::threads::Threads;
 use super::widgets::section_ui;
 use crate::render::Layer;
 use crate::scene::Scene;
@@ -33,8 +35,10 @@ pub struct PanelState<'a> {
     pub scene: &'a mut Scene,
     /// The part whose properties show.
     pub selection: &'a mut Selection,
-    /// Render threads; 0 is one per core.
-    pub threads: &'a mut usize,
+    /// Which threads render.
+    pub threads: &'a mut Threads,
+    /// Which part of the picture is rendered.
+    pub region: &'a mut RegionTool,
     /// The layer of the picture that is shown; `None` shows all of it.
     pub shown_layer: &'a mut Option<Layer>,
     /// The layers that the picture has.
@@ -75,8 +79,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     };
     section_ui(ui, title, true, |ui| properties_ui(ui, state));
     section_ui(ui, "Image", true, |ui| {
-        let render = &mut state.scene.render;
-        settings::image_ui(ui, render, state.threads, state.structure);
+        settings::image_ui(ui, state);
     });
     section_ui(ui, "Effects", true, |ui| {
         settings::effects_ui(ui, &mut state.scene.render);

@@ -1,6 +1,7 @@
 use egui::Ui;
 
 use super::PanelState;
+use crate::gui::threads::{Threads, cores};
 use crate::gui::widgets::{
     Number, choice_row_ui, combo_row_ui, counted, integer_row_ui, number_row_ui,
     optional_number_row_ui, row_ui, switch_row_ui,
@@ -32,12 +33,8 @@ pub struct StructureInUse {
 }
 
 /// Size, samples, and how to run.
-pub fn image_ui(
-    ui: &mut Ui,
-    settings: &mut RenderSettings,
-    threads: &mut usize,
-    structure: Option<StructureInUse>,
-) {
+pub fn image_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let settings = &mut state.scene.render;
     combo_row_ui(
         ui,
         "Mode",
@@ -67,17 +64,28 @@ pub fn image_ui(
         0..=RenderSettings::MAX_SEED,
         0.1,
     );
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut choices = vec![(0, format!("All cores ({cores})"))];
-    choices.extend((1..=cores).map(|count| (count, count.to_string())));
+    state.region.panel_ui(ui, [settings.width, settings.height]);
+    threads_ui(ui, state.threads);
+    structure_ui(ui, settings, state.structure);
+}
+
+fn threads_ui(ui: &mut Ui, threads: &mut Threads) {
+    let cores = cores();
+    let mut choices = vec![(Threads::All, format!("All cores ({cores})"))];
+    if cores > 1 {
+        let text = "All, one free while you work".to_owned();
+        choices.insert(0, (Threads::Courteous, text));
+    } else if *threads == Threads::Courteous {
+        *threads = Threads::All;
+    }
+    choices.extend((1..=cores).map(|count| (Threads::Fixed(count), count.to_string())));
     combo_row_ui(
         ui,
         "Threads",
-        "Processor cores that render; the picture does not depend on it",
+        "Processor cores that render; the picture does not depend on it. One is left free while you use mouse or keys in the window, and          half a second longer, where that is chosen",
         threads,
         &choices,
     );
-    structure_ui(ui, settings, structure);
 }
 
 /// Fewer samples than this may well not be enough for a noise that is asked for.

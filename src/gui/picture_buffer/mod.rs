@@ -12,8 +12,9 @@ use std::sync::{Mutex, PoisonError};
 use egui::{Color32, ColorImage};
 
 use super::look::Look;
+use super::part::Part;
 use crate::control::CancelToken;
-use crate::render::{Image, Layer, TilePixels};
+use crate::render::{Image, Layer, Region, TilePixels};
 use crate::scene::Display;
 
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
@@ -34,6 +35,9 @@ pub struct EncodedTile {
 /// The linear picture so far, shared by the threads that fill it and those that show or save it.
 #[derive(Debug)]
 pub struct PictureBuffer {
+    /// What of the picture is kept; other pixels are never there.
+    part: Part,
+    /// Its size in pixels.
     width: u32,
     height: u32,
     /// Picture pixels per texel along each axis.
@@ -66,16 +70,17 @@ impl BufferState {
 }
 
 impl PictureBuffer {
-    /// A black picture with these layers, shown with `display` on textures of at most `largest_texture` texels a side. `None`
-    /// when it does not fit into memory.
+    /// A black part of a picture with these layers, shown with `display` on textures of at most `largest_texture` texels a side.
+    /// `None` when it does not fit into memory.
     #[must_use]
     pub fn new(
-        [width, height]: [u32; 2],
+        part: Part,
         layers: Vec<Layer>,
         display: Display,
         largest_texture: u32,
     ) -> Option<Self> {
         let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
+        let Region { width, height, .. } = part.region;
         let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
         let planes = 1 + layers.len();
         // Ask first: the allocation below ends the program where there is no room. It takes zeroed pages, which cost
@@ -89,6 +94,7 @@ impl PictureBuffer {
             pixels: vec![[0.0; 3]; count],
         };
         Some(Self {
+            part,
             width,
             height,
             step: width.max(height).div_ceil(largest).max(1),
@@ -108,6 +114,7 @@ impl PictureBuffer {
     pub fn of_image(image: Image, display: Display, largest_texture: u32) -> Self {
         let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
         Self {
+            part: Part::whole([image.width, image.height]),
             width: image.width,
             height: image.height,
             step: image.width.max(image.height).div_ceil(largest).max(1),
@@ -120,6 +127,12 @@ impl PictureBuffer {
                 error_scale: None,
             }),
         }
+    }
+
+    /// What of the picture is kept.
+    #[must_use]
+    pub fn part(&self) -> Part {
+        self.part
     }
 
     /// The layers that are kept beside the picture.
@@ -217,7 +230,11 @@ impl PictureBuffer {
     /// layer is on the screen that does not come in tiles.
     #[must_use]
     pub fn accept(&self, tile: &TilePixels<'_>) -> Option<EncodedTile> {
-        let region = tile.region;
+        let region = Region {
+            x: tile.region.x - self.part.region.x,
+            y: tile.region.y - self.part.region.y,
+            ..tile.region
+        };
         let (display, rgb) = {
             let mut state = self.lock();
             // The coarse picture that comes first has no layers, and the error, which is the last, comes in no tile.
@@ -310,11 +327,10 @@ impl PictureBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Region;
 
     fn buffer(width: u32, height: u32, largest_texture: u32) -> Option<PictureBuffer> {
         PictureBuffer::new(
-            [width, height],
+            Part::whole([width, height]),
             Vec::new(),
             Display::default(),
             largest_texture,
@@ -347,6 +363,43 @@ mod tests {
         assert!(encoded.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
         assert_eq!(buffer.image().pixel(32, 8), [1.0; 3]);
         assert_eq!(buffer.image().pixel(31, 8), [0.0; 3]);
+    }
+
+    #[test]
+    fn a_part_of_a_picture_holds_no_more_than_its_pixels() {
+        let region = Region {
+            x: 40,
+            y: 10,
+            width: 30,
+            height: 20,
+        };
+        let of = [100, 80];
+        let part = Part { region, of };
+        let buffer = PictureBuffer::new(part, Vec::new(), Display::default(), 8192).unwrap();
+        assert_eq!(buffer.bytes(), 30 * 20 * 12);
+        let at = Region {
+            x: 64,
+            y: 26,
+            width: 6,
+            height: 4,
+        };
+        let (at, rgb) = tile(at, 1.0);
+        let whole = TilePixels {
+            region: at,
+            rgb: &rgb,
+            layers: &[],
+        };
+        let encoded = buffer.accept(&whole).unwrap();
+        assert_eq!(encoded.position, [24, 16]);
+        assert_eq!(buffer.image().pixel(24, 16), [1.0; 3]);
+        assert_eq!(buffer.image().pixel(23, 16), [0.0; 3]);
+        // Columns and rows are those of the picture.
+        let linear = |pixel| buffer.values_at(pixel).map(|values| values.linear);
+        assert_eq!(linear([69, 29]), Some([1.0; 3]));
+        assert_eq!(linear([63, 29]), Some([0.0; 3]));
+        for outside in [[39, 20], [50, 9], [70, 20], [50, 30]] {
+            assert_eq!(linear(outside), None);
+        }
     }
 
     #[test]
@@ -412,7 +465,8 @@ mod tests {
     #[test]
     fn layers_are_shown_in_place_of_the_picture() {
         let layers = vec![Layer::Emission, Layer::Shadow];
-        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
+        let buffer =
+            PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
         let (region, rgb) = tile(Region::full(16, 16), 0.25);
         let layers = [tile(region, 0.0).1, tile(region, 1.0).1];
         let whole = TilePixels {
@@ -440,7 +494,8 @@ mod tests {
     #[test]
     fn the_error_is_shown_by_a_scale_of_its_own() {
         let layers = vec![Layer::Shadow, Layer::Error];
-        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
+        let buffer =
+            PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
         buffer.set_shown(Some(Layer::Error));
         assert!(buffer.shows_error());
         assert_eq!(buffer.shown_error_scale(), None);
@@ -475,7 +530,8 @@ mod tests {
     #[test]
     fn layers_are_given_up_and_the_picture_stays() {
         let layers = vec![Layer::Emission, Layer::Error];
-        let buffer = PictureBuffer::new([16, 16], layers, Display::default(), 8192).unwrap();
+        let buffer =
+            PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
         buffer.set_shown(Some(Layer::Error));
         let bytes = buffer.bytes();
         assert_eq!(buffer.take_layers().len(), 2);

@@ -12,9 +12,11 @@ use crate::render::{Image, Layer};
 const THUMBNAIL: [u32; 2] = [192, 120];
 
 impl PictureBuffer {
-    /// What is at column and row `[x, y]`; `None` outside the picture.
+    /// What is at column and row `[x, y]` of the picture; `None` outside of what is kept of it.
     #[must_use]
     pub fn values_at(&self, [x, y]: [u32; 2]) -> Option<PixelValues> {
+        let x = x.checked_sub(self.part.region.x)?;
+        let y = y.checked_sub(self.part.region.y)?;
         if x >= self.width || y >= self.height {
             return None;
         }
@@ -98,13 +100,14 @@ impl PictureBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gui::part::Part;
     use crate::render::{Region, TilePixels};
     use crate::scene::Display;
     use egui::Color32;
 
     #[test]
     fn a_thumbnail_is_the_mean_of_blocks_and_leaves_out_what_is_not_finite() {
-        let size = [400, 100];
+        let size = Part::whole([400, 100]);
         let buffer = PictureBuffer::new(size, Vec::new(), Display::default(), 8192).unwrap();
         let region = Region::full(400, 100);
         let mut rgb = vec![[1.0; 3]; region.pixel_count()];
@@ -123,7 +126,8 @@ mod tests {
     #[test]
     fn a_pixel_is_read_with_its_color_and_error() {
         let layers = vec![Layer::Shadow, Layer::Error];
-        let buffer = PictureBuffer::new([4, 3], layers, Display::default(), 8192).unwrap();
+        let buffer =
+            PictureBuffer::new(Part::whole([4, 3]), layers, Display::default(), 8192).unwrap();
         let region = Region::full(4, 3);
         let (rgb, shadow) = (vec![[1.0; 3]; 12], vec![[0.0; 3]; 12]);
         let layers = [shadow];

@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use egui::{ColorImage, TextureHandle, TextureOptions};
 
+use super::part::Part;
 use super::picture::{Outcome, Picture};
 use super::picture_buffer::PictureBuffer;
 use super::status_bar::duration;
@@ -38,6 +39,8 @@ pub struct Facts {
     pub scene_name: String,
     /// What was computed.
     pub render: RenderSettings,
+    /// Of which part of the picture.
+    pub part: Part,
     /// How it ended.
     pub outcome: Outcome,
     /// How long it took.
@@ -60,6 +63,7 @@ impl Facts {
             name: picture.name.clone(),
             scene_name: picture.scene_name.clone(),
             render: picture.scene.render.clone(),
+            part: picture.buffer.part(),
             outcome: picture.outcome.clone(),
             elapsed: picture.elapsed(),
             noise,
@@ -73,7 +77,7 @@ impl Facts {
         let samples = counted(render.samples_per_pixel as usize, "sample", "samples");
         let mut parts = vec![
             render.mode.name().to_owned(),
-            format!("{} × {}", render.width, render.height),
+            self.part.size_in_words(),
             samples,
         ];
         if render.mode == Mode::Path {
@@ -314,7 +318,8 @@ mod tests {
 
     fn picture(number: usize) -> Picture {
         let layers = vec![Layer::Emission, Layer::Shadow, Layer::Error];
-        let buffer = PictureBuffer::new([SIDE; 2], layers, Display::default(), 8192).unwrap();
+        let buffer =
+            PictureBuffer::new(Part::whole([SIDE; 2]), layers, Display::default(), 8192).unwrap();
         let mut picture = Picture::new(
             number,
             [format!("render {number}"), "room".to_owned()],
@@ -403,14 +408,14 @@ mod tests {
         let mut facts = Facts::of(&picture(3));
         facts.elapsed = Duration::from_millis(1500);
         facts.noise = Some(0.0123);
-        assert_eq!(facts.settings(), "direct, 640 × 480, 16 samples");
+        assert_eq!(facts.settings(), "direct, 64 × 64, 16 samples");
         assert_eq!(facts.result(), "1.5 s · noise 1.2 %");
         facts.outcome = Outcome::Cancelled;
         facts.render.mode = Mode::Path;
         facts.render.stop.noise = Some(0.01);
         assert_eq!(
             facts.settings(),
-            "path, 640 × 480, 16 samples, 8 bounces, down to 1 %"
+            "path, 64 × 64, 16 samples, 8 bounces, down to 1 %"
         );
         assert_eq!(facts.result(), "1.5 s, cancelled · noise 1.2 %");
     }

@@ -88,10 +88,8 @@ impl Renders {
 
     /// A small picture with a line below it: a click shows its render.
     fn card_ui(&self, ui: &mut Ui, state: &StripState<'_>, facts: &Facts) -> Option<Asked> {
-        let render = &facts.render;
         let height = (ui.available_height() - LINE_HEIGHT - 18.0).max(40.0);
-        let ratio = render.width.max(1) as f32 / render.height.max(1) as f32;
-        let width = (height * ratio).clamp(64.0, 260.0);
+        let width = (height * ratio_of(facts)).clamp(64.0, 260.0);
         let size = Vec2::new(width, height + LINE_HEIGHT);
         let (rect, response) = ui.allocate_exact_size(size + OUTLINE * 2.0, Sense::click());
         let rect = rect.shrink2(OUTLINE);
@@ -143,8 +141,7 @@ impl Renders {
         let Some(texture) = small.or(on_screen) else {
             return;
         };
-        let render = &facts.render;
-        let ratio = render.width.max(1) as f32 / render.height.max(1) as f32;
+        let ratio = ratio_of(facts);
         let width = frame.width().min(frame.height() * ratio);
         let inside = Rect::from_center_size(frame.center(), Vec2::new(width, width / ratio));
         let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
@@ -265,6 +262,12 @@ impl Renders {
         });
         asked
     }
+}
+
+/// Width over height of what was rendered.
+fn ratio_of(facts: &Facts) -> f32 {
+    let region = facts.part.region;
+    region.width.max(1) as f32 / region.height.max(1) as f32
 }
 
 const RESTORE_TOOLTIP: &str =

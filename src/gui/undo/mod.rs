@@ -128,6 +128,15 @@ impl UndoHistory {
         Some(&self.present)
     }
 
+    /// Changes the scene as it is and in every step.
+    pub fn change_all(&mut self, change: impl Fn(&mut Scene)) {
+        let steps = self.past.iter_mut().chain(&mut self.future);
+        let snapshots = steps.map(|step| &mut step.snapshot);
+        for snapshot in snapshots.chain([&mut self.present]) {
+            change(&mut snapshot.scene);
+        }
+    }
+
     /// Forgets the oldest edits where there are too many.
     fn forget_oldest(&mut self) {
         let mut bytes: usize = self.past.iter().map(|step| step.bytes).sum();

@@ -1,0 +1,181 @@
+//! The part of the picture that is rendered: drawn with the mouse over picture or preview, or given in pixels.
+//!
+//! It is no part of the scene: it is in no file and no step to undo. When the picture's size changes, it keeps what it shows.
+
+use egui::{Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui};
+
+use super::part::Part;
+use super::theme;
+use super::widgets::{integer_row_ui, row_ui};
+use crate::render::Region;
+
+/// What the region is, and whether it is being drawn.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RegionTool {
+    chosen: Option<Part>,
+    /// Whether the mouse draws one.
+    pub is_drawing: bool,
+    /// Where a drag began that is going on, as edges of pixels.
+    from: Option<[u32; 2]>,
+}
+
+impl RegionTool {
+    /// What is rendered of a picture of the size `of`.
+    #[must_use]
+    pub fn part(&self, of: [u32; 2]) -> Part {
+        let chosen = self.chosen.map(|part| part.scaled_to(of));
+        chosen.unwrap_or(Part::whole(of))
+    }
+
+    /// Whether it is less than the whole picture.
+    #[must_use]
+    pub fn is_chosen(&self) -> bool {
+        self.chosen.is_some()
+    }
+
+    /// Has `part` rendered from now on.
+    pub fn choose(&mut self, part: Part) {
+        self.chosen = Some(part).filter(|part| !part.is_whole());
+    }
+
+    /// Has all of the picture rendered again.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Lets the mouse draw the region of a picture of the size `of` that is in `frame`, whatever part of it `visible` is. A click
+    /// clears it.
+    pub fn draw_ui(&mut self, ui: &Ui, frame: Rect, visible: Rect, of: [u32; 2]) {
+        let response = ui
+            .interact(
+                frame.intersect(visible),
+                ui.scope_id().with("region"),
+                Sense::click_and_drag(),
+            )
+            .accessible_name("Region to render")
+            .on_hover_cursor(CursorIcon::Crosshair);
+        if response.clicked() {
+            self.clear();
+            return;
+        }
+        if response.drag_started() {
+            let origin = ui.input(|input| input.pointer.press_origin());
+            self.from = origin.map(|origin| Part::edge_at(origin, frame, of));
+        }
+        if let (Some(from), Some(position)) = (self.from, response.interact_pointer_pos()) {
+            let to = Part::edge_at(position, frame, of);
+            self.chosen = Part::between(from, to, of).filter(|part| !part.is_whole());
+        }
+        if response.drag_stopped() {
+            // One drag is one region; the mouse is free again.
+            self.is_drawing = false;
+            self.from = None;
+        }
+    }
+
+    /// Draws its outline, and darkens what is not rendered while it is being drawn.
+    pub fn outline_ui(&self, ui: &Ui, frame: Rect, visible: Rect, of: [u32; 2]) {
+        let painter = ui.painter().with_clip_rect(visible);
+        let Some(part) = self.chosen.map(|part| part.scaled_to(of)) else {
+            if self.is_drawing {
+                hint_ui(&painter, frame.intersect(visible));
+            }
+            return;
+        };
+        let inside = part.rect_in(frame);
+        if self.is_drawing {
+            let shade = Color32::from_black_alpha(110);
+            let columns =
+                |left: f32, right: f32| Rect::from_x_y_ranges(left..=right, inside.y_range());
+            let rows = |top: f32, bottom: f32| Rect::from_x_y_ranges(frame.x_range(), top..=bottom);
+            for outside in [
+                rows(frame.top(), inside.top()),
+                rows(inside.bottom(), frame.bottom()),
+                columns(frame.left(), inside.left()),
+                columns(inside.right(), frame.right()),
+            ] {
+                painter.rect_filled(outside, 0.0, shade);
+            }
+        }
+        for (width, color) in [(3.0, Color32::from_black_alpha(150)), (1.4, theme::ACCENT)] {
+            painter.rect_stroke(inside, 0.0, Stroke::new(width, color), StrokeKind::Outside);
+        }
+    }
+
+    /// Buttons and numbers, for a picture of the size `of`.
+    pub fn panel_ui(&mut self, ui: &mut Ui, of: [u32; 2]) {
+        row_ui(
+            ui,
+            "Region",
+            "Render only a part of the picture; its pixels are those of the whole. Saving writes the part alone",
+            |ui| {
+                let text = if self.is_drawing {
+                    "Drag over it…"
+                } else {
+                    "Draw"
+                };
+                let draw = ui
+                    .selectable_label(self.is_drawing, text)
+                    .on_hover_text("Draw it with the mouse, over the preview or the picture; a click clears it  (B)");
+                let draw = draw.accessible_name("Draw region");
+                if draw.clicked() {
+                    self.is_drawing = !self.is_drawing;
+                }
+                let clear = ui
+                    .add_enabled(self.is_chosen(), egui::Button::new("Clear"))
+                    .accessible_name("Clear region")
+                    .on_hover_text("Render all of the picture again  (Shift+B)")
+                    .on_disabled_hover_text("All of the picture is rendered");
+                if clear.clicked() {
+                    self.clear();
+                }
+                ui.response()
+            },
+        );
+        if let Some(chosen) = self.chosen {
+            self.choose(numbers_ui(ui, chosen.scaled_to(of)));
+        }
+    }
+}
+
+/// Lets the pixels of `part` be typed; what would lie outside of the picture is cut off.
+fn numbers_ui(ui: &mut Ui, part: Part) -> Part {
+    let [width, height] = part.of;
+    let mut region = part.region;
+    let mut row = |label, tooltip, value: &mut u32, range| {
+        integer_row_ui(ui, label, tooltip, value, range, 1.0);
+    };
+    let Region {
+        x,
+        y,
+        width: columns,
+        height: rows,
+    } = &mut region;
+    row(
+        "Region left",
+        "First column, from 0",
+        x,
+        0..=width.saturating_sub(1),
+    );
+    row(
+        "Region top",
+        "First row, from 0",
+        y,
+        0..=height.saturating_sub(1),
+    );
+    row("Region width", "Columns", columns, 1..=width.max(1));
+    row("Region height", "Rows", rows, 1..=height.max(1));
+    region.width = region.width.min(width - region.x);
+    region.height = region.height.min(height - region.y);
+    Part { region, ..part }
+}
+
+fn hint_ui(painter: &egui::Painter, area: Rect) {
+    let text = "Drag over the part to render; click for all of it";
+    let font = egui::FontId::proportional(14.0);
+    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+    let place = area.center_top() + egui::vec2(-galley.size().x / 2.0, 14.0);
+    let ground = Rect::from_min_size(place, galley.size()).expand2(egui::vec2(9.0, 5.0));
+    painter.rect_filled(ground, 5.0, Color32::from_black_alpha(190));
+    painter.galley(place, galley, Color32::WHITE);
+}

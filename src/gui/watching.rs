@@ -1,0 +1,174 @@
+//! Files that may change on disk while the window shows what was read from them.
+//!
+//! A job looks at them once a second, without a frame being drawn: that takes some microseconds, and works on network drives and
+//! where files are replaced by others of their name. A change is told when the file has stayed as it is from one look to the next, so
+//! that one that is still being written is waited for.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use super::event::Event;
+use super::jobs::Job;
+
+/// Time between two looks.
+const INTERVAL: Duration = Duration::from_secs(1);
+
+/// What tells one state of a file from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Stamp {
+    modified: Option<SystemTime>,
+    bytes: u64,
+}
+
+impl Stamp {
+    /// That of `path`; `None` where there is no file now.
+    fn of(path: &Path) -> Option<Self> {
+        let metadata = std::fs::metadata(path).ok()?;
+        Some(Self {
+            modified: metadata.modified().ok(),
+            bytes: metadata.len(),
+        })
+    }
+}
+
+/// A file, as it was read and as it was seen last.
+#[derive(Clone, Copy, Debug, Default)]
+struct Watched {
+    /// `None` until it is looked at.
+    read: Option<Stamp>,
+    seen: Option<Stamp>,
+}
+
+impl Watched {
+    /// Takes in how the file is now; whether it is to be read again.
+    fn look(&mut self, now: Option<Stamp>) -> bool {
+        let is_settled = self.seen == now;
+        self.seen = now;
+        let Some(now) = now else {
+            // It may be about to be replaced.
+            return false;
+        };
+        let read = *self.read.get_or_insert(now);
+        if read == now || !is_settled {
+            return false;
+        }
+        self.read = Some(now);
+        true
+    }
+}
+
+/// The files that are watched. Clones are one and the same.
+#[derive(Clone, Debug, Default)]
+pub struct FileWatch(Arc<Mutex<BTreeMap<PathBuf, Watched>>>);
+
+impl FileWatch {
+    /// Watches these files from now on and no others. Those that were watched before go on being so.
+    pub fn set_files(&self, files: impl Iterator<Item = PathBuf>) {
+        let mut watched = self.lock();
+        let before = std::mem::take(&mut *watched);
+        let kept = |path: PathBuf| {
+            let known = before.get(&path).copied().unwrap_or_default();
+            (path, known)
+        };
+        *watched = files.map(kept).collect();
+    }
+
+    /// Whether exactly these files are watched; each is named once, in any order.
+    #[must_use]
+    pub fn has_files<'a>(&self, files: impl Iterator<Item = &'a Path>) -> bool {
+        let watched = self.lock();
+        let mut count = 0;
+        for file in files {
+            if !watched.contains_key(file) {
+                return false;
+            }
+            count += 1;
+        }
+        count == watched.len()
+    }
+
+    /// The file at `path` is now as the window has it: it has written or read it.
+    pub fn accept(&self, path: &Path) {
+        if let Some(watched) = self.lock().get_mut(path) {
+            *watched = Watched::default();
+        }
+    }
+
+    /// Looks at all files once; returns those that are to be read again.
+    fn look(&self) -> Vec<PathBuf> {
+        // Looking may take its time where files are far away.
+        let paths: Vec<PathBuf> = self.lock().keys().cloned().collect();
+        let stamps: Vec<_> = paths.iter().map(|path| Stamp::of(path)).collect();
+        let mut watched = self.lock();
+        let changed = paths.into_iter().zip(stamps).filter(|(path, stamp)| {
+            let file = watched.get_mut(path);
+            file.is_some_and(|file| file.look(*stamp))
+        });
+        changed.map(|(path, _)| path).collect()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Watched>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Looks at the files again and again, and tells which have changed.
+pub fn watch(job: &Job<Event>, files: &FileWatch) {
+    while !job.cancel.is_cancelled() {
+        let changed = files.look();
+        if !changed.is_empty() {
+            job.send(Event::FilesChanged(changed));
+        }
+        std::thread::sleep(INTERVAL);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_told_once_and_when_the_file_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.off");
+        let files = FileWatch::default();
+        std::fs::write(&path, "1").unwrap();
+        files.set_files([path.clone()].into_iter());
+        let changed = || files.look().len();
+        assert_eq!([changed(), changed()], [0, 0], "nothing has changed");
+        std::fs::write(&path, "12").unwrap();
+        assert_eq!(changed(), 0, "it may still be written");
+        std::fs::write(&path, "123").unwrap();
+        assert_eq!([changed(), changed(), changed()], [0, 1, 0]);
+
+        // Gone is no change, and back is one.
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!([changed(), changed()], [0, 0]);
+        std::fs::write(&path, "1234").unwrap();
+        assert_eq!([changed(), changed(), changed()], [0, 1, 0]);
+
+        // What the window has written itself is none.
+        std::fs::write(&path, "12345").unwrap();
+        files.accept(&path);
+        assert_eq!([changed(), changed(), changed()], [0, 0, 0]);
+    }
+
+    #[test]
+    fn files_that_stay_keep_what_is_known_of_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+        let files = FileWatch::default();
+        std::fs::write(&a, "1").unwrap();
+        files.set_files([a.clone()].into_iter());
+        files.look();
+        std::fs::write(&a, "12").unwrap();
+        std::fs::write(&b, "1").unwrap();
+        files.set_files([a.clone(), b.clone()].into_iter());
+        assert!(files.has_files([b.as_path(), a.as_path()].into_iter()));
+        assert!(!files.has_files([a.as_path()].into_iter()));
+        assert!(!files.has_files([a.as_path(), folder.path()].into_iter()));
+        assert_eq!([files.look(), files.look()].concat(), [a]);
+    }
+}
