@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use raymini::cli::{Arguments, Signals, printable, render_to_file};
+use raymini::cli::{Arguments, Signals, WindowBench, printable, render_to_file};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 use raymini::render::{RenderFault, keep_panics_quiet};
@@ -30,9 +30,43 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<ExitCode> {
     let signals = Signals::watch().context("signals cannot be watched")?;
     match arguments.command {
-        Some(command) => command.run(&signals),
+        Some(command) => match command.window_bench() {
+            Some(bench) => bench_window(&bench),
+            None => command.run(&signals),
+        },
         None => open_window(&arguments.files, &signals),
     }
+}
+
+/// Measures the window and prints what comes out.
+fn bench_window(bench: &WindowBench) -> Result<ExitCode> {
+    if let Some(missing) = bench.scene.as_ref().filter(|path| !path.exists()) {
+        bail!("{}: there is no such file", missing.display());
+    }
+    measure_window(bench)
+}
+
+#[cfg(feature = "gui")]
+fn measure_window(bench: &WindowBench) -> Result<ExitCode> {
+    use raymini::gui::bench::{BenchRequest, measure};
+
+    let figures = measure(&BenchRequest {
+        scene: bench.scene.clone(),
+        repeats: bench.repeats,
+    })?;
+    let text = if bench.json {
+        serde_json::to_string_pretty(&figures).context("the numbers cannot be written as JSON")?
+    } else {
+        figures.describe()
+    };
+    println!("{}", printable(text.trim_end()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// There is no window to measure.
+#[cfg(not(feature = "gui"))]
+fn measure_window(_: &WindowBench) -> Result<ExitCode> {
+    bail!("this program was built without its window, so there is none to measure")
 }
 
 /// Opens the window on `files`; where there is no screen, renders them to a file instead and says so.

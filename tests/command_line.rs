@@ -537,6 +537,36 @@ fn bench_refuses_what_it_cannot_measure() {
     }
 }
 
+/// Where there is no screen, or no window in the program, it says so.
+#[test]
+fn the_window_is_measured_only_where_there_is_one() {
+    let folder = folder();
+    let complaint = |arguments: &[&str], code: i32| {
+        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET")
+            .args(["bench", "--window"])
+            .args(arguments)
+            .output()
+            .expect("starts");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(output.stdout.is_empty());
+        said
+    };
+    let said = complaint(&["scene.toml", "--json"], 1);
+    let expected = if cfg!(feature = "gui") {
+        "no display answers"
+    } else {
+        "built without its window"
+    };
+    assert!(said.contains(expected), "{said}");
+    assert!(complaint(&["no.toml"], 1).contains("no.toml: there is no such file"));
+    assert!(complaint(&["--threads", "2"], 2).contains("--threads"));
+}
+
 #[test]
 fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
     let folder = folder();
@@ -547,6 +577,7 @@ fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
         "left out   points on lights            render.shadows is hard",
         "needed     shadow rays",
         "random numbers of a sample: none",
+        "render time: about ",
     ] {
         assert!(text.contains(line), "{line}\n{text}");
     }
@@ -565,6 +596,12 @@ fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
         (&80.into(), &60.into())
     );
     let features = facts["features"].as_array().expect("a list");
+    let [low, time, high] = ["low", "value", "high"].map(|key| {
+        let time = facts["estimated_seconds"][key].as_f64();
+        time.expect("a number")
+    });
+    assert!(0.0 < low && low < time && time < high, "{facts}");
+    assert_eq!(facts["is_bound"], false);
     let by_name = |name: &str| {
         let feature = features.iter().find(|feature| feature["feature"] == name);
         feature.unwrap_or_else(|| panic!("{name}: {facts}"))

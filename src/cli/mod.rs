@@ -30,6 +30,7 @@ use clap::{Parser, Subcommand};
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene};
 
+pub use bench::WindowBench;
 pub use render::{RenderArguments, render_to_file};
 pub use signals::Signals;
 
@@ -114,6 +115,15 @@ fn say(text: &str) -> Result<()> {
 }
 
 impl Command {
+    /// What is to be measured of the window, where that is the command: no other needs one.
+    #[must_use]
+    pub fn window_bench(&self) -> Option<WindowBench> {
+        match self {
+            Self::Bench(arguments) => arguments.of_window(),
+            _ => None,
+        }
+    }
+
     /// Carries the command out; the exit code tells whether it was interrupted.
     ///
     /// # Errors

@@ -49,6 +49,12 @@ pub enum GuiError {
         /// The message of the panic.
         reason: String,
     },
+    /// The window opened, and what was to be measured in it did not come about.
+    #[error("the window cannot be measured: {reason}")]
+    NotMeasured {
+        /// What happened.
+        reason: String,
+    },
     /// Something else.
     #[error("the window cannot be opened: {reason}")]
     Other {
@@ -67,6 +73,13 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
         file_dialogs: FileDialogs::Desktop,
         data_folder: super::keeping::data_folder(),
     };
+    open(|creation| Box::new(App::new(creation, options)))
+}
+
+/// Opens a window with what `create` makes in it.
+pub(super) fn open(
+    create: impl FnOnce(&eframe::CreationContext<'_>) -> Box<dyn eframe::App>,
+) -> Result<(), GuiError> {
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("RayMini")
@@ -78,11 +91,7 @@ pub fn run(request: OpenRequest) -> Result<(), GuiError> {
         ..eframe::NativeOptions::default()
     };
     let opened = catch_unwind(AssertUnwindSafe(|| {
-        eframe::run_native(
-            "RayMini",
-            native,
-            Box::new(move |creation| Ok(Box::new(App::new(creation, options)))),
-        )
+        eframe::run_native("RayMini", native, Box::new(|creation| Ok(create(creation))))
     }));
     match opened {
         Ok(result) => result.map_err(|error| in_words(&error)),

@@ -51,9 +51,36 @@ pub struct BenchArguments {
     #[arg(long, value_name = "DIR", conflicts_with = "rays")]
     write: Option<PathBuf>,
 
+    /// Measure the window in place of the structures: its frames while all cores render, how soon a cancelled render ends, and how soon
+    /// an edit shows with Live on. It opens for about a minute
+    #[arg(long, conflicts_with_all = ["structures", "size", "threads", "rays", "write"])]
+    window: bool,
+
     /// Print the numbers as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// What is to be measured of the window.
+#[derive(Clone, Debug)]
+pub struct WindowBench {
+    /// A scene or a mesh; the built-in demo when left out.
+    pub scene: Option<PathBuf>,
+    /// Measurements of everything.
+    pub repeats: u16,
+    /// Whether the numbers are printed as JSON.
+    pub json: bool,
+}
+
+impl BenchArguments {
+    /// What is to be measured of the window, where that is asked for.
+    pub(super) fn of_window(&self) -> Option<WindowBench> {
+        self.window.then(|| WindowBench {
+            scene: self.scene.clone(),
+            repeats: self.repeats,
+            json: self.json,
+        })
+    }
 }
 
 fn structure_names() -> Vec<&'static str> {

@@ -1,0 +1,520 @@
+//! What is done in the window, one task after the other, by the events that keys and mouse would bring.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
+
+use super::figures::{FrameFigures, RestartFigures, Spread, WindowFigures};
+use crate::gui::app::App;
+use crate::gui::document::same_picture;
+use crate::gui::picture::Picture;
+use crate::scene::{Light, RenderSettings, Scene, Stop};
+
+/// Frames that are drawn before anything is measured: shaders are made, fonts are drawn.
+const WARM_UP: usize = 12;
+/// Frames of one repeat, and how long they may take.
+const MOST_FRAMES: usize = 120;
+const FRAMES_TIME: Duration = Duration::from_secs(6);
+/// Cancels of one repeat.
+const CANCELS: usize = 4;
+/// Edits of one kind in one repeat.
+const EDITS: usize = 4;
+/// What the picture is left to itself before the next edit.
+const REST: Duration = Duration::from_millis(300);
+/// Nothing takes that long, unless something is wrong.
+const PATIENCE: Duration = Duration::from_mins(2);
+
+/// How measuring ended.
+#[derive(Debug)]
+pub enum Ending {
+    /// With these figures.
+    Measured(Box<WindowFigures>),
+    /// Something did not come about, in words.
+    Stuck(String),
+}
+
+/// What the user does while frames are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doing {
+    Watching,
+    Pointing,
+    Orbiting,
+    /// With Live on.
+    Editing,
+}
+
+impl Doing {
+    const ALL: [Self; 4] = [
+        Self::Watching,
+        Self::Pointing,
+        Self::Orbiting,
+        Self::Editing,
+    ];
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Watching => "watches",
+            Self::Pointing => "points at pixels",
+            Self::Orbiting => "drags the camera",
+            Self::Editing => "edits with Live on",
+        }
+    }
+}
+
+/// What is edited while Live is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Edit {
+    Camera,
+    Light,
+    Object,
+}
+
+impl Edit {
+    const ALL: [Self; 3] = [Self::Camera, Self::Light, Self::Object];
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Camera => "moving the camera",
+            Self::Light => "changing a light",
+            Self::Object => "moving an object",
+        }
+    }
+
+    /// Changes `scene` a little; whether there was something to change.
+    fn make(self, scene: &mut Scene) -> bool {
+        let step = scene.camera.eye.distance(scene.camera.target) * 1e-3;
+        match self {
+            Self::Camera => scene.camera.eye.x += step,
+            Self::Light => match scene.lights.first_mut() {
+                Some(
+                    Light::Point {
+                        intensity: emission,
+                        ..
+                    }
+                    | Light::Disk {
+                        radiance: emission, ..
+                    },
+                ) => {
+                    *emission *= 1.001;
+                }
+                None => return false,
+            },
+            Self::Object => match scene.objects.first_mut() {
+                Some(object) => object.translate.x += step,
+                None => return false,
+            },
+        }
+        true
+    }
+}
+
+/// One thing to do, and how far it is.
+#[derive(Debug)]
+enum Task {
+    /// Wait until the scene is there, and set it up to be rendered for hours.
+    SetUp {
+        frames: usize,
+    },
+    Frames {
+        doing: Doing,
+        frames: usize,
+        since: Option<Instant>,
+    },
+    Cancel(CancelPhase),
+    Restart {
+        edit: Edit,
+        phase: RestartPhase,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CancelPhase {
+    Start,
+    /// The render is to run for so long after its first tile.
+    Run(Duration, Option<Instant>),
+    Asked(Instant),
+    Done,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum RestartPhase {
+    /// Live is to be on, and the picture to have rested.
+    Rest(Option<Instant>),
+    Edited(Instant),
+    /// The frame that shows the first tile is drawn.
+    Shown(Instant),
+    Done,
+}
+
+/// The tasks, and what was found.
+#[derive(Debug)]
+pub struct Script {
+    task: Task,
+    rest: VecDeque<Task>,
+    is_over: bool,
+    ending: Option<Ending>,
+    /// When the task began.
+    begun: Instant,
+    /// Processor time of this thread and time at the start of the last frame.
+    last_frame: Option<(Duration, Instant)>,
+    cpu: [Vec<f64>; Doing::ALL.len()],
+    intervals: [Vec<f64>; Doing::ALL.len()],
+    cancels: Vec<f64>,
+    tiles: [Vec<f64>; Edit::ALL.len()],
+    screens: [Vec<f64>; Edit::ALL.len()],
+    is_software: bool,
+    /// When the next frame is to come, whether or not the window wants one.
+    wake: Option<Duration>,
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Presses and releases a key.
+fn press(events: &mut Vec<Event>, key: Key) {
+    events.extend([true, false].map(|pressed| Event::Key {
+        key,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    }));
+}
+
+impl Script {
+    /// Everything, so many times.
+    pub fn new(repeats: usize) -> Self {
+        let mut tasks = VecDeque::from([Task::SetUp { frames: 0 }]);
+        for _ in 0..repeats {
+            let doings = [Doing::Watching, Doing::Pointing, Doing::Orbiting];
+            tasks.extend(doings.map(|doing| Task::Frames {
+                doing,
+                frames: 0,
+                since: None,
+            }));
+            tasks.extend((0..CANCELS).map(|_| Task::Cancel(CancelPhase::Start)));
+            let edits = (0..EDITS).flat_map(|_| Edit::ALL);
+            tasks.extend(edits.map(|edit| Task::Restart {
+                edit,
+                phase: RestartPhase::Rest(None),
+            }));
+        }
+        Self {
+            task: tasks.pop_front().expect("there is one"),
+            rest: tasks,
+            is_over: false,
+            ending: None,
+            begun: Instant::now(),
+            last_frame: None,
+            cpu: Default::default(),
+            intervals: Default::default(),
+            cancels: Vec::new(),
+            tiles: Default::default(),
+            screens: Default::default(),
+            is_software: false,
+            wake: None,
+        }
+    }
+
+    /// Whether nothing is left to do.
+    pub fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    /// How it ended, once.
+    pub fn take_ending(&mut self) -> Option<Ending> {
+        self.ending.take()
+    }
+
+    fn end(&mut self, ending: Ending) {
+        self.is_over = true;
+        self.ending = Some(ending);
+    }
+
+    fn next_task(&mut self) {
+        self.begun = Instant::now();
+        if let Some(task) = self.rest.pop_front() {
+            self.task = task;
+        } else {
+            let figures = Box::new(self.figures());
+            self.end(Ending::Measured(figures));
+        }
+    }
+
+    fn figures(&mut self) -> WindowFigures {
+        let take = |values: &mut Vec<f64>| Spread::of(std::mem::take(values));
+        WindowFigures {
+            is_software: self.is_software,
+            frames: Doing::ALL
+                .map(|doing| FrameFigures {
+                    while_user: doing.in_words(),
+                    cpu_ms: take(&mut self.cpu[doing as usize]),
+                    interval_ms: take(&mut self.intervals[doing as usize]),
+                })
+                .into(),
+            cancel_ms: take(&mut self.cancels),
+            restarts: Edit::ALL
+                .into_iter()
+                .filter(|edit| !self.tiles[*edit as usize].is_empty())
+                .collect::<Vec<_>>()
+                .into_iter()
+                .map(|edit| RestartFigures {
+                    edit: edit.in_words(),
+                    tile_ms: take(&mut self.tiles[edit as usize]),
+                    screen_ms: take(&mut self.screens[edit as usize]),
+                })
+                .collect(),
+            ..WindowFigures::default()
+        }
+    }
+
+    /// A frame begins: takes note of the one before, and brings the events of this one.
+    pub fn begin_frame(&mut self, app: &mut App, ctx: &egui::Context, events: &mut Vec<Event>) {
+        if self.is_over {
+            return;
+        }
+        let now = (ThreadTime::now().as_duration(), Instant::now());
+        let before = self.last_frame.replace(now);
+        if self.begun.elapsed() > PATIENCE {
+            let text = format!("{:?} has not come to an end", self.task);
+            return self.end(Ending::Stuck(text));
+        }
+        if let Some(message) = app.messages().banners().first() {
+            let text = format!("{}: {}", message.title, message.text);
+            return self.end(Ending::Stuck(text));
+        }
+        let last = before.map(|(cpu, at)| (now.0.saturating_sub(cpu), now.1 - at));
+        if let (Some(last), Task::Restart { phase, .. }) = (last, &self.task)
+            && matches!(phase, RestartPhase::Edited(_) | RestartPhase::Shown(_))
+        {
+            self.take_frame(Doing::Editing, last);
+        }
+        let is_done = match &mut self.task {
+            Task::SetUp { .. } => self.set_up(app),
+            Task::Frames { .. } => self.measure_frame(app, ctx, events, last),
+            Task::Cancel(_) => self.begin_cancel(app, events),
+            Task::Restart { .. } => self.begin_restart(app, ctx, events),
+        };
+        if is_done {
+            self.next_task();
+            self.wake = Some(Duration::ZERO);
+        }
+    }
+
+    fn take_frame(&mut self, doing: Doing, (cpu, interval): (Duration, Duration)) {
+        self.cpu[doing as usize].push(milliseconds(cpu));
+        self.intervals[doing as usize].push(milliseconds(interval));
+    }
+
+    fn set_up(&mut self, app: &mut App) -> bool {
+        let Task::SetUp { frames } = &mut self.task else {
+            return true;
+        };
+        self.wake = Some(Duration::ZERO);
+        if app.is_settling() || app.document().scene.objects.is_empty() {
+            return false;
+        }
+        *frames += 1;
+        self.is_software = app.is_drawn_by_processor();
+        let render = &mut app.document_mut().scene.render;
+        render.stop = Stop::default();
+        render.samples_per_pixel = RenderSettings::MAX_SAMPLES;
+        *frames > WARM_UP
+    }
+
+    /// A frame while a render runs.
+    fn measure_frame(
+        &mut self,
+        app: &App,
+        ctx: &egui::Context,
+        events: &mut Vec<Event>,
+        last: Option<(Duration, Duration)>,
+    ) -> bool {
+        let Task::Frames {
+            doing,
+            frames,
+            since,
+        } = &mut self.task
+        else {
+            return true;
+        };
+        let doing = *doing;
+        let middle = center(ctx);
+        let Some(started) = *since else {
+            if !app.picture().is_some_and(Picture::is_running) {
+                if app.picture().is_none_or(|picture| !picture.is_running()) && *frames == 0 {
+                    press(events, Key::F5);
+                    *frames = 1;
+                }
+                self.wake = Some(Duration::ZERO);
+                return false;
+            }
+            if app.picture().is_some_and(|p| p.first_tile.is_some()) {
+                *since = Some(Instant::now());
+                *frames = 0;
+                if doing == Doing::Orbiting {
+                    press(events, Key::Num1);
+                    events.push(Event::PointerMoved(middle));
+                    events.push(button(middle, true));
+                }
+            }
+            self.wake = Some(Duration::ZERO);
+            return false;
+        };
+        // What was done to begin does not count.
+        if *frames > 2
+            && let Some((cpu, interval)) = last
+        {
+            self.cpu[doing as usize].push(milliseconds(cpu));
+            self.intervals[doing as usize].push(milliseconds(interval));
+        }
+        *frames += 1;
+        if doing != Doing::Watching {
+            let turn = *frames as f32 * 0.1;
+            events.push(Event::PointerMoved(middle + 90.0 * Vec2::angled(turn)));
+            self.wake = Some(Duration::ZERO);
+        }
+        let is_over = *frames > MOST_FRAMES || started.elapsed() > FRAMES_TIME;
+        if is_over {
+            if doing == Doing::Orbiting {
+                events.push(button(middle, false));
+            }
+            press(events, Key::Escape);
+            self.wake = Some(Duration::ZERO);
+        }
+        is_over
+    }
+
+    fn begin_cancel(&mut self, app: &App, events: &mut Vec<Event>) -> bool {
+        let Task::Cancel(phase) = &mut self.task else {
+            return true;
+        };
+        match *phase {
+            CancelPhase::Start => {
+                if app.render_threads() == 0 {
+                    press(events, Key::F5);
+                    // At different moments of a pass.
+                    let turn = u32::try_from(self.cancels.len() % 7).unwrap_or_default();
+                    *phase = CancelPhase::Run(Duration::from_millis(37) * turn, None);
+                }
+                self.wake = Some(Duration::ZERO);
+            }
+            CancelPhase::Run(time, since) => {
+                let picture = app.picture().filter(|picture| picture.is_running());
+                let has_tile = picture.is_some_and(|picture| picture.first_tile.is_some());
+                match since {
+                    None if has_tile => *phase = CancelPhase::Run(time, Some(Instant::now())),
+                    Some(since) if since.elapsed() >= time => {
+                        press(events, Key::Escape);
+                        *phase = CancelPhase::Asked(Instant::now());
+                    }
+                    _ => {}
+                }
+                self.wake = Some(Duration::ZERO);
+            }
+            CancelPhase::Asked(_) => {}
+            CancelPhase::Done => return true,
+        }
+        false
+    }
+
+    fn begin_restart(
+        &mut self,
+        app: &mut App,
+        ctx: &egui::Context,
+        events: &mut Vec<Event>,
+    ) -> bool {
+        let place = center(ctx);
+        let Task::Restart { edit, phase } = &mut self.task else {
+            return true;
+        };
+        match *phase {
+            RestartPhase::Rest(None) => {
+                if !app.is_live() {
+                    press(events, Key::L);
+                }
+                *phase = RestartPhase::Rest(Some(Instant::now()));
+                self.wake = Some(REST);
+            }
+            RestartPhase::Rest(Some(since)) => {
+                let is_shown = shows_present(app);
+                if is_shown && since.elapsed() >= REST {
+                    let edit = *edit;
+                    *phase = RestartPhase::Edited(Instant::now());
+                    // As every edit does, it comes with something from the mouse.
+                    events.push(Event::PointerMoved(place));
+                    // Where there is nothing to edit, nothing is measured.
+                    return !edit.make(&mut app.document_mut().scene);
+                }
+                self.wake = Some(REST);
+            }
+            // The window is left to itself: what the render sends wakes it.
+            RestartPhase::Edited(_) => self.wake = Some(REST),
+            RestartPhase::Shown(asked) => {
+                self.screens[*edit as usize].push(milliseconds(asked.elapsed()));
+                *phase = RestartPhase::Done;
+                if !matches!(self.rest.front(), Some(Task::Restart { .. })) {
+                    press(events, Key::L);
+                    press(events, Key::Escape);
+                }
+                return true;
+            }
+            RestartPhase::Done => return true,
+        }
+        false
+    }
+
+    /// A frame is drawn as far as the window itself does that; the graphics driver comes next.
+    pub fn end_frame(&mut self, app: &App, ctx: &egui::Context) {
+        if let Some(delay) = self.wake.take() {
+            ctx.request_repaint_after(delay);
+        }
+        match &mut self.task {
+            Task::Cancel(phase) => {
+                if let CancelPhase::Asked(asked) = *phase {
+                    while app.render_threads() > 0 && asked.elapsed() < PATIENCE {
+                        std::thread::sleep(Duration::from_micros(100));
+                    }
+                    self.cancels.push(milliseconds(asked.elapsed()));
+                    *phase = CancelPhase::Done;
+                    ctx.request_repaint();
+                }
+            }
+            Task::Restart { edit, phase } => {
+                if let RestartPhase::Edited(asked) = *phase
+                    && shows_present(app)
+                {
+                    self.tiles[*edit as usize].push(milliseconds(asked.elapsed()));
+                    *phase = RestartPhase::Shown(asked);
+                    ctx.request_repaint();
+                }
+            }
+            Task::SetUp { .. } | Task::Frames { .. } => {}
+        }
+    }
+}
+
+/// Whether a tile of the scene as it is has come.
+fn shows_present(app: &App) -> bool {
+    app.picture().is_some_and(|picture| {
+        picture.first_tile.is_some() && same_picture(&picture.scene, &app.document().scene)
+    })
+}
+
+/// A place in the middle of the picture.
+fn center(ctx: &egui::Context) -> Pos2 {
+    let window = ctx.content_rect();
+    window.min + window.size() * Vec2::new(0.37, 0.42)
+}
+
+fn button(pos: Pos2, pressed: bool) -> Event {
+    Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    }
+}
