@@ -6,12 +6,16 @@ use std::sync::Arc;
 
 use eframe::wgpu;
 use raymini::control::CancelToken;
+use raymini::gui::focus::{FocusAid, blur_diameter};
+use raymini::gui::orbit::PictureSize;
+use raymini::gui::pick;
 use raymini::gui::preview::Preview;
 use raymini::gui::preview::geometry::GpuGeometry;
+use raymini::gui::preview::moved::Move;
 use raymini::gui::preview::sky::GpuSky;
 use raymini::gui::worker::preview_mesh;
 use raymini::io;
-use raymini::math::{DVec3, Degrees};
+use raymini::math::{DVec2, DVec3, Degrees};
 use raymini::render::{self, PreparedScene, RenderProgress, RunConfig, display};
 use raymini::scene::{
     Background, Camera, Copies, ImageAxes, Mode, Object, PhongModel, RadianceMap, Scene, Shadows,
@@ -239,6 +243,123 @@ fn copies_have_the_colors_of_a_render() {
         base.render.mode = mode;
         assert_same_colors(&base);
     }
+}
+
+/// What is in the hand is drawn where it is, before its triangles are prepared anew.
+#[test]
+fn moved_objects_are_drawn_where_they_are() {
+    let mut before = demo_with_copies();
+    (before.render.width, before.render.height) = (333, 217);
+    let mut after = before.clone();
+    let index = |name: &str| before.objects.iter().position(|object| object.name == name);
+    let [rhino, ram, mirrored] = ["rhinoceros", "ram", "mirrored"].map(|name| index(name).unwrap());
+    after.objects[rhino].rotate.z += 40.0;
+    after.objects[rhino].scale *= -1.2;
+    after.objects[rhino].translate.z += 0.8;
+    after.objects[ram].translate.x -= 0.4;
+    after.objects[mirrored].rotate = DVec3::new(100.0, 10.0, 0.0);
+    let moves = before.objects.iter().zip(&after.objects);
+    let moves: Vec<_> = moves.map(|(a, b)| Move::between(a, b)).collect();
+    assert_eq!(moves.iter().flatten().count(), 3);
+
+    let size = [333, 217];
+    let mut moved = drawn(&before);
+    let still = moved.preview.object_ids(&after, &moved.geometry, size);
+    moved.preview.set_moves(moves);
+    let found = moved.preview.object_ids(&after, &moved.geometry, size);
+    let mut anew = drawn(&after);
+    let expected = anew
+        .preview
+        .object_ids(&after, &anew.geometry, size)
+        .unwrap();
+    let differing = |ids: Vec<Option<usize>>| {
+        let pairs = ids.into_iter().zip(&expected);
+        pairs.filter(|(a, b)| a != *b).count()
+    };
+    assert!(differing(still.unwrap()) > 2000, "they are elsewhere");
+    let differ = differing(found.unwrap());
+    assert!(
+        differ < 30,
+        "{differ} pixels differ: more than some on edges"
+    );
+
+    // Shaded as they are now: sides, normals.
+    for mode in [Mode::Facing, Mode::Normals] {
+        after.render.mode = mode;
+        let colors = [&mut moved, &mut anew].map(|drawn| {
+            drawn.preview.draw(&after, &drawn.geometry, size).unwrap();
+            drawn.preview.read_color().unwrap()
+        });
+        let pairs = colors[0].iter().zip(&colors[1]);
+        let differ = pairs.filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 3));
+        let differ = differ.count();
+        assert!(differ < 60, "{mode:?}: {differ} pixels differ");
+    }
+}
+
+/// The plane of focus is a line where it cuts things; what is before and behind it has colours of its own, as far as it is blurred.
+#[test]
+fn what_is_sharp_is_seen_in_the_preview() {
+    let mut scene = io::demo_scene();
+    (scene.render.width, scene.render.height) = (320, 180);
+    let camera = &mut scene.camera;
+    camera.aperture_radius = 0.1;
+    let focus = camera.eye.distance(camera.target);
+    let forward = camera.axes().unwrap().forward;
+    let size = [320, 180];
+    let mut drawn = drawn(&scene);
+    let mut colors = |scene: &Scene, aid: FocusAid| {
+        drawn.preview.set_focus_aid(aid);
+        drawn.preview.draw(scene, &drawn.geometry, size).unwrap();
+        drawn.preview.read_color().unwrap()
+    };
+    let plain = colors(&scene, FocusAid::Off);
+    let plane = colors(&scene, FocusAid::Plane);
+    let blur = colors(&scene, FocusAid::Blur);
+    let prepared = prepared(&scene);
+    let picture = PictureSize {
+        width: 320.0,
+        height: 180.0,
+    };
+    let mut counts = [0; 3];
+    for (index, ((plain, plane), blur)) in plain.iter().zip(&plane).zip(&blur).enumerate() {
+        let (x, y) = ((index % 320) as f64 + 0.5, (index / 320) as f64 + 0.5);
+        let position = DVec2::new(x, y);
+        let settings = &scene.render;
+        let geometry = prepared.geometry();
+        let picked = pick::pick(geometry, &scene.camera, settings, picture, position);
+        let Some(picked) = picked else {
+            assert_eq!(plain, blur, "the sky is left as it is");
+            continue;
+        };
+        let depth = forward.dot(picked.point - scene.camera.eye);
+        let is_marked = plain != plane;
+        // Along the ground one pixel is a hundredth of the distance at most.
+        if is_marked {
+            counts[0] += 1;
+            assert!((depth / focus - 1.0).abs() < 0.2, "{x} {y}: {depth}");
+        }
+        let diameter = blur_diameter(&scene.camera, 180.0, depth);
+        if diameter < 0.9 && !is_marked {
+            assert_eq!(plain, blur, "{x} {y} is sharp");
+        } else if diameter > 4.0 {
+            let redder = i32::from(blur[0]) - i32::from(plain[0]);
+            let bluer = i32::from(blur[2]) - i32::from(plain[2]);
+            let is_before = depth < focus;
+            counts[1 + usize::from(is_before)] += 1;
+            assert_eq!(redder > bluer, is_before, "{x} {y}: {depth}");
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 100), "{counts:?}");
+    let mut pinhole = scene.clone();
+    pinhole.camera.aperture_radius = 0.0;
+    assert_eq!(
+        colors(&pinhole, FocusAid::Blur),
+        plane,
+        "nothing is blurred"
+    );
+    pinhole.camera.focus_distance = Some(f64::INFINITY);
+    assert_eq!(colors(&pinhole, FocusAid::Blur), plain, "nothing is cut");
 }
 
 /// What the preview holds grows with meshes and places, not with what is drawn.

@@ -35,6 +35,16 @@ pub enum Command {
     Rename,
     /// Take the selected part out of the scene.
     Remove,
+    /// Let clicks select.
+    SelectTool,
+    /// Show handles that move the selected object or light.
+    MoveTool,
+    /// Show handles that turn it.
+    RotateTool,
+    /// Show a handle that changes its size.
+    ScaleTool,
+    /// Let clicks choose what is sharp.
+    FocusTool,
     /// Move the camera to where it sees everything.
     FrameAll,
     /// Move the camera to where it sees the selected object.
@@ -104,7 +114,7 @@ pub enum TextureUse {
 
 impl Command {
     /// All of them, by menu, but for those of buttons alone.
-    pub const ALL: [Self; 42] = [
+    pub const ALL: [Self; 47] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -119,6 +129,11 @@ impl Command {
         Self::Duplicate,
         Self::Rename,
         Self::Remove,
+        Self::SelectTool,
+        Self::MoveTool,
+        Self::RotateTool,
+        Self::ScaleTool,
+        Self::FocusTool,
         Self::Render,
         Self::ToggleLive,
         Self::TogglePause,
@@ -169,6 +184,11 @@ impl Command {
             Self::Duplicate => "Duplicate",
             Self::Rename => "Rename",
             Self::Remove => "Remove",
+            Self::SelectTool => "Select tool",
+            Self::MoveTool => "Move tool",
+            Self::RotateTool => "Rotate tool",
+            Self::ScaleTool => "Scale tool",
+            Self::FocusTool => "Focus tool",
             Self::FrameAll => "Frame all",
             Self::FrameSelected => "Frame selected object",
             Self::ResetCamera => "Reset camera",
@@ -222,6 +242,19 @@ impl Command {
             Self::Duplicate => "Add a copy of the selected object, light or material",
             Self::Rename => "Change the name of the selected object or material",
             Self::Remove => "Take the selected object, light or material out of the scene",
+            Self::SelectTool => "Select what is clicked, and show no handles",
+            Self::MoveTool => {
+                "Show handles that move the selected object or light; again to hide them"
+            }
+            Self::RotateTool => {
+                "Show handles that turn the selected object or disk; again to hide them"
+            }
+            Self::ScaleTool => {
+                "Show a handle that changes the size of the selected object or disk; again to hide it"
+            }
+            Self::FocusTool => {
+                "Click what is to be sharp, in the preview or the picture; again to stop"
+            }
             Self::FrameAll => "Move the camera to where it sees all objects",
             Self::FrameSelected => "Move the camera to where it sees the selected object",
             Self::ResetCamera => "Go back to the camera of the file",
@@ -293,6 +326,11 @@ impl Command {
             Self::Duplicate => const { &[command(Key::D)] },
             Self::Rename => const { &[plain(Key::F2)] },
             Self::Remove => const { &[plain(Key::Delete)] },
+            Self::SelectTool => const { &[plain(Key::Q)] },
+            Self::MoveTool => const { &[plain(Key::G)] },
+            Self::RotateTool => const { &[plain(Key::R)] },
+            Self::ScaleTool => const { &[plain(Key::S)] },
+            Self::FocusTool => const { &[plain(Key::D)] },
             Self::FrameAll => const { &[plain(Key::F)] },
             Self::FrameSelected => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::F)] },
             Self::ResetCamera => const { &[plain(Key::Home)] },

@@ -6,6 +6,7 @@
 //! - [`app`]: state, the order of a frame, opening, saving, rendering
 //! - [`jobs`], [`worker`], [`event`]: background work and what it says
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
+//! - [`tool`], [`gizmo`], [`focus`]: what else the mouse does: moving things by handles, choosing what is sharp
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`], [`picture_buffer`], [`canvas`]: the render as it fills in
 //! - [`part`], [`region`], [`threads`]: which of its pixels, and who renders them
@@ -34,6 +35,8 @@ pub mod edit;
 pub mod error_colors;
 pub mod error_plot;
 pub mod event;
+pub mod focus;
+pub mod gizmo;
 pub mod histogram;
 pub mod icons;
 pub mod inspector;
@@ -59,6 +62,7 @@ pub mod status_bar;
 pub mod theme;
 pub mod threads;
 pub mod time_estimate;
+pub mod tool;
 pub mod top_bar;
 pub mod undo;
 pub mod viewport;

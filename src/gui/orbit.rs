@@ -171,6 +171,13 @@ pub fn frame_all(camera: &Camera, size: PictureSize, bounds: &DBounds) -> Camera
     )
 }
 
+/// Whether `after` sees other places than `before`, or from elsewhere. The lens does not count: what is sharp is no question of place.
+#[must_use]
+pub fn is_moved(before: &Camera, after: &Camera) -> bool {
+    let view = |camera: &Camera| (camera.eye, camera.target, camera.up, camera.vertical_fov);
+    view(before) != view(after)
+}
+
 /// Looks at `point` from where the eye is, and orbits about it from now on.
 #[must_use]
 pub fn look_at(camera: &Camera, point: DVec3) -> Camera {

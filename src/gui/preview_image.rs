@@ -4,8 +4,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::{egui_wgpu, wgpu};
 
+use super::focus::FocusAid;
 use super::preview::Preview;
 use super::preview::geometry::GpuGeometry;
+use super::preview::moved::Move;
 use super::preview::sky::GpuSky;
 use super::worker::Gpu;
 use crate::scene::Scene;
@@ -68,6 +70,12 @@ impl PreviewImage {
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.is_software
+    }
+
+    /// Shows objects as moved since their triangles were prepared, and what of the focus is asked for, from now on.
+    pub fn set_aids(&mut self, moves: Vec<Option<Move>>, focus: FocusAid) {
+        self.preview.set_moves(moves);
+        self.preview.set_focus_aid(focus);
     }
 
     /// The texture that shows `scene` in `size` pixels, before `sky` where its background is that image; `None` where its

@@ -8,6 +8,7 @@ use egui::{Align, Button, Layout, RichText, Ui, Vec2};
 use super::commands::Command;
 use super::theme;
 use super::time_estimate::{in_short, in_words};
+use super::tool::Tool;
 use super::widgets::primary_button;
 use crate::analysis::pilot::TimeEstimate;
 
@@ -48,6 +49,8 @@ pub struct TopBarState<'a> {
     pub view: View,
     /// What Render would do.
     pub phase: Phase,
+    /// What the mouse does in the preview.
+    pub tool: Tool,
     /// Whether the picture follows every change.
     pub is_live: bool,
     /// Whether a render is under way that can rest.
@@ -284,6 +287,10 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
             ] {
                 menu_item_ui(ui, state, command, asked);
             }
+            ui.separator();
+            for tool in Tool::ALL {
+                menu_item_ui(ui, state, tool.command(), asked);
+            }
         });
         ui.menu_button("View", |ui| {
             for command in [
@@ -370,7 +377,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         Command::ToggleLive => state.is_live,
         Command::DrawRegion => state.is_drawing_region,
         Command::Compare => state.is_comparing,
-        _ => false,
+        tool => Tool::chosen_by(tool) == Some(state.tool),
     };
     let label = match (command, state.edit) {
         (

@@ -1,19 +1,23 @@
-//! The central area: the picture's frame, the mouse that moves the camera in it, and the markers of lights.
+//! The central area: the picture's frame, the mouse that moves camera, lights and handles in it, and the markers of lights.
 //!
 //! The frame has the ratio of the picture and lies on whole pixels of the screen. Positions in it are given in points from
 //! its top left corner.
 
 use egui::{Color32, CornerRadius, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
+use super::gizmo::motion::Placed;
+use super::gizmo::shape::{Shape, Viewed, handle_at};
+use super::gizmo::{Axis, Handle, HandleDrag, Part};
 use super::icons;
 use super::orbit::{self, DistanceLimits, PictureSize};
 use super::pick::{self, Picked};
 use super::selection::Selection;
 use super::theme;
+use super::tool::Tool;
 use super::zoom::Zoom;
 use crate::math::{DBounds, DVec2, DVec3};
 use crate::render::PreparedGeometry;
-use crate::scene::{Light, RenderSettings, Scene};
+use crate::scene::{Camera, Light, RenderSettings, Scene};
 
 /// Room around the frame, in points.
 const MARGIN: f32 = 14.0;
@@ -34,19 +38,38 @@ enum Drag {
     Pan {
         depth: f64,
     },
-    /// A light, kept at its depth.
+    /// A light, or what it is turned towards, kept at its depth.
     Light {
-        index: usize,
+        mark: Mark,
         depth: f64,
     },
+    /// The handle in [`Viewport::held`].
+    Handle,
     /// The picture that is looked at.
     Picture,
 }
 
+/// What a marker stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Mark {
+    /// The light's place in the scene.
+    light: usize,
+    /// Whether it is what the light is turned towards.
+    is_target: bool,
+}
+
 /// What the central area remembers from frame to frame.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Viewport {
+    /// What the mouse does beside looking around.
+    pub tool: Tool,
     drag: Drag,
+    /// The handle that is held.
+    held: Option<HandleDrag>,
+    /// The light whose target was pointed at last.
+    aimed: Option<usize>,
+    /// How far along the view axis what is under the mouse is, for the focus.
+    depth: Option<f64>,
 }
 
 /// What the central area works on.
@@ -60,6 +83,10 @@ pub struct ViewportScene<'a> {
     pub geometry: Option<&'a PreparedGeometry>,
     /// The world box of the objects.
     pub bounds: DBounds,
+    /// What the selected object turns about, in its own coordinates.
+    pub center: DVec3,
+    /// The camera of the picture that is looked at in place of the preview, and its size in pixels.
+    pub picture: Option<(Camera, [u32; 2])>,
 }
 
 /// The largest rectangle with the picture's ratio inside `area`, on whole pixels of the screen.
@@ -112,12 +139,163 @@ impl Viewport {
             .accessible_name("Viewport");
         let before = view.scene.camera;
         self.drag_ui(ui, &response, frame, zoom.as_deref_mut(), view);
-        click(&response, frame, view);
+        if self.tool == Tool::Focus {
+            self.focus_ui(&response, frame, view);
+        } else {
+            self.depth = None;
+            self.click(&response, frame, view);
+        }
         match zoom {
             Some(zoom) => zoom.scroll_ui(ui, &response),
             None => scroll(ui, &response, frame, view),
         }
-        view.scene.camera != before
+        orbit::is_moved(&before, &view.scene.camera)
+    }
+
+    /// Takes note of how far what is under the mouse is; a click makes that sharp.
+    fn focus_ui(&mut self, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
+        let place = response.hover_pos().or(response.interact_pointer_pos());
+        let size = picture_size(frame);
+        let seen = place.and_then(|place| seen_at(view, size, in_frame(frame, place)));
+        self.depth = seen.and_then(|seen| orbit::depth_of(&view.scene.camera, seen.point));
+        if response.clicked()
+            && let Some(depth) = self.depth
+        {
+            view.scene.camera.focus_distance = Some(depth);
+        }
+    }
+
+    /// How far along the view axis what is under the mouse is, while the focus is chosen.
+    #[must_use]
+    pub fn depth_under_mouse(&self) -> Option<f64> {
+        self.depth
+    }
+
+    /// Whether a handle is held.
+    #[must_use]
+    pub fn is_handle_held(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// What the handle that is held has done so far.
+    #[must_use]
+    pub fn handle_in_words(&self) -> Option<String> {
+        self.held.as_ref().map(HandleDrag::in_words)
+    }
+
+    /// Lets go of the handle that is held, and puts what it moved back.
+    pub fn cancel_handle(&mut self, scene: &mut Scene) {
+        if let Some(held) = self.held.take() {
+            held.cancel(scene);
+        }
+        self.drag = Drag::None;
+    }
+
+    /// Lets the handle that is held go on along or about `axis` alone.
+    pub fn constrain_handle(&mut self, axis: Axis) {
+        if let Some(held) = &mut self.held {
+            held.constrain(axis);
+        }
+    }
+
+    /// What handles work on, where the tool has some for it.
+    #[must_use]
+    pub fn handled_part(&self, scene: &Scene, selection: &Selection) -> Option<Part> {
+        let part = Part::of(selection, self.aimed)?;
+        part.allows(self.tool, scene).then_some(part)
+    }
+
+    /// The handles on the screen, and the part that they work on.
+    fn handles(
+        &self,
+        scene: &Scene,
+        selection: &Selection,
+        center: DVec3,
+        size: PictureSize,
+    ) -> Option<(Placed, Vec<Shape>)> {
+        let part = self.handled_part(scene, selection)?;
+        let placed = Placed::of(scene, part, center)?;
+        let camera = &scene.camera;
+        let pivot = placed.pivot;
+        let viewed = Viewed {
+            camera,
+            size,
+            pivot,
+        };
+        Some((placed, viewed.shapes(self.tool)))
+    }
+
+    /// Takes hold of the handle at `start`, where there is one.
+    fn hold_handle(
+        &self,
+        frame: Rect,
+        start: Pos2,
+        view: &ViewportScene<'_>,
+    ) -> Option<HandleDrag> {
+        let size = picture_size(frame);
+        let start = in_frame(frame, start);
+        let (placed, shapes) = self.handles(view.scene, view.selection, view.center, size)?;
+        let handle = handle_at(&shapes, start)?;
+        HandleDrag::new(placed, self.tool, handle, (&view.scene.camera, size), start)
+    }
+
+    /// Draws the handles of the tool at the selected part. `pointer`: the mouse, where it is over the preview.
+    pub fn handles_ui(
+        &self,
+        ui: &Ui,
+        frame: Rect,
+        scene: &Scene,
+        (selection, center): (&Selection, DVec3),
+        pointer: Option<Pos2>,
+    ) {
+        let size = picture_size(frame);
+        let Some((_, shapes)) = self.handles(scene, selection, center, size) else {
+            return;
+        };
+        let painter = ui.painter().with_clip_rect(frame);
+        let held = self.held.as_ref().map(HandleDrag::handle);
+        let pointed = pointer.and_then(|place| handle_at(&shapes, in_frame(frame, place)));
+        let bright = held.or(pointed);
+        let is_shown = |shape: &&Shape| held.is_none_or(|held| held == shape.handle);
+        for shape in shapes.iter().filter(is_shown) {
+            shape.paint(&painter, frame, bright == Some(shape.handle));
+        }
+        // While an arrow is held that is not drawn, as it was chosen by a key, its line says where it goes.
+        if let Some(Handle::Along(axis)) = held
+            && self.tool == Tool::Move
+        {
+            self.axis_ui(&painter, frame, scene, center, (selection, axis));
+        }
+    }
+
+    /// Draws the line that a held part moves along.
+    fn axis_ui(
+        &self,
+        painter: &egui::Painter,
+        frame: Rect,
+        scene: &Scene,
+        center: DVec3,
+        (selection, axis): (&Selection, Axis),
+    ) {
+        const LENGTHS: f64 = 3.0;
+        let part = self.handled_part(scene, selection);
+        let Some(placed) = part.and_then(|part| Placed::of(scene, part, center)) else {
+            return;
+        };
+        let viewed = Viewed {
+            camera: &scene.camera,
+            size: picture_size(frame),
+            pivot: placed.pivot,
+        };
+        let Some(length) = viewed.length() else {
+            return;
+        };
+        let reach = axis.direction() * (length * LENGTHS);
+        let ends = [placed.pivot - reach, placed.pivot + reach];
+        if let [Some(a), Some(b)] = ends.map(|end| on_screen(scene, frame, end)) {
+            let color = axis.color().gamma_multiply(0.6);
+            painter.line_segment([a, b], Stroke::new(1.0, color));
+        }
     }
 
     fn drag_ui(
@@ -135,13 +313,18 @@ impl Viewport {
             let shift = ui.input(|input| input.modifiers.shift);
             let primary = response.drag_started_by(PointerButton::Primary);
             let is_for_picture = |zoom: &Zoom| zoom.is_enlarged() || !primary || shift;
-            let marker = marker_at(view.scene, frame, start);
-            let marker = marker.filter(|_| primary && !shift && zoom.is_none());
+            let can_hold = primary && !shift && zoom.is_none();
+            self.held = can_hold
+                .then(|| self.hold_handle(frame, start, view))
+                .flatten();
+            let marker = marker_at(view.scene, view.selection, frame, start);
+            let marker = marker.filter(|_| can_hold);
             self.drag = match marker {
                 _ if zoom.as_deref().is_some_and(is_for_picture) => Drag::Picture,
-                Some((index, depth)) => {
-                    *view.selection = Selection::Light(index);
-                    Drag::Light { index, depth }
+                _ if self.held.is_some() => Drag::Handle,
+                Some((mark, depth)) => {
+                    self.point_at(mark, view.selection);
+                    Drag::Light { mark, depth }
                 }
                 None if primary && !shift => Drag::Orbit,
                 None => Drag::Pan {
@@ -151,6 +334,7 @@ impl Viewport {
         }
         if !response.dragged() {
             self.drag = Drag::None;
+            self.held = None;
             return;
         }
         let Some(position) = response.interact_pointer_pos() else {
@@ -175,7 +359,42 @@ impl Viewport {
             Drag::Pan { depth } => {
                 view.scene.camera = orbit::pan(&view.scene.camera, size, from, to, depth);
             }
-            Drag::Light { index, depth } => move_light(view.scene, size, index, depth, to),
+            Drag::Light { mark, depth } => move_light(view.scene, size, mark, depth, to),
+            Drag::Handle => {
+                let snap = ui.input(|input| input.modifiers.command);
+                if let Some(held) = &mut self.held {
+                    held.drag_to(view.scene, size, to, snap);
+                }
+            }
+        }
+    }
+
+    /// Selects the light of a marker, and has handles work on what it stands for.
+    fn point_at(&mut self, mark: Mark, selection: &mut Selection) {
+        *selection = Selection::Light(mark.light);
+        self.aimed = mark.is_target.then_some(mark.light);
+    }
+
+    /// A click selects what is under it; a double click makes it the point to orbit about.
+    fn click(&mut self, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
+        if !response.clicked() && !response.double_clicked() {
+            return;
+        }
+        let Some(position) = response.interact_pointer_pos() else {
+            return;
+        };
+        if let Some((mark, _)) = marker_at(view.scene, view.selection, frame, position) {
+            self.point_at(mark, view.selection);
+            return;
+        }
+        let Some(picked) = picked_at(view, picture_size(frame), in_frame(frame, position)) else {
+            return;
+        };
+        self.aimed = None;
+        if response.double_clicked() {
+            view.scene.camera = orbit::look_at(&view.scene.camera, picked.point);
+        } else {
+            *view.selection = Selection::Object(picked.object).within(view.scene);
         }
     }
 
@@ -185,33 +404,14 @@ impl Viewport {
         for (index, light) in scene.lights.iter().enumerate() {
             let is_selected = *selection == Selection::Light(index);
             rim_ui(&painter, frame, scene, light, is_selected);
-            let Some((position, _)) = marker_position(scene, frame, light) else {
+            if is_selected {
+                target_ui(&painter, frame, scene, light);
+            }
+            let Some((position, _)) = marker_position(scene, frame, light.position()) else {
                 continue;
             };
             marker(&painter, position, light.emission(), is_selected);
         }
-    }
-}
-
-/// A click selects what is under it; a double click makes it the point to orbit about.
-fn click(response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
-    if !response.clicked() && !response.double_clicked() {
-        return;
-    }
-    let Some(position) = response.interact_pointer_pos() else {
-        return;
-    };
-    if let Some((index, _)) = marker_at(view.scene, frame, position) {
-        *view.selection = Selection::Light(index);
-        return;
-    }
-    let Some(picked) = picked_at(view, picture_size(frame), in_frame(frame, position)) else {
-        return;
-    };
-    if response.double_clicked() {
-        view.scene.camera = orbit::look_at(&view.scene.camera, picked.point);
-    } else {
-        *view.selection = Selection::Object(picked.object).within(view.scene);
     }
 }
 
@@ -256,6 +456,19 @@ fn picked_at(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> Op
     pick::pick(view.geometry?, &scene.camera, &scene.render, size, position)
 }
 
+/// What is under `position` on the screen: of the picture, where one is looked at, else of the preview.
+fn seen_at(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> Option<Picked> {
+    let Some((camera, [width, height])) = view.picture else {
+        return picked_at(view, size, position);
+    };
+    let settings = RenderSettings {
+        width,
+        height,
+        ..view.scene.render.clone()
+    };
+    pick::pick(view.geometry?, &camera, &settings, size, position)
+}
+
 /// Depth of what is under `position`: the surface there, else the plane through the camera's target.
 fn depth_under(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> f64 {
     let camera = &view.scene.camera;
@@ -264,41 +477,89 @@ fn depth_under(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> 
         .unwrap_or_else(|| camera.eye.distance(camera.target))
 }
 
-fn move_light(scene: &mut Scene, size: PictureSize, index: usize, depth: f64, to: DVec2) {
-    let eye = scene.camera.eye;
-    if let Some(direction) = orbit::view_direction(&scene.camera, size, to)
-        && let Some(light) = scene.lights.get_mut(index)
-    {
-        let moved = eye + direction * depth;
-        if moved.is_finite() {
-            light.move_to(moved);
-        }
+/// Puts a light, or its target, under `to` at `depth`; not where the light would shine nowhere then.
+fn move_light(scene: &mut Scene, size: PictureSize, mark: Mark, depth: f64, to: DVec2) {
+    let Some(direction) = orbit::view_direction(&scene.camera, size, to) else {
+        return;
+    };
+    let place = scene.camera.eye + direction * depth;
+    let Some(light) = scene.lights.get_mut(mark.light) else {
+        return;
+    };
+    let mut moved = *light;
+    if mark.is_target {
+        moved.turn_to(place);
+    } else {
+        moved.move_to(place);
+    }
+    let shines = match moved {
+        Light::Point { .. } => true,
+        Light::Disk { center, facing, .. } => facing.normal(center).is_some(),
+    };
+    if place.is_finite() && shines {
+        *light = moved;
     }
 }
 
-/// Where a light's marker is on the screen, and its depth.
-fn marker_position(scene: &Scene, frame: Rect, light: &Light) -> Option<(Pos2, f64)> {
-    let (position, depth) = orbit::project(&scene.camera, picture_size(frame), light.position())?;
+/// Where the marker of a place is on the screen, and its depth.
+fn marker_position(scene: &Scene, frame: Rect, place: DVec3) -> Option<(Pos2, f64)> {
+    let (position, depth) = orbit::project(&scene.camera, picture_size(frame), place)?;
     #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
     let offset = Vec2::new(position.x as f32, position.y as f32);
     let position = frame.min + offset;
     frame.contains(position).then_some((position, depth))
 }
 
-/// The light whose marker is under `position`, and its depth; the nearest marker of several.
-fn marker_at(scene: &Scene, frame: Rect, position: Pos2) -> Option<(usize, f64)> {
-    let markers = scene
-        .lights
-        .iter()
-        .enumerate()
-        .filter_map(|(index, light)| {
-            let (marker, depth) = marker_position(scene, frame, light)?;
-            Some((index, depth, marker.distance(position)))
-        });
+/// What the marker under `position` stands for, and its depth; the nearest marker of several. Lights have one each, the selected one
+/// also where it is turned towards.
+fn marker_at(
+    scene: &Scene,
+    selection: &Selection,
+    frame: Rect,
+    position: Pos2,
+) -> Option<(Mark, f64)> {
+    let lights = scene.lights.iter().enumerate();
+    let marks = lights.flat_map(|(index, light)| {
+        let target = light
+            .target()
+            .filter(|_| *selection == Selection::Light(index));
+        let mark = |is_target| Mark {
+            light: index,
+            is_target,
+        };
+        let place = [(mark(false), Some(light.position())), (mark(true), target)];
+        place
+            .into_iter()
+            .filter_map(|(mark, place)| Some((mark, place?)))
+    });
+    let markers = marks.filter_map(|(mark, place)| {
+        let (marker, depth) = marker_position(scene, frame, place)?;
+        Some((mark, depth, marker.distance(position)))
+    });
     markers
         .filter(|(_, _, distance)| *distance <= MARKER_REACH)
         .min_by(|a, b| a.2.total_cmp(&b.2))
-        .map(|(index, depth, _)| (index, depth))
+        .map(|(mark, depth, _)| (mark, depth))
+}
+
+/// Draws what the selected light is turned towards.
+fn target_ui(painter: &egui::Painter, frame: Rect, scene: &Scene, light: &Light) {
+    let Some(target) = light.target() else { return };
+    let ends = [light.position(), target].map(|end| on_screen(scene, frame, end));
+    if let [Some(from), Some(to)] = ends {
+        let stroke = Stroke::new(1.2, theme::ACCENT);
+        let dashes = egui::Shape::dashed_line(&[from, to], stroke, 6.0, 5.0);
+        painter.extend(dashes);
+    }
+    if let Some((center, _)) = marker_position(scene, frame, target) {
+        painter.circle(
+            center,
+            6.0,
+            Color32::from_black_alpha(120),
+            Stroke::new(1.6, theme::ACCENT),
+        );
+        painter.circle_filled(center, 2.0, theme::ACCENT);
+    }
 }
 
 /// A small sun of the light's colour.
@@ -356,8 +617,14 @@ fn on_screen(scene: &Scene, frame: Rect, point: DVec3) -> Option<Pos2> {
     Some(frame.min + Vec2::new(position.x as f32, position.y as f32))
 }
 
-/// Draws the edges of a world box: the selected object's.
-pub fn box_ui(ui: &Ui, frame: Rect, scene: &Scene, bounds: &DBounds) {
+/// Draws the edges of a box in the world, the selected object's, whose corners have been moved by `moved` since.
+pub fn box_ui(
+    ui: &Ui,
+    frame: Rect,
+    scene: &Scene,
+    bounds: &DBounds,
+    moved: impl Fn(DVec3) -> DVec3,
+) {
     if bounds.is_empty() {
         return;
     }
@@ -372,7 +639,7 @@ pub fn box_ui(ui: &Ui, frame: Rect, scene: &Scene, bounds: &DBounds) {
         };
         DVec3::new(pick(0), pick(1), pick(2))
     };
-    let on_screen = |bits: usize| on_screen(scene, frame, corner(bits));
+    let on_screen = |bits: usize| on_screen(scene, frame, moved(corner(bits)));
     let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.9));
     for from in 0..8_usize {
         for axis in 0..3 {

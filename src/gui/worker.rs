@@ -28,7 +28,7 @@ use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::{Progress, Throttle};
 use crate::io::{self, LoadedScene};
-use crate::math::DBounds;
+use crate::math::{DBounds, DVec3};
 use crate::render::{
     self, ErrorEstimate, Image, Layer, OnRound, PictureMemory, PreparedGeometry, PreparedScene,
     PrimaryHitStore, RenderOutcome, RenderProgress, Round, RunConfig, TilePixels, Watch,
@@ -46,6 +46,8 @@ pub struct Placed {
     pub sky: Option<Arc<GpuSky>>,
     /// The world box of each object.
     pub object_bounds: Arc<[DBounds]>,
+    /// The middle of each object's mesh, in its own coordinates.
+    pub object_centers: Arc<[DVec3]>,
 }
 
 /// What uploads go to.
@@ -184,11 +186,17 @@ fn new_geometry(description: &Scene, geometry: Arc<PreparedGeometry>, gpu: Optio
         let mesh = description.mesh_of(object);
         mesh.map_or(DBounds::EMPTY, |mesh| object.bounds_of(mesh))
     };
+    let center_of = |object: &Object| {
+        let bounds = description.mesh_of(object).map(|mesh| mesh.bounds());
+        let bounds = bounds.ok().filter(|bounds| !bounds.is_empty());
+        bounds.map_or(DVec3::ZERO, |bounds| bounds.center())
+    };
     Placed {
         geometry,
         triangles,
         sky: None,
         object_bounds: description.objects.iter().map(bounds_of).collect(),
+        object_centers: description.objects.iter().map(center_of).collect(),
     }
 }
 

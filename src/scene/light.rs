@@ -64,6 +64,25 @@ impl Light {
         }
     }
 
+    /// The point it is turned towards, where it has one.
+    #[must_use]
+    pub fn target(&self) -> Option<DVec3> {
+        match self {
+            Self::Disk {
+                facing: Facing::Target(target),
+                ..
+            } => Some(*target),
+            Self::Disk { .. } | Self::Point { .. } => None,
+        }
+    }
+
+    /// Turns it towards `place`, where it shines in one direction.
+    pub fn turn_to(&mut self, place: DVec3) {
+        if let Self::Disk { facing, .. } = self {
+            *facing = Facing::Target(place);
+        }
+    }
+
     /// Its colour and strength, in the unit of its kind.
     #[must_use]
     pub fn emission(&self) -> Rgb {

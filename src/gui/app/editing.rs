@@ -3,6 +3,7 @@
 use super::App;
 use crate::gui::commands::Command;
 use crate::gui::edit;
+use crate::gui::orbit;
 use crate::gui::panels::NAME_FIELD;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::{EditState, View};
@@ -84,7 +85,7 @@ impl App {
         news: String,
     ) {
         self.selection = selection;
-        if self.document.scene.camera != camera_before {
+        if orbit::is_moved(&camera_before, &self.document.scene.camera) {
             self.view = View::Preview;
         }
         self.messages.news(news);

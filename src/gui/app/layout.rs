@@ -5,12 +5,14 @@ use std::time::Duration;
 use egui::{CentralPanel, Color32, Frame, Margin, Panel, Rect, RichText, Ui};
 
 use super::App;
+use super::tools::{focus_aid, moves_since};
 use crate::gui::commands::Command;
 use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
 use crate::gui::dialogs::{
     Dialog, buttons_ui, files::FilePurpose, modal_ui, question, recovery, shortcuts_ui,
 };
 use crate::gui::event::Event;
+use crate::gui::focus::FocusAid;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::renders::{self, StripState};
@@ -233,9 +235,14 @@ impl App {
             self.interact_ui(ui, frame, area);
         }
         if !showing_picture {
-            Viewport::markers_ui(ui, frame, &self.document.scene, &self.selection);
-            viewport::box_ui(ui, frame, &self.document.scene, &self.selected_bounds());
+            let scene = &self.document.scene;
+            Viewport::markers_ui(ui, frame, scene, &self.selection);
+            let moved = self.selected_move();
+            viewport::box_ui(ui, frame, scene, &self.selected_bounds(), |corner| {
+                moved.map_or(corner, |moved| moved.apply(corner))
+            });
         }
+        self.tools_ui(ui, frame, area);
         if showing_picture {
             let name = self.shown_name();
             if let Some(comparison) = &mut self.comparison {
@@ -293,6 +300,12 @@ impl App {
             };
             scene = &stale;
         }
+        if under_picture {
+            preview.set_aids(Vec::new(), FocusAid::Off);
+        } else {
+            let focus = focus_aid(self.viewport.tool, &self.selection, scene);
+            preview.set_aids(moves_since(&state.scene, scene), focus);
+        }
         let scale = ui.ctx().pixels_per_point();
         #[expect(
             clippy::cast_possible_truncation,
@@ -322,8 +335,15 @@ impl App {
 
     /// Lets the mouse work on the scene. Moving the camera brings the preview back.
     fn interact_ui(&mut self, ui: &Ui, frame: Rect, area: Rect) {
-        let is_picture = self.picture_on_screen().is_some();
+        let picture = self.picture_on_screen();
+        let is_picture = picture.is_some();
+        let picture = picture.map(|picture| {
+            let settings = &picture.scene.render;
+            let size = [settings.width, settings.height];
+            (picture.scene.camera, size)
+        });
         let bounds = self.bounds();
+        let center = self.selected_center();
         let geometry = self
             .prepared
             .as_ref()
@@ -333,6 +353,8 @@ impl App {
             selection: &mut self.selection,
             geometry,
             bounds,
+            center,
+            picture,
         };
         let zoom = is_picture.then_some(&mut self.zoom);
         let viewport = &mut self.viewport;

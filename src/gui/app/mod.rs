@@ -19,6 +19,7 @@
 //! - `timing`: how long a render will take
 //! - `news`: what jobs have to say
 //! - `obeying`: what the user asks for by name
+//! - `tools`: what the mouse does in the preview
 //! - `layout`: where everything is drawn
 
 mod comparing;
@@ -36,6 +37,7 @@ mod reporting;
 mod saving;
 mod seeing;
 mod timing;
+mod tools;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -361,6 +363,7 @@ impl App {
             } else {
                 Phase::Ready
             },
+            tool: self.viewport.tool,
             is_live: self.is_live,
             can_pause: self.picture.as_ref().is_some_and(Picture::is_running),
             is_paused: self.is_paused(),
@@ -463,6 +466,7 @@ impl eframe::App for App {
         self.take_close_request(&ctx);
 
         let mut commands = if self.dialog.is_none() {
+            self.take_tool_keys(&ctx);
             Command::pressed(&ctx)
         } else {
             Vec::new()

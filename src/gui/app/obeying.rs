@@ -7,6 +7,7 @@ use crate::gui::dialogs::files::FilePurpose;
 use crate::gui::jobs::Lane;
 use crate::gui::orbit;
 use crate::gui::preview;
+use crate::gui::tool::Tool;
 use crate::gui::top_bar::View;
 use crate::math::DBounds;
 
@@ -19,6 +20,9 @@ impl App {
         self.document.record_edit(&self.selection);
         if self.carry_out_edit(ctx, command) {
             return;
+        }
+        if let Some(tool) = Tool::chosen_by(command) {
+            return self.choose_tool(tool);
         }
         match command {
             Command::Open => self.ask_for_path(FilePurpose::Open),

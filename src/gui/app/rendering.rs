@@ -47,7 +47,7 @@ impl App {
             self.waiting_render = None;
             return;
         }
-        if self.jobs.is_busy(Lane::Prepare) {
+        if self.jobs.is_busy(Lane::Prepare) || self.is_in_hand() {
             return;
         }
         if !self.is_prepared() {

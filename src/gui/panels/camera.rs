@@ -1,10 +1,26 @@
 use egui::Ui;
 
+use super::{PanelState, command_button_ui};
+use crate::gui::commands::Command;
 use crate::gui::widgets::{Number, number_row_ui, switch_row_ui, vector_row_ui};
 use crate::scene::Camera;
 
-/// The camera's properties. `length_speed`: change of a length per point of dragging.
-pub fn camera_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
+/// The camera's properties.
+pub fn camera_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let length_speed = state.length_speed();
+    lens_and_place_ui(ui, &mut state.scene.camera, length_speed);
+    ui.add_space(4.0);
+    command_button_ui(
+        ui,
+        state,
+        "Pick focus",
+        Command::FocusTool,
+        "Click what is to be sharp, in the preview or the picture  (D)",
+    );
+}
+
+/// Where the camera stands and what its lens is. `length_speed`: change of a length per point of dragging.
+fn lens_and_place_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
     let length = Number::any(length_speed);
     let before = *camera;
     vector_row_ui(

@@ -96,9 +96,8 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
 
 /// The properties of the selected part.
 fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
-    let speed = state.length_speed();
     match state.selection.clone() {
-        Selection::Camera => camera::camera_ui(ui, &mut state.scene.camera, speed),
+        Selection::Camera => camera::camera_ui(ui, state),
         Selection::Background => background::background_ui(ui, state),
         Selection::Object(index) => object::object_ui(ui, state, index),
         Selection::Light(index) => light::light_ui(ui, state, index),

@@ -6,10 +6,12 @@
 //!
 //! - [`pack`], [`geometry`]: triangles and where copies of them are, packed and uploaded by a worker when they change
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
+//! - [`moved`]: objects that are elsewhere by now
 //! - [`sky`]: the background's image, uploaded by a worker too
 //! - `pipeline`, `target`: programs and textures
 
 pub mod geometry;
+pub mod moved;
 pub mod pack;
 mod pipeline;
 pub mod sky;
@@ -21,9 +23,11 @@ use std::sync::Arc;
 
 use eframe::wgpu;
 
+use super::focus::FocusAid;
 use crate::math::DVec3;
 use crate::scene::Scene;
 use geometry::GpuGeometry;
+use moved::Move;
 use pipeline::{ObjectUniforms, Pipelines};
 use sky::{GpuSky, SkyUniform};
 use target::{IdTarget, Target};
@@ -41,6 +45,9 @@ pub struct Preview {
     pipelines: Pipelines,
     objects: Option<ObjectUniforms>,
     sky: Option<Arc<GpuSky>>,
+    focus_aid: FocusAid,
+    /// What happened to each object since its triangles were prepared; those beyond the end stay.
+    moves: Vec<Option<Move>>,
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -75,6 +82,8 @@ impl Preview {
             samples,
             objects: None,
             sky: None,
+            focus_aid: FocusAid::Off,
+            moves: Vec::new(),
             target: None,
             drawn: None,
         }
@@ -86,6 +95,16 @@ impl Preview {
             self.sky = sky;
             self.drawn = None;
         }
+    }
+
+    /// What of the focus is shown from now on.
+    pub fn set_focus_aid(&mut self, aid: FocusAid) {
+        self.focus_aid = aid;
+    }
+
+    /// Draws objects as moved since their triangles were prepared, by their place in the scene, from now on.
+    pub fn set_moves(&mut self, moves: Vec<Option<Move>>) {
+        self.moves = moves;
     }
 
     /// Draws `scene` with the triangles of `geometry` as a picture of `size` pixels, unless it already shows just that.
@@ -100,7 +119,7 @@ impl Preview {
         size: [u32; 2],
     ) -> Option<(&wgpu::TextureView, bool)> {
         let size = self.clamped(size);
-        let wanted = Drawn::of(scene, geometry, self.sky.as_deref())?;
+        let wanted = self.wanted(scene, geometry)?;
         let is_new = self
             .target
             .as_ref()
@@ -136,8 +155,9 @@ impl Preview {
         geometry: &Arc<GpuGeometry>,
         size: [u32; 2],
     ) -> Result<Vec<Option<usize>>, String> {
-        let wanted =
-            Drawn::of(scene, geometry, self.sky.as_deref()).ok_or("the camera has no direction")?;
+        let wanted = self
+            .wanted(scene, geometry)
+            .ok_or("the camera has no direction")?;
         self.upload(&wanted);
         self.drawn = None;
         let target = IdTarget::new(&self.device, size);
@@ -160,6 +180,18 @@ impl Preview {
             .into_iter()
             .map(|bytes| (u32::from_le_bytes(bytes) as usize).checked_sub(1))
             .collect())
+    }
+
+    /// Everything the picture of `scene` depends on; `None` where the camera is none.
+    fn wanted(&self, scene: &Scene, geometry: &Arc<GpuGeometry>) -> Option<Drawn> {
+        let frame = &geometry.frame;
+        let view = ViewUniform::new(scene, frame, &geometry.bounds, self.focus_aid)?;
+        Some(Drawn {
+            geometry: Arc::clone(geometry),
+            view: Box::new(view),
+            sky: SkyUniform::new(scene, self.sky.as_deref()),
+            objects: ObjectUniform::of_scene(scene, geometry, &self.moves),
+        })
     }
 
     /// A size this GPU can draw, with the same ratio as far as possible.
@@ -225,18 +257,6 @@ impl Preview {
         pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
         pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
         geometry.draw(pass, |pass, index| objects.choose(pass, index));
-    }
-}
-
-impl Drawn {
-    fn of(scene: &Scene, geometry: &Arc<GpuGeometry>, sky: Option<&GpuSky>) -> Option<Self> {
-        let view = ViewUniform::new(scene, &geometry.frame, &geometry.bounds)?;
-        Some(Self {
-            geometry: Arc::clone(geometry),
-            view: Box::new(view),
-            sky: SkyUniform::new(scene, sky),
-            objects: ObjectUniform::of_scene(scene, &geometry.turns),
-        })
     }
 }
 

@@ -49,6 +49,9 @@ struct View {
     sky_up: vec4f,
     // Mode, tone curve, Phong model, number of lights.
     choices: vec4u,
+    // What of the focus is shown (0 nothing, 1 its plane, 2 the blur too); diameter of the blur in pixels per difference of reciprocal
+    // distances; reciprocal of the focus distance.
+    focus: vec4f,
     lights: array<Light, MAX_LIGHTS>,
 }
 
@@ -58,10 +61,13 @@ struct Object {
     specular: vec4f,
     // `w`: what shortens turned directions to the length they had.
     id_color: vec4f,
-    // Index of the object, kind of its material, 1 where its copies are mirrored.
+    // Index of the object, kind of its material, 1 where its copies are mirrored, 1 where it was moved since.
     about: vec4u,
     // From the directions of its triangles to those of the prepared scene.
     turn: mat3x3f,
+    // Where it was moved: what turns places relative to the eye, and what is added to them.
+    moved: mat3x3f,
+    shift: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -85,7 +91,12 @@ struct Fragment {
 @vertex
 fn vertex(in: VertexInput) -> Fragment {
     let turned = object.turn * in.position;
-    let position = ((in.place_high - view.eye_high.xyz) + turned) + (in.place_low - view.eye_low.xyz);
+    var position = ((in.place_high - view.eye_high.xyz) + turned) + (in.place_low - view.eye_low.xyz);
+    var normal = (object.turn * in.normal.xyz) * object.id_color.w;
+    if object.about.w == 1u {
+        position = object.moved * position + object.shift.xyz;
+        normal = normalize(object.moved * normal);
+    }
     var out: Fragment;
     // Reverse depth without a far plane: near / distance.
     out.clip = vec4f(
@@ -95,7 +106,7 @@ fn vertex(in: VertexInput) -> Fragment {
         dot(position, view.forward.xyz),
     );
     out.position = position;
-    out.normal = (object.turn * in.normal.xyz) * object.id_color.w;
+    out.normal = normal;
     return out;
 }
 
@@ -198,8 +209,37 @@ fn displayed(radiance: vec3f) -> vec4f {
     return vec4f(encoded, 1.0);
 }
 
+const BEFORE_FOCUS: vec3f = vec3f(0.96, 0.58, 0.16);
+const BEHIND_FOCUS: vec3f = vec3f(0.22, 0.5, 0.98);
+const FOCUS_PLANE: vec3f = vec3f(0.72, 1.0, 0.36);
+
+// A color of the screen with how much the lens blurs what is there, and where the plane of focus cuts it. `nearness`: reciprocal
+// distance less that of the plane; `width`: its change to the next pixel.
+fn with_focus(color: vec4f, nearness: f32, width: f32) -> vec4f {
+    var shown = color.rgb;
+    if view.focus.x > 1.5 {
+        // Up to a pixel is sharp; 64 are as good as any more.
+        let blur = log2(max(view.focus.y * abs(nearness), 1.0)) / 6.0;
+        let tint = select(BEHIND_FOCUS, BEFORE_FOCUS, nearness > 0.0);
+        shown = mix(shown, tint, min(blur, 1.0) * 0.75);
+    }
+    let from_plane = abs(nearness) / (width + 1e-7 * view.focus.z);
+    let line = (1.0 - smoothstep(0.8, 1.8, from_plane)) * step(1e-20, width);
+    return vec4f(mix(shown, FOCUS_PLANE, line), color.a);
+}
+
 @fragment
 fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let shown = shaded(in, front);
+    let nearness = 1.0 / max(dot(in.position, view.forward.xyz), 1e-18) - view.focus.z;
+    let width = fwidth(nearness);
+    if view.focus.x < 0.5 {
+        return shown;
+    }
+    return with_focus(shown, nearness, width);
+}
+
+fn shaded(in: Fragment, front: bool) -> vec4f {
     let wo = normalize(-in.position);
     let across = normalize(cross(dpdx(in.position), dpdy(in.position)));
     let geometric = select(-across, across, dot(across, wo) >= 0.0);

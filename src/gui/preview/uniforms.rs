@@ -3,7 +3,10 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::geometry::GpuGeometry;
+use super::moved::Move;
 use super::object_color;
+use crate::gui::focus::{FocusAid, blur_scale};
 use crate::gui::orbit::PictureSize;
 use crate::math::{Bounds, DMat3, DVec3, ScaledRotation, SceneFrame};
 use crate::scene::{Background, Light, Material, Mode, Object, PhongModel, Scene, ToneCurve};
@@ -30,6 +33,7 @@ pub(super) struct ViewUniform {
     ground: [f32; 4],
     sky_up: [f32; 4],
     choices: [u32; 4],
+    focus: [f32; 4],
     lights: [[[f32; 4]; 3]; MAX_LIGHTS],
 }
 
@@ -37,7 +41,12 @@ impl ViewUniform {
     /// The uniform of `scene` seen by its camera, or `None` where the camera is none.
     ///
     /// `bounds`: box of the triangles in the prepared scene.
-    pub(super) fn new(scene: &Scene, frame: &SceneFrame, bounds: &Bounds) -> Option<Self> {
+    pub(super) fn new(
+        scene: &Scene,
+        frame: &SceneFrame,
+        bounds: &Bounds,
+        aid: FocusAid,
+    ) -> Option<Self> {
         let camera = &scene.camera;
         let axes = camera.axes()?;
         let half_height = (camera.vertical_fov.radians() * 0.5).tan();
@@ -106,12 +115,35 @@ impl ViewUniform {
                 },
                 u32::try_from(light_count).unwrap_or(0),
             ],
+            focus: focus(scene, frame, aid),
             lights,
         })
     }
 }
 
-/// The shader's `Object`: an object's material, and how its triangles are turned.
+/// What the shader shows of the focus: 0 nothing, 1 the plane, 2 the blur too; its diameter in pixels per difference of reciprocal
+/// distances; the reciprocal of the focus distance. Distances in prepared units.
+fn focus(scene: &Scene, frame: &SceneFrame, aid: FocusAid) -> [f32; 4] {
+    /// Numbers beyond are as good as infinite, and products of them stay finite.
+    const MOST: f64 = 1e18;
+    let camera = &scene.camera;
+    let kind = match aid {
+        FocusAid::Off => return [0.0; 4],
+        FocusAid::Plane => 1.0,
+        FocusAid::Blur => 2.0,
+    };
+    let height = f64::from(scene.render.height);
+    let scale = if scene.render.depth_of_field {
+        blur_scale(camera, height) * frame.scale()
+    } else {
+        0.0
+    };
+    let reciprocal = (camera.focus() * frame.scale()).recip();
+    let [scale, reciprocal] = [scale, reciprocal].map(|x| x.min(MOST));
+    vec4(DVec3::new(kind, scale, reciprocal), 0.0)
+}
+
+/// The shader's `Object`: an object's material, how its triangles are turned, and where they have gone since.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct ObjectUniform {
@@ -120,12 +152,19 @@ pub(super) struct ObjectUniform {
     id_color: [f32; 4],
     about: [u32; 4],
     turn: [[f32; 4]; 3],
+    moved: [[f32; 4]; 3],
+    shift: [f32; 4],
 }
 
 impl ObjectUniform {
-    /// The uniforms of all objects, which `turns` turn. An object without existing material, or not there any more, gets the
-    /// default one.
-    pub(super) fn of_scene(scene: &Scene, turns: &[ScaledRotation]) -> Vec<Self> {
+    /// The uniforms of all objects of `geometry`, with what happened to them since. An object without existing material, or not there
+    /// any more, gets the default one.
+    pub(super) fn of_scene(
+        scene: &Scene,
+        geometry: &GpuGeometry,
+        moves: &[Option<Move>],
+    ) -> Vec<Self> {
+        let eye = scene.camera.eye;
         let uniform = |(index, turn): (usize, &ScaledRotation)| {
             let object = scene.objects.get(index);
             let material = object.and_then(|object| scene.material_of(object).ok());
@@ -133,12 +172,20 @@ impl ObjectUniform {
             if let Some(object) = object {
                 take_mean_color(scene, object, &mut material);
             }
-            Self::new(&material, index, turn)
+            let moved = moves.get(index).copied().flatten();
+            let moved = moved.map(|moved| moved.seen_from(eye, &geometry.frame));
+            Self::new(&material, index, turn, moved)
         };
-        turns.iter().enumerate().map(uniform).collect()
+        geometry.turns.iter().enumerate().map(uniform).collect()
     }
 
-    fn new(material: &Material, object: usize, turn: &ScaledRotation) -> Self {
+    /// `moved`: a turn about the eye and what is added to it, in prepared units.
+    fn new(
+        material: &Material,
+        object: usize,
+        turn: &ScaledRotation,
+        moved: Option<(ScaledRotation, DVec3)>,
+    ) -> Self {
         // What the shader knows of materials: two colours, a number, and which kind it is.
         let (diffuse, specular, shininess, kind) = match *material {
             Material::Phong {
@@ -157,6 +204,10 @@ impl ObjectUniform {
             y_axis,
             z_axis,
         } = *turn.matrix();
+        let still = || (ScaledRotation::new(DMat3::IDENTITY), DVec3::ZERO);
+        let is_moved = moved.is_some();
+        let (moved, shift) = moved.unwrap_or_else(still);
+        let matrix = moved.matrix();
         Self {
             diffuse: vec4(diffuse, 0.0),
             specular: vec4(specular, shininess),
@@ -164,10 +215,12 @@ impl ObjectUniform {
             about: [
                 u32::try_from(object).unwrap_or(u32::MAX),
                 kind,
-                u32::from(turn.is_mirrored()),
-                0,
+                u32::from(turn.is_mirrored() != moved.is_mirrored()),
+                u32::from(is_moved),
             ],
             turn: [x_axis, y_axis, z_axis].map(|axis| vec4(axis, 0.0)),
+            moved: [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| vec4(axis, 0.0)),
+            shift: vec4(shift, 0.0),
         }
     }
 }

@@ -64,9 +64,10 @@ fn object_change(before: &Scene, after: &Scene) -> Option<String> {
         (a.name != b.name, "renaming"),
         (a.mesh != b.mesh, "changing the mesh of"),
         (a.material != b.material, "changing the material of"),
-        (a.translate != b.translate, "moving"),
+        // What turns and grows about its middle moves too.
         (a.rotate != b.rotate, "turning"),
         (a.scale != b.scale, "scaling"),
+        (a.translate != b.translate, "moving"),
         (a.smooth != b.smooth, "changing the smoothness of"),
         (
             a.crease_angle != b.crease_angle,
@@ -85,6 +86,8 @@ fn light_change(before: &Scene, after: &Scene) -> Option<String> {
         format!("changing the kind of light {number}")
     } else if a.position() != b.position() {
         format!("moving light {number}")
+    } else if a.target() != b.target() {
+        format!("aiming light {number}")
     } else {
         format!("changing light {number}")
     })

@@ -1,0 +1,154 @@
+//! What the mouse does in the preview beside looking around: handles, and choosing the focus.
+
+use egui::{Key, Modifiers, Rect, Ui};
+
+use super::App;
+use crate::gui::focus::{self, FocusAid};
+use crate::gui::gizmo::Axis;
+use crate::gui::preview::moved::Move;
+use crate::gui::selection::Selection;
+use crate::gui::tool::{self, Tool};
+use crate::gui::top_bar::View;
+use crate::math::DVec3;
+use crate::scene::Scene;
+
+/// What can be done while a handle is held.
+const HELD_KEYS: &str = "X, Y, Z along one axis  ·  Ctrl snaps  ·  Esc cancels";
+
+impl App {
+    /// Chooses what the mouse does; the tool in use gives way to selecting.
+    pub(super) fn choose_tool(&mut self, tool: Tool) {
+        self.viewport.tool = if self.viewport.tool == tool {
+            Tool::Select
+        } else {
+            tool
+        };
+        if self.viewport.tool.has_handles() {
+            self.view = View::Preview;
+        }
+    }
+
+    /// Keys that mean something while a handle is held or the focus is chosen, before they mean anything else.
+    pub(super) fn take_tool_keys(&mut self, ctx: &egui::Context) {
+        let pressed = |key: Key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        if self.viewport.is_handle_held() {
+            let keys = [Key::X, Key::Y, Key::Z].into_iter().zip(Axis::ALL);
+            for (_, axis) in keys.filter(|(key, _)| pressed(*key)) {
+                self.viewport.constrain_handle(axis);
+            }
+            if pressed(Key::Escape) {
+                self.viewport.cancel_handle(&mut self.document.scene);
+            }
+        }
+        let is_free = !egui::Popup::is_any_open(ctx) && !ctx.egui_wants_keyboard_input();
+        if self.viewport.tool == Tool::Focus && is_free && pressed(Key::Escape) {
+            self.viewport.tool = Tool::Select;
+        }
+    }
+
+    /// Draws handles, the bar of tools, and what the tool in use has to say.
+    pub(super) fn tools_ui(&mut self, ui: &mut Ui, frame: Rect, area: Rect) {
+        let scene = &self.document.scene;
+        let visible = frame.intersect(area);
+        if self.view == View::Preview {
+            let pointer = ui.input(|input| input.pointer.hover_pos());
+            let pointer = pointer.filter(|&place| visible.contains(place));
+            let part = (&self.selection, self.selected_center());
+            self.viewport.handles_ui(ui, frame, scene, part, pointer);
+        }
+        let lines = match self.viewport.tool {
+            Tool::Select => Vec::new(),
+            Tool::Focus => focus::in_words(scene, self.viewport.depth_under_mouse()),
+            tool => self.handle_words(tool),
+        };
+        if !lines.is_empty() {
+            tool::note_ui(ui, visible, &lines);
+        }
+        if self.picture_on_screen().is_none()
+            && let Some(tool) = tool::tools_ui(ui, area, self.viewport.tool)
+        {
+            self.choose_tool(tool);
+        }
+    }
+
+    /// What to say beside the handles of `tool`.
+    fn handle_words(&self, tool: Tool) -> Vec<String> {
+        if self.view != View::Preview {
+            return Vec::new();
+        }
+        let part = self
+            .viewport
+            .handled_part(&self.document.scene, &self.selection);
+        match (self.viewport.handle_in_words(), part, &self.selection) {
+            (Some(words), ..) => vec![words, HELD_KEYS.to_owned()],
+            (None, Some(_), _) => Vec::new(),
+            (None, None, Selection::Light(_)) => {
+                let verb = if tool == Tool::Rotate {
+                    "turned"
+                } else {
+                    "scaled"
+                };
+                vec![format!("Only objects and disk lights can be {verb}")]
+            }
+            (None, None, _) => vec!["Select an object or a light".to_owned()],
+        }
+    }
+
+    /// Whether preparing the scene may wait: the preview shows the object in the hand where it is, and it moves on.
+    pub(super) fn is_in_hand(&self) -> bool {
+        let Selection::Object(index) = self.selection else {
+            return false;
+        };
+        let object = self.document.scene.objects.get(index);
+        let is_one = object.is_some_and(|object| object.copies.total() == 1);
+        is_one && self.viewport.is_handle_held()
+    }
+
+    /// What the selected object turns about, in its own coordinates.
+    pub(super) fn selected_center(&self) -> DVec3 {
+        let (Selection::Object(index), Some(state)) = (&self.selection, &self.prepared) else {
+            return DVec3::ZERO;
+        };
+        // While an edit that adds or removes objects is prepared, places in the list mean others.
+        let is_same = state.scene.objects.len() == self.document.scene.objects.len();
+        let center = state
+            .prepared
+            .object_centers
+            .get(*index)
+            .filter(|_| is_same);
+        center.copied().unwrap_or_default()
+    }
+
+    /// What happened to the selected object since its triangles were prepared.
+    pub(super) fn selected_move(&self) -> Option<Move> {
+        let (Selection::Object(index), Some(state)) = (&self.selection, &self.prepared) else {
+            return None;
+        };
+        let moves = moves_since(&state.scene, &self.document.scene);
+        moves.get(*index).copied().flatten()
+    }
+}
+
+/// What happened to each object of `prepared` until it is as in `now`; empty where they are not the same objects.
+pub(super) fn moves_since(prepared: &Scene, now: &Scene) -> Vec<Option<Move>> {
+    if prepared.objects.len() != now.objects.len() {
+        return Vec::new();
+    }
+    let pairs = prepared.objects.iter().zip(&now.objects);
+    pairs
+        .map(|(before, after)| Move::between(before, after))
+        .collect()
+}
+
+/// What the preview shows of the focus.
+pub(super) fn focus_aid(tool: Tool, selection: &Selection, scene: &Scene) -> FocusAid {
+    if tool == Tool::Focus {
+        return FocusAid::Blur;
+    }
+    let has_lens = scene.camera.aperture_radius > 0.0 && scene.render.depth_of_field;
+    if *selection == Selection::Camera && has_lens {
+        FocusAid::Plane
+    } else {
+        FocusAid::Off
+    }
+}
