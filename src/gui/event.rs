@@ -19,7 +19,7 @@ use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
 use crate::io::{LoadedScene, Model, RadianceFile, ReadAgain, TextureFile};
 use crate::render::{PreparedScene, RenderStats};
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 
 /// What was read again.
 #[derive(Debug)]
@@ -99,6 +99,13 @@ pub enum Event {
         number: usize,
         /// As it is shown.
         image: egui::ColorImage,
+    },
+    /// The ball of a material is rendered; `None` where that cannot be.
+    BallRendered {
+        /// The material.
+        material: Material,
+        /// What it looks like.
+        image: Option<egui::ColorImage>,
     },
     /// The running render is done.
     Rendered {

@@ -1,7 +1,7 @@
 //! Small pictures drawn with the painter, so that they are sharp at every scale and show the colours of what they stand
 //! for.
 
-use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Stroke, Vec2};
+use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Stroke, TextureId, Vec2};
 
 use crate::scene::Rgb;
 
@@ -23,6 +23,8 @@ pub enum Icon {
     Light(Color32),
     /// A ball of the material's colour.
     Material(Color32),
+    /// A ball as it is rendered.
+    Ball(TextureId),
 }
 
 /// Side of the square an icon is drawn in, in points.
@@ -76,6 +78,7 @@ impl Icon {
             }
             Self::Object(color) => cube(painter, center, color, edge),
             Self::Light(color) => sun(painter, center, 3.0, color, edge.color),
+            Self::Ball(texture) => ball(painter, square(16.0), texture),
             Self::Material(color) => {
                 painter.circle(center, 5.5, color, edge);
                 let shine = center - Vec2::new(1.8, 1.8);
@@ -83,6 +86,21 @@ impl Icon {
             }
         }
     }
+}
+
+/// A picture of a ball, as round as the ball, in `square`.
+pub fn ball(painter: &Painter, square: Rect, texture: TextureId) {
+    let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+    // Cut a little inside of the ball's edge, so that no ring of its surroundings is seen.
+    let inside = whole.shrink((1.0 - super::balls::SHARE) / 2.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a size in points"
+    )]
+    let radius = (square.width() / 2.0).min(127.0) as u8;
+    let shape = egui::epaint::RectShape::filled(square, CornerRadius::same(radius), Color32::WHITE);
+    painter.add(shape.with_texture(texture, inside));
 }
 
 /// A cube seen from a corner: three faces, the upper one lighter, the right one darker.

@@ -55,6 +55,8 @@ pub enum Lane {
     Costs,
     /// Finding out how long a render will take.
     Time,
+    /// Rendering balls of materials.
+    Balls,
     /// Waiting for the desktop to show a folder.
     ShowFolder,
     /// Looking for what earlier windows left.
@@ -71,7 +73,7 @@ pub enum Lane {
     Reload,
 }
 
-const LANES: usize = 23;
+const LANES: usize = 24;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

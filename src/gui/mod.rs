@@ -15,6 +15,7 @@
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`], [`time_estimate`]: what effects cost, and how long all takes
+//! - [`balls`]: what materials look like
 //! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`keeping`]: what outlives the window
 //! - [`watching`]: files that change while they are open
@@ -24,6 +25,7 @@
 //! - `start`: opening the window, and words for when it does not open
 
 pub mod app;
+pub mod balls;
 pub mod bench;
 pub mod canvas;
 pub mod commands;

@@ -1,4 +1,6 @@
-//! What a bare mesh gets to become a picture: a camera that frames it, light, and a material.
+//! What a bare mesh gets to become a picture: a camera that frames it, light, and a material; and materials to begin with.
+
+pub mod materials;
 
 use super::{Background, Camera, Light, Material, Object, Rgb, Scene, SceneError, Textures};
 use crate::math::{DBounds, DVec3, Degrees};

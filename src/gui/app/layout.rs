@@ -186,6 +186,7 @@ impl App {
                             histogram: self.brightness.histogram.as_ref(),
                             structure,
                             costs: &self.costs,
+                            balls: &mut self.balls,
                             can_measure_costs,
                             commands,
                         };

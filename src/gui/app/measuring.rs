@@ -9,6 +9,15 @@ use crate::gui::worker;
 use crate::scene::Scene;
 
 impl App {
+    /// Has balls of materials rendered that are missing. Not while something is measured: it would take time from that.
+    pub(super) fn update_balls(&mut self) {
+        let is_measuring = self.report.is_running() || self.is_measuring_costs();
+        let is_free = !is_measuring && !self.jobs.is_busy(Lane::Balls);
+        if let Some(request) = self.balls.next_request().filter(|_| is_free) {
+            self.jobs.start(Lane::Balls, move |job| request.render(job));
+        }
+    }
+
     pub(super) fn is_measuring_costs(&self) -> bool {
         matches!(self.costs, CostState::Measuring(_))
     }

@@ -42,6 +42,7 @@ mod tools;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use super::balls::Balls;
 use super::commands::Command;
 use super::compare::Comparison;
 use super::costs::CostState;
@@ -138,6 +139,7 @@ pub struct App {
     waiting_render: Option<Instant>,
     costs: CostState,
     time: TimeState,
+    balls: Balls,
     report: ReportWindow,
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
@@ -208,6 +210,7 @@ impl App {
             waiting_render: None,
             costs: CostState::default(),
             time: TimeState::default(),
+            balls: Balls::default(),
             report: ReportWindow::default(),
             waiting_report: None,
             loading: None,
@@ -245,6 +248,12 @@ impl App {
     #[must_use]
     pub fn costs(&self) -> &CostState {
         &self.costs
+    }
+
+    /// What is known of what materials look like.
+    #[must_use]
+    pub fn balls(&self) -> &Balls {
+        &self.balls
     }
 
     /// The last render, running or ended.
@@ -342,6 +351,12 @@ impl App {
     #[must_use]
     pub fn is_drawn_by_processor(&self) -> bool {
         self.preview.as_ref().is_some_and(PreviewImage::is_software)
+    }
+
+    /// Whether background work of this kind goes on.
+    #[must_use]
+    pub fn works_in(&self, lane: Lane) -> bool {
+        self.jobs.is_busy(lane)
     }
 
     /// Threads that still work on renders and reports, cancelled ones included.
@@ -511,6 +526,7 @@ impl eframe::App for App {
         self.update_background_work();
         self.start_waiting_report();
         self.update_thumbnails();
+        self.update_balls();
         self.update_comparison();
         self.update_histogram();
         self.watch_files();

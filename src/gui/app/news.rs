@@ -82,6 +82,7 @@ impl App {
             Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
             Event::HistogramMade(histogram) => self.brightness.histogram = Some(histogram),
             Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
+            Event::BallRendered { material, image } => self.balls.put(ctx, material, image),
             Event::Rendered { hash, stats } => self.rendered(hash, stats),
             Event::RenderFailed {
                 text,

@@ -111,11 +111,7 @@ impl App {
         };
         // While an edit that adds or removes objects is prepared, places in the list mean others.
         let is_same = state.scene.objects.len() == self.document.scene.objects.len();
-        let center = state
-            .prepared
-            .object_centers
-            .get(*index)
-            .filter(|_| is_same);
+        let center = state.placed.object_centers.get(*index).filter(|_| is_same);
         center.copied().unwrap_or_default()
     }
 

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use egui::{RichText, Ui, Vec2};
 
+use super::presets::presets_ui;
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::gui::commands::{Command, TextureUse};
 use crate::gui::edit;
@@ -24,6 +25,7 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     let Some(material) = state.scene.materials.get_mut(name) else {
         return;
     };
+    presets_ui(ui, state.balls, name, material);
     let asked = reflectance_ui(ui, material);
     state.commands.extend(asked);
     ui.add_space(4.0);

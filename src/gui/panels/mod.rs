@@ -7,6 +7,7 @@ mod light;
 mod material;
 mod object;
 mod plan;
+mod presets;
 mod settings;
 mod tree;
 
@@ -15,6 +16,7 @@ use egui::Ui;
 pub(super) use background::with_image;
 pub(super) use settings::StructureInUse;
 
+use super::balls::Balls;
 use super::commands::Command;
 use super::costs::CostState;
 use super::histogram::Histogram;
@@ -47,6 +49,8 @@ pub struct PanelState<'a> {
     pub histogram: Option<&'a Histogram>,
     /// What rays look for triangles in, once it is there.
     pub structure: Option<StructureInUse>,
+    /// What materials look like.
+    pub balls: &'a mut Balls,
     /// What effects cost.
     pub costs: &'a CostState,
     /// Whether that can be measured now.

@@ -3,6 +3,7 @@ use std::path::Path;
 use egui::{RichText, Ui};
 
 use super::material::{new_material, reflectance_ui};
+use super::presets::presets_ui;
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::gui::commands::Command;
 use crate::gui::widgets::{
@@ -24,6 +25,7 @@ pub fn object_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     if let Some(name) = object.material.clone()
         && let Some(material) = state.scene.materials.get_mut(&name)
     {
+        presets_ui(ui, state.balls, &name, material);
         let asked = reflectance_ui(ui, material);
         state.commands.extend(asked);
     }

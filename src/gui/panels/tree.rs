@@ -1,4 +1,4 @@
-use egui::{Align, Color32, Layout, RichText, Ui, Vec2};
+use egui::{Align, Color32, Layout, Rect, RichText, Ui, Vec2};
 
 use super::PanelState;
 use super::light::new_light;
@@ -95,7 +95,15 @@ fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             0 => "unused".to_owned(),
             users => counted(users, "object", "objects"),
         };
-        let icon = Icon::Material(material_color(&state.scene.materials[&name]));
+        let material = &state.scene.materials[&name];
+        // Of rows that are scrolled out of sight, nothing is rendered.
+        let row = Rect::from_min_size(ui.cursor().min, Vec2::splat(icons::SIDE));
+        let is_seen = ui.is_rect_visible(row);
+        let ball = is_seen.then(|| state.balls.texture(Some(&name), material));
+        let icon = match ball.flatten() {
+            Some(ball) => Icon::Ball(ball),
+            None => Icon::Material(material_color(material)),
+        };
         let part = Selection::Material(name.clone());
         part_ui(ui, state, &part, icon, &name, &detail);
     }

@@ -1,0 +1,339 @@
+//! Small pictures of what materials look like: a ball before a chequered wall, rendered by our own tracer.
+//!
+//! A ball is asked for where it is drawn ([`Balls::texture`]); the app has what is missing rendered in the background, on one thread,
+//! and nothing happens where nothing is missing. Materials that look the same share a ball.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use egui::{ColorImage, TextureHandle, TextureId, TextureOptions};
+
+use super::event::Event;
+use super::jobs::Job;
+use crate::control::CancelToken;
+use crate::geometry::{TriangleMesh, shapes};
+use crate::math::{DBounds, DVec3, Degrees};
+use crate::render::{PreparedScene, RenderProgress, RunConfig, display, render};
+use crate::scene::{
+    Background, Filter, Light, Material, Mode, Object, RenderSettings, Rgb, Scene, Textures,
+    presets,
+};
+
+/// Side of the pictures, in pixels.
+const SIDE: u32 = 88;
+/// Diameter of the ball, as a share of that.
+pub const SHARE: f32 = 0.9;
+/// Samples of a pixel.
+const SAMPLES: u32 = 32;
+/// Pictures that are kept.
+const MOST: usize = 200;
+/// Pictures that one job makes: others may be asked for meanwhile.
+const MOST_AT_ONCE: usize = 4;
+/// Name of the material, and of the mesh that has it.
+const BALL: &str = "ball";
+
+/// What materials look like, as far as it is known.
+#[derive(Default)]
+pub struct Balls {
+    /// The oldest first; `None` where a material cannot be rendered.
+    known: Vec<(Material, Option<TextureHandle>)>,
+    /// What was shown last for a name: it stays until what the material has become is there.
+    shown: BTreeMap<String, TextureHandle>,
+    /// What was asked for since the last request.
+    missing: Vec<Material>,
+    /// What all balls share, once there was one.
+    prepared: Arc<std::sync::OnceLock<PreparedScene>>,
+}
+
+impl Balls {
+    /// The ball of `material`; while it is not there, that of what the material called `name` was before, where it has a name.
+    pub fn texture(&mut self, name: Option<&str>, material: &Material) -> Option<TextureId> {
+        let known = self.known.iter().find(|(known, _)| known == material);
+        match known {
+            Some((_, Some(texture))) => {
+                if let Some(name) = name
+                    && self.shown.get(name).map(TextureHandle::id) != Some(texture.id())
+                {
+                    self.shown.insert(name.to_owned(), texture.clone());
+                }
+                Some(texture.id())
+            }
+            Some((_, None)) => None,
+            None => {
+                if !self.missing.contains(material) {
+                    self.missing.push(Material::clone(material));
+                }
+                self.shown.get(name?).map(TextureHandle::id)
+            }
+        }
+    }
+
+    /// Whether the ball of `material` is there.
+    #[must_use]
+    pub fn has(&self, material: &Material) -> bool {
+        let mut known = self.known.iter();
+        known.any(|(known, texture)| known == material && texture.is_some())
+    }
+
+    /// What is missing of what was drawn since the last call.
+    pub fn next_request(&mut self) -> Option<BallRequest> {
+        let mut materials = std::mem::take(&mut self.missing);
+        materials.truncate(MOST_AT_ONCE);
+        (!materials.is_empty()).then(|| BallRequest {
+            materials,
+            prepared: Arc::clone(&self.prepared),
+        })
+    }
+
+    /// Takes in what a job made.
+    pub fn put(&mut self, ctx: &egui::Context, material: Material, image: Option<ColorImage>) {
+        let texture = image.map(|image| ctx.load_texture(BALL, image, TextureOptions::LINEAR));
+        if self.known.len() == MOST {
+            self.known.remove(0);
+        }
+        self.known.push((material, texture));
+        if self.shown.len() > MOST {
+            self.shown.clear();
+        }
+    }
+}
+
+impl std::fmt::Debug for Balls {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Balls")
+            .field("known", &self.known.len())
+            .field("missing", &self.missing.len())
+            .finish_non_exhaustive()
+    }
+}
+
+/// What a job works with.
+#[derive(Debug)]
+pub struct BallRequest {
+    materials: Vec<Material>,
+    prepared: Arc<std::sync::OnceLock<PreparedScene>>,
+}
+
+impl BallRequest {
+    /// Renders the balls, and sends each.
+    pub fn render(self, job: &Job<Event>) {
+        for material in self.materials {
+            if job.cancel.is_cancelled() {
+                return;
+            }
+            let image = image_of(&material, &self.prepared, &job.cancel);
+            job.send(Event::BallRendered { material, image });
+        }
+    }
+}
+
+/// The ball of `material`; `None` where it cannot be rendered. The first one puts what the others share into `shared`.
+fn image_of(
+    material: &Material,
+    shared: &std::sync::OnceLock<PreparedScene>,
+    cancel: &CancelToken,
+) -> Option<ColorImage> {
+    let scene = scene_of(material);
+    let prepared = PreparedScene::prepare(&scene, shared.get(), cancel);
+    let prepared = prepared.ok().flatten()?;
+    let run = RunConfig {
+        threads: 1,
+        cancel: cancel.clone(),
+        ..RunConfig::default()
+    };
+    let outcome = render(&prepared, None, &run, &RenderProgress::default(), None)?;
+    let _ = shared.set(prepared);
+    let color = |&rgb: &[f32; 3]| {
+        let [r, g, b] = display::encode_8(rgb, &scene.display);
+        egui::Color32::from_rgb(r, g, b)
+    };
+    let side = SIDE as usize;
+    let pixels = outcome.image.pixels.iter().map(color).collect();
+    Some(ColorImage::new([side, side], pixels))
+}
+
+/// A ball of radius 1 on a dark floor before a chequered wall, under a disk and a bright sky.
+fn scene_of(material: &Material) -> Scene {
+    let mut scene = Scene {
+        background: Background::Gradient {
+            zenith: Rgb::new(0.34, 0.41, 0.52),
+            horizon: Rgb::new(0.52, 0.53, 0.55),
+            ground: Rgb::splat(0.08),
+            up: DVec3::Z,
+        },
+        lights: vec![Light::disk()],
+        render: RenderSettings {
+            mode: Mode::Path,
+            width: SIDE,
+            height: SIDE,
+            samples_per_pixel: SAMPLES,
+            error_estimate: false,
+            filter: Filter::Gaussian,
+            // Without bright specks, which are larger than life in so small a picture.
+            clamp: Some(4.0),
+            ..RenderSettings::default()
+        },
+        ..Scene::default()
+    };
+    scene.lights[0] = Light::Disk {
+        center: DVec3::new(-3.0, -4.0, 5.0),
+        facing: crate::scene::Facing::Target(DVec3::ZERO),
+        radius: 1.2,
+        radiance: Rgb::splat(22.0),
+        visible: true,
+    };
+    let matt = |value: f64| {
+        let mut matt = Material::default();
+        if let Material::Phong { diffuse, .. } = &mut matt {
+            *diffuse = Rgb::splat(value);
+        }
+        matt
+    };
+    let mut add = |name: &str, mesh: TriangleMesh, material: Material, smooth: bool| {
+        scene.meshes.insert(name.to_owned(), Arc::new(mesh));
+        scene.materials.insert(name.to_owned(), material);
+        scene.objects.push(Object {
+            name: name.to_owned(),
+            mesh: name.to_owned(),
+            material: Some(name.to_owned()),
+            smooth,
+            ..Object::default()
+        });
+    };
+    // The scene has no images, and the ball no coordinates for them.
+    let mut plain = material.clone();
+    if let Some(textures) = plain.textures_mut() {
+        *textures = Textures::default();
+    }
+    add(BALL, shapes::icosphere(5), plain, true);
+    let [light, dark] = chequers();
+    add("light squares", light, matt(0.7), false);
+    add("dark squares", dark, matt(0.12), false);
+    let ball = DBounds {
+        min: DVec3::splat(-1.0),
+        max: DVec3::splat(1.0),
+    };
+    let towards = DVec3::new(0.0, -1.0, 0.25);
+    let fov = Degrees(24.0);
+    scene.camera = presets::framing(&ball, towards, DVec3::Z, fov, 1.0);
+    // That frames the ball around the box, which is larger by √3.
+    let distance = 1.0
+        / ((fov.radians() / 2.0).tan() * f64::from(SHARE))
+            .atan()
+            .sin();
+    scene.camera.eye = towards.normalize() * distance;
+    scene
+}
+
+/// The light and the dark squares of a floor under the ball and a wall behind it.
+fn chequers() -> [TriangleMesh; 2] {
+    const SQUARES: i32 = 10;
+    const WIDTH: f64 = 0.8;
+    let mut meshes = [TriangleMesh::default(), TriangleMesh::default()];
+    for plane in [Plane::Floor, Plane::Wall] {
+        for row in 0..SQUARES {
+            for column in -SQUARES / 2..SQUARES / 2 {
+                let mesh = &mut meshes[usize::from((row + column).rem_euclid(2) == 1)];
+                let first = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
+                for (x, y) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+                    let across = f64::from(column + x) * WIDTH;
+                    let away = f64::from(row + y) * WIDTH;
+                    mesh.positions.push(match plane {
+                        Plane::Floor => DVec3::new(across, 2.4 - away, -1.0),
+                        Plane::Wall => DVec3::new(across, 2.4, away - 1.0),
+                    });
+                }
+                let corners = [[0, 1, 2], [0, 2, 3]];
+                let triangles = corners.map(|corners| corners.map(|corner| first + corner));
+                mesh.triangles.extend(triangles);
+            }
+        }
+    }
+    meshes
+}
+
+#[derive(Clone, Copy)]
+enum Plane {
+    Floor,
+    Wall,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(material: &Material) -> ColorImage {
+        let shared = std::sync::OnceLock::new();
+        image_of(material, &shared, &CancelToken::new()).expect("can be rendered")
+    }
+
+    /// Mean of the channels of the pixels around the middle.
+    fn middle(image: &ColorImage) -> [f64; 3] {
+        let side = image.size[0];
+        let mut sums = [0.0; 3];
+        for y in side / 2 - 4..side / 2 + 4 {
+            for x in side / 2 - 4..side / 2 + 4 {
+                let pixel = image.pixels[y * side + x].to_array();
+                for channel in 0..3 {
+                    sums[channel] += f64::from(pixel[channel]) / 64.0;
+                }
+            }
+        }
+        sums
+    }
+
+    #[test]
+    fn a_ball_has_the_color_of_its_material() {
+        let presets = presets::materials::all();
+        let ball = |name: &str| {
+            let preset = presets.iter().find(|preset| preset.name == name).unwrap();
+            middle(&image(&preset.material))
+        };
+        let [red, green, _] = ball("Red plastic");
+        assert!(red > 1.8 * green, "{red} {green}");
+        let [plaster, ..] = ball("Plaster");
+        let [rubber, ..] = ball("Rubber");
+        assert!(plaster > 150.0 && rubber < 90.0, "{plaster} {rubber}");
+        let [red, _, blue] = ball("Gold");
+        assert!(red > 1.3 * blue, "{red} {blue}");
+    }
+
+    #[test]
+    fn the_ball_fills_its_share_of_the_picture() {
+        let emitter = Material::Emitter {
+            radiance: Rgb::splat(3.0),
+        };
+        let image = image(&emitter);
+        let side = image.size[0];
+        let bright = |pixel: &egui::Color32| pixel.r() > 238;
+        let row = &image.pixels[side / 2 * side..(side / 2 + 1) * side];
+        let width = row.iter().filter(|pixel| bright(pixel)).count() as f32;
+        let share = width / side as f32;
+        assert!((share - SHARE).abs() < 0.04, "{share}");
+    }
+
+    #[test]
+    fn what_is_missing_is_asked_for_once_and_forgotten_when_it_is_not_drawn() {
+        let mut balls = Balls::default();
+        let material = Material::mirror();
+        for _ in 0..2 {
+            assert_eq!(balls.texture(Some("chrome"), &material), None);
+        }
+        let request = balls.next_request().unwrap();
+        assert_eq!(request.materials, [Material::mirror()]);
+        assert!(balls.next_request().is_none());
+        let ctx = egui::Context::default();
+        let image = ColorImage::filled([2, 2], egui::Color32::RED);
+        balls.put(&ctx, Material::mirror(), Some(image));
+        let mirror = balls.texture(Some("chrome"), &material);
+        assert!(mirror.is_some() && balls.has(&material));
+        // What it was stays until what it has become is there.
+        let glass = Material::glass();
+        assert_eq!(balls.texture(Some("chrome"), &glass), mirror);
+        assert_eq!(balls.texture(None, &glass), None);
+        assert_eq!(balls.next_request().unwrap().materials, [Material::glass()]);
+        balls.put(&ctx, Material::glass(), None);
+        assert_eq!(balls.texture(Some("chrome"), &glass), None);
+        assert!(balls.next_request().is_none());
+    }
+}
