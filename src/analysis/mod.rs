@@ -4,6 +4,7 @@
 pub mod bench;
 pub mod cost;
 mod difference;
+mod flip;
 pub mod hazards;
 pub mod matrix;
 mod metrics;
@@ -12,4 +13,5 @@ pub mod proofs;
 pub mod report;
 
 pub use difference::{scaled_difference, signed_difference};
+pub use flip::mean_flip;
 pub use metrics::{LocatedDifference, Metrics, SizesDiffer, SquaredErrors};

@@ -6,7 +6,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 
-use crate::analysis::{LocatedDifference, Metrics, scaled_difference, signed_difference};
+use crate::analysis::{
+    LocatedDifference, Metrics, mean_flip, scaled_difference, signed_difference,
+};
 use crate::io::{self, PictureFile};
 use crate::scene::{Display, Output};
 
@@ -40,6 +42,7 @@ struct CompareFacts {
     mse: f64,
     relmse: f64,
     noise: f64,
+    flip: f64,
     largest: Option<LargestFacts>,
     percentile_999: f64,
     mean: MeanFacts,
@@ -91,7 +94,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<()> {
         Some(path) => Some(write_difference(&a, &b, &metrics, path)?),
         None => None,
     };
-    let facts = facts(&names, &a, &b, &metrics, difference);
+    let flip = mean_flip(&a.image, &b.image)?;
+    let facts = facts(&names, [&a, &b], &metrics, flip, difference);
     if arguments.json {
         super::say(
             &serde_json::to_string_pretty(&facts)
@@ -125,9 +129,9 @@ fn write_difference(
 
 fn facts(
     names: &[String; 2],
-    a: &PictureFile,
-    b: &PictureFile,
+    [a, b]: [&PictureFile; 2],
     metrics: &Metrics,
+    flip: f64,
     difference: Option<DifferenceFacts>,
 ) -> CompareFacts {
     let mut warnings = Vec::new();
@@ -157,6 +161,7 @@ fn facts(
         mse: errors.mse,
         relmse: errors.relmse,
         noise: errors.noise(),
+        flip,
         largest: metrics
             .largest
             .map(|LocatedDifference { value, x, y }| LargestFacts { value, x, y }),
@@ -221,6 +226,11 @@ fn describe(names: &[String; 2], facts: &CompareFacts) -> String {
         "mean of (A − B)² / (B² + 0.01)",
     );
     line("noise", &percent(facts.noise), "root of relMSE");
+    line(
+        "FLIP",
+        &number(facts.flip),
+        "how different they look in turn on a screen, 0 to 1",
+    );
     let (largest, place) = match &facts.largest {
         Some(LargestFacts { value, x, y }) => (number(*value), format!("at pixel ({x}, {y})")),
         None => ("none".to_owned(), String::new()),

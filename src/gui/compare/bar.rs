@@ -83,7 +83,8 @@ impl Comparison {
                 let words = in_words(distance, self.mode);
                 ui.add(egui::Label::new(words).truncate()).on_hover_text(
                     "Over all pixels and channels, on linear values. RMSE: root of the mean squared difference. Relative MSE: each \
-                     squared difference by the squared value of the second picture plus 0.01; its root is what noise means elsewhere",
+                     squared difference by the squared value of the second picture plus 0.01; its root is what noise means elsewhere. FLIP: how different they look when a \
+                     screen shows them in turn, from 0 to 1",
                 );
             }
         }
@@ -102,6 +103,9 @@ fn in_words(distance: &Distance, mode: Mode) -> String {
             percent(distance.relmse.sqrt())
         ),
     ];
+    if let Some(flip) = distance.flip {
+        parts.push(format!("FLIP {}", format_number(flip, 4)));
+    }
     if mode == Mode::Difference {
         parts.push(format!("white is {}", format_number(distance.white, 4)));
     }
@@ -122,13 +126,14 @@ mod tests {
         let mut distance = Distance {
             rmse: 0.0123,
             relmse: 0.0004,
+            flip: Some(0.0321),
             differing_pixels: 7,
             non_finite_pixels: 0,
             white: 0.25,
         };
         assert_eq!(
             in_words(&distance, Mode::Wipe),
-            "RMSE 0.0123  ·  relative MSE 4.000e-4 (root 2.0 %)"
+            "RMSE 0.0123  ·  relative MSE 4.000e-4 (root 2.0 %)  ·  FLIP 0.0321"
         );
         distance.non_finite_pixels = 1;
         assert!(

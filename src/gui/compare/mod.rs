@@ -13,7 +13,7 @@ use egui::TextureId;
 
 use super::canvas::Canvas;
 use super::picture_buffer::{EncodedTile, PictureBuffer};
-use crate::analysis::{Metrics, scaled_difference};
+use crate::analysis::{Metrics, mean_flip, scaled_difference};
 use crate::render::Image;
 use crate::scene::{Choice, Display};
 
@@ -58,6 +58,8 @@ pub struct Distance {
     pub rmse: f64,
     /// Mean squared difference relative to B.
     pub relmse: f64,
+    /// How different they look in turn on a screen, 0 to 1; `None` while one of them changes.
+    pub flip: Option<f64>,
     /// Pixels that differ in any bit.
     pub differing_pixels: u64,
     /// Pixels that are left out, as one of the pictures has no finite value there.
@@ -73,25 +75,37 @@ pub type Compared = Result<(Distance, Arc<PictureBuffer>), String>;
 ///
 /// # Errors
 /// When the sizes differ, or the parts of pictures of one size do, in words.
-pub fn compare_buffers(a: &PictureBuffer, b: &PictureBuffer, largest_texture: u32) -> Compared {
+pub fn compare_buffers(
+    a: &PictureBuffer,
+    b: &PictureBuffer,
+    largest_texture: u32,
+    is_changing: bool,
+) -> Compared {
     let (a_part, b_part) = (a.part(), b.part());
     if a_part.of == b_part.of && a_part != b_part {
         return Err("they show different parts of the picture".to_owned());
     }
-    compare(&a.image(), &b.image(), largest_texture)
+    compare(&a.image(), &b.image(), largest_texture, is_changing)
 }
 
-/// Measures how far `a` is from `b`, and draws where; `largest_texture`: see [`PictureBuffer::new`].
+/// Measures how far `a` is from `b`, and draws where; `largest_texture`: see [`PictureBuffer::new`]. What they look like takes time, and
+/// is left out where one of them `is_changing`.
 ///
 /// # Errors
 /// When the sizes differ, in words.
-pub fn compare(a: &Image, b: &Image, largest_texture: u32) -> Compared {
+pub fn compare(a: &Image, b: &Image, largest_texture: u32, is_changing: bool) -> Compared {
     let metrics = Metrics::measure(a, b).map_err(|error| error.to_string())?;
     let white = metrics.white();
     let difference = scaled_difference(a, b, white).map_err(|error| error.to_string())?;
+    let flip = if is_changing {
+        None
+    } else {
+        mean_flip(a, b).ok()
+    };
     let distance = Distance {
         rmse: metrics.errors.rmse(),
         relmse: metrics.errors.relmse,
+        flip,
         differing_pixels: metrics.differing_pixels,
         non_finite_pixels: metrics.non_finite_a.max(metrics.non_finite_b),
         white,
@@ -246,12 +260,14 @@ mod tests {
             pixels: vec![[1.0; 3]; 2],
             ..a.clone()
         };
-        let (distance, difference) = compare(&a, &b, 64).unwrap();
+        let (distance, difference) = compare(&a, &b, 64, false).unwrap();
         assert!((distance.rmse - 0.125_f64.sqrt()).abs() < 1e-12);
         assert!((distance.relmse - 0.125 / 1.01).abs() < 1e-6);
         assert_eq!((distance.differing_pixels, distance.white), (1, 0.5));
+        assert_eq!(distance.flip, mean_flip(&a, &b).ok());
+        assert_eq!(compare(&a, &b, 64, true).unwrap().0.flip, None);
         assert_eq!(difference.image().pixels, [[0.0; 3], [1.0; 3]]);
-        let error = compare(&a, &Image::black(3, 1), 64).unwrap_err();
+        let error = compare(&a, &Image::black(3, 1), 64, true).unwrap_err();
         assert!(error.contains("2×1 and 3×1"), "{error}");
     }
 
