@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use raymini::control::CancelToken;
-use raymini::geometry::TriangleMesh;
+use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::{DVec3, Degrees, power_of_two};
 use raymini::render::{
     Image, PreparedScene, Region, RenderOutcome, RenderProgress, RunConfig, TilePixels, render,
@@ -551,6 +551,31 @@ fn a_light_behind_the_surface_costs_no_ray() {
     let outcome = run(&scene, 1);
     assert_eq!(outcome.image.pixel(24, 16), [0.0; 3]);
     assert_eq!(outcome.stats.rays.shadow, 0);
+}
+
+/// By brute force every ray that passes the box tests every block of eight triangles; the trees take fewer steps.
+#[test]
+fn steps_are_shown_by_colors() {
+    let (mut scene, ..) = lit_floor();
+    let mesh = shapes::grid(10);
+    assert_eq!(mesh.triangles.len(), 200);
+    let name = scene.objects[0].mesh.clone();
+    scene.meshes.insert(name, Arc::new(mesh));
+    scene.render.mode = Mode::Steps;
+    let mut steps = |accelerator: AcceleratorChoice| {
+        scene.render.accelerator = accelerator;
+        picture(&scene).pixel(24, 16)
+    };
+    let all = steps(AcceleratorChoice::BruteForce);
+    // 25 blocks: log2 26 of 8, three times as far along black, red, yellow, white.
+    let heat = 3.0 * 26_f32.log2() / 8.0;
+    for (found, expected) in all.into_iter().zip([1.0, heat - 1.0, 0.0]) {
+        assert!((found - expected).abs() < 1e-5, "{all:?}");
+    }
+    for tree in [AcceleratorChoice::Wide, AcceleratorChoice::KdTree] {
+        let [red, green, _] = steps(tree);
+        assert!(red > 0.0 && red + green < 1.0 + heat - 1.0, "{tree:?}");
+    }
 }
 
 #[test]

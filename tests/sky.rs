@@ -310,7 +310,7 @@ fn a_black_image_costs_no_ray() {
 #[test]
 fn mirrors_and_glass_show_the_image() {
     for material in [Material::mirror(), Material::glass()] {
-        let mut scene = looking_at_floor(0.0, material);
+        let mut scene = looking_at_floor(0.0, material.clone());
         // Closed, so that what enters glass leaves it.
         let ball = Arc::new(shapes::icosphere(2));
         scene.meshes.insert("floor".into(), ball);

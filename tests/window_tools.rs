@@ -257,3 +257,132 @@ fn tools_have_names_and_keys() {
         window.press(Modifiers::NONE, Key::Escape);
     }
 }
+
+#[test]
+fn cameras_are_remembered_and_gone_back_to() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let home = window.scene().camera;
+    window.press(Modifiers::NONE, Key::N);
+    assert_eq!(window.scene().camera, home, "there is none yet");
+    window.press(Modifiers::NONE, Key::M);
+    assert_eq!(
+        next_undo(&window).as_deref(),
+        Some("adding bookmark view 1")
+    );
+    let middle = Pos2::new(470.0, 400.0);
+    let by = Vec2::new(60.0, 25.0);
+    window.drag(PointerButton::Primary, middle, middle + by);
+    let second = window.scene().camera;
+    window.operate("Add bookmark");
+    window.enter("Name of bookmark 2", "from the side");
+    let names = window.scene().bookmarks.iter().map(|b| b.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["view 1", "from the side"]);
+    assert_eq!(next_undo(&window).as_deref(), Some("changing a bookmark"));
+
+    window.operate("Go to bookmark 1");
+    assert_eq!(window.scene().camera, home);
+    window.press(Modifiers::NONE, Key::N);
+    assert_eq!(window.scene().camera, second);
+    window.press(Modifiers::NONE, Key::N);
+    assert_eq!(window.scene().camera, home, "round and round");
+    window.press(Modifiers::SHIFT, Key::N);
+    assert_eq!(window.scene().camera, second);
+    undo(&mut window);
+    assert_eq!(window.scene().camera, home);
+
+    window.drag(PointerButton::Primary, middle, middle - by);
+    let third = window.scene().camera;
+    window.operate("Set bookmark 1");
+    assert_eq!(window.scene().bookmarks[0].camera, third);
+    window.operate("Remove bookmark 2");
+    assert_eq!(
+        next_undo(&window).as_deref(),
+        Some("removing bookmark from the side")
+    );
+    assert_eq!(window.scene().bookmarks.len(), 1);
+
+    // The scene file keeps them.
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    let saved = driver::load(&files.path("room.toml"));
+    assert_eq!(saved.bookmarks, window.scene().bookmarks);
+}
+
+#[test]
+fn the_rays_of_a_clicked_pixel_are_shown() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Ray tool");
+    assert!(window.says("Click a pixel to see its rays"));
+    let top = window.on_screen(DVec3::new(0.2, -0.4, 0.8));
+    window.click_at(top);
+    let until_traced = |window: &mut Window| {
+        let deadline = std::time::Instant::now() + driver::DEADLINE;
+        while !window.says("sample") {
+            assert!(std::time::Instant::now() < deadline, "no rays come");
+            window.harness.step();
+        }
+    };
+    until_traced(&mut window);
+    assert!(window.says("sample 0 of 4"));
+    assert!(window.says("2 rays: 1 camera, 1 shadow"));
+    window.press(Modifiers::NONE, Key::Period);
+    let deadline = std::time::Instant::now() + driver::DEADLINE;
+    while !window.says("sample 1 of 4") {
+        assert!(
+            std::time::Instant::now() < deadline,
+            "no other sample comes"
+        );
+        window.harness.step();
+    }
+    window.harness.render().unwrap();
+
+    // From elsewhere they are still there; of another scene they are not.
+    window.drag(PointerButton::Middle, top, top + Vec2::new(30.0, 0.0));
+    assert!(window.says("sample 1 of 4"));
+    window.click("Add light");
+    assert!(window.says("Click a pixel to see its rays"));
+    undo(&mut window);
+
+    // A click in the picture shows them in the preview.
+    window.render();
+    assert_eq!(window.app().view(), View::Picture);
+    let top = window.on_screen(DVec3::new(0.2, -0.4, 0.8));
+    window.click_at(top);
+    window.until("the preview is back", |app| app.view() == View::Preview);
+    assert!(window.says("sample 0 of 4"));
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.says("sample 0 of 4"));
+}
+
+#[test]
+fn the_boxes_of_the_structure_are_shown() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    assert!(!window.has("Level"));
+    window.operate("Show boxes");
+    driver::set_number(&mut window, "Level", "0");
+    assert!(window.says("1 box"));
+    // Ten triangles are two blocks: the kd-tree divides them, and the wide tree at most once.
+    window.harness.render().unwrap();
+    window.operate("Show boxes");
+    assert!(!window.has("Level"));
+}
+
+#[test]
+fn steps_are_seen_in_the_picture_and_told_of_a_pixel() {
+    let files = Files::new();
+    let scene = driver::SCENE.replace("[render]", "[render]\nmode = \"steps\"");
+    files.write("steps.toml", &scene);
+    let mut window = Window::open(&files.path("steps.toml"));
+    window.render();
+    assert!(window.has("Colours of 0 to 255 steps"));
+    let place = window.on_screen(DVec3::new(0.2, -0.4, 0.8));
+    window.harness.hover_at(place);
+    window.harness.run_steps(2);
+    let visits = window.app().inspected().unwrap().visits.unwrap();
+    assert!(visits.blocks > 0);
+    let told = format!("steps {} + {}", visits.nodes, visits.blocks);
+    assert!(window.says(&told));
+}

@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 
+use super::boxes::narrowed;
 use super::placed::{Place, PlacedTriangle, outward};
 use super::{Accelerator, BoxTree, Fan, Hit, Packet, PacketHits, Visits, half_area};
 use crate::geometry::{Triangle, TriangleHit};
@@ -318,6 +319,24 @@ impl Assembly {
             limit
         });
         visits
+    }
+
+    /// The box around each copy.
+    pub(super) fn copy_boxes(&self) -> impl Iterator<Item = Bounds> {
+        self.copies.iter().map(|copy| {
+            let (structure, place, _) = self.structure_of(copy);
+            let Bounds { min, max } = structure.bounds();
+            let ends = [min, max].map(Vec3::as_dvec3);
+            let corner = |bits: usize| {
+                let local = DVec3::new(
+                    ends[bits & 1].x,
+                    ends[bits >> 1 & 1].y,
+                    ends[bits >> 2 & 1].z,
+                );
+                place.turn.apply(local) + place.translation
+            };
+            narrowed(&DBounds::of_points((0..8).map(corner)))
+        })
     }
 
     /// The structures, each once, with half the area of the boxes it fills in the scene, all its copies together.

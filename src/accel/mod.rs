@@ -12,6 +12,7 @@ mod assembly;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod block;
 mod box_tree;
+mod boxes;
 mod brute_force;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod fan;
@@ -37,6 +38,7 @@ mod wide;
 
 pub use assembly::{Assembly, Copies, Part};
 pub use box_tree::BoxTree;
+pub use boxes::LevelBoxes;
 pub use brute_force::BruteForce;
 pub use fan::Fan;
 pub use kd::{KdParameters, KdStatistics, KdTree};

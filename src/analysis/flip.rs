@@ -123,8 +123,8 @@ impl Filters {
         let across = bell(detector_radius, gauss);
         let sum: f64 = across.iter().sum();
         let across = across.into_iter().map(|x| x / sum).collect();
-        let edge = balanced(bell(detector_radius, |x| -x * gauss(x)));
-        let point = balanced(bell(detector_radius, |x| {
+        let edge = balanced(&bell(detector_radius, |x| -x * gauss(x)));
+        let point = balanced(&bell(detector_radius, |x| {
             (x * x / (deviation * deviation) - 1.0) * gauss(x)
         }));
         let mut filters = Self {
@@ -204,7 +204,7 @@ impl Filters {
         of_color.powf(1.0 - feature.powf(FEATURE_EXPONENT))
     }
 
-    /// Brightness, red against green, blue against yellow: YCxCz.
+    /// Brightness, red against green, blue against yellow: the space `YCxCz`.
     fn opponent(&self, rgb: DVec3) -> DVec3 {
         let DVec3 { x, y, z } = XYZ_FROM_RGB * rgb / self.white;
         DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z))
@@ -270,7 +270,7 @@ fn bell(radius: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 /// Scales positive weights to a sum of 1, and negative ones to −1.
-fn balanced(weights: Vec<f64>) -> Vec<f64> {
+fn balanced(weights: &[f64]) -> Vec<f64> {
     let sum = |sign: f64| {
         let of_sign = weights.iter().map(|w| (w * sign).max(0.0));
         of_sign.sum::<f64>()

@@ -45,12 +45,20 @@ pub enum Command {
     ScaleTool,
     /// Let clicks choose what is sharp.
     FocusTool,
+    /// Let clicks show the rays of a pixel.
+    RayTool,
     /// Move the camera to where it sees everything.
     FrameAll,
     /// Move the camera to where it sees the selected object.
     FrameSelected,
     /// Go back to the file's camera.
     ResetCamera,
+    /// Remember the camera.
+    AddBookmark,
+    /// Go to the next camera that was remembered.
+    NextBookmark,
+    /// Go to the one before.
+    PreviousBookmark,
     /// Turn everything around the objects so that another axis is up.
     TurnUp,
     /// Show the live preview.
@@ -114,7 +122,7 @@ pub enum TextureUse {
 
 impl Command {
     /// All of them, by menu, but for those of buttons alone.
-    pub const ALL: [Self; 47] = [
+    pub const ALL: [Self; 51] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -134,6 +142,7 @@ impl Command {
         Self::RotateTool,
         Self::ScaleTool,
         Self::FocusTool,
+        Self::RayTool,
         Self::Render,
         Self::ToggleLive,
         Self::TogglePause,
@@ -146,6 +155,9 @@ impl Command {
         Self::FrameAll,
         Self::FrameSelected,
         Self::ResetCamera,
+        Self::AddBookmark,
+        Self::NextBookmark,
+        Self::PreviousBookmark,
         Self::TurnUp,
         Self::ShowPreview,
         Self::ShowPicture,
@@ -189,9 +201,13 @@ impl Command {
             Self::RotateTool => "Rotate tool",
             Self::ScaleTool => "Scale tool",
             Self::FocusTool => "Focus tool",
+            Self::RayTool => "Ray tool",
             Self::FrameAll => "Frame all",
             Self::FrameSelected => "Frame selected object",
             Self::ResetCamera => "Reset camera",
+            Self::AddBookmark => "Add bookmark",
+            Self::NextBookmark => "Next bookmark",
+            Self::PreviousBookmark => "Previous bookmark",
             Self::TurnUp => "Other axis up",
             Self::ShowPreview => "Preview",
             Self::ShowPicture => "Picture",
@@ -255,9 +271,15 @@ impl Command {
             Self::FocusTool => {
                 "Click what is to be sharp, in the preview or the picture; again to stop"
             }
+            Self::RayTool => {
+                "Click a pixel, in the preview or the picture, to see its rays in the preview; again to stop"
+            }
             Self::FrameAll => "Move the camera to where it sees all objects",
             Self::FrameSelected => "Move the camera to where it sees the selected object",
             Self::ResetCamera => "Go back to the camera of the file",
+            Self::AddBookmark => "Remember the camera; the scene file keeps it",
+            Self::NextBookmark => "Go to the next camera that was remembered",
+            Self::PreviousBookmark => "Go to the one before",
             Self::TurnUp => {
                 "Turn camera, lights and background about the objects, between Z up and Y up: for a mesh that lies on its face"
             }
@@ -331,9 +353,13 @@ impl Command {
             Self::RotateTool => const { &[plain(Key::R)] },
             Self::ScaleTool => const { &[plain(Key::S)] },
             Self::FocusTool => const { &[plain(Key::D)] },
+            Self::RayTool => const { &[plain(Key::T)] },
             Self::FrameAll => const { &[plain(Key::F)] },
             Self::FrameSelected => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::F)] },
             Self::ResetCamera => const { &[plain(Key::Home)] },
+            Self::AddBookmark => const { &[plain(Key::M)] },
+            Self::NextBookmark => const { &[plain(Key::N)] },
+            Self::PreviousBookmark => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::N)] },
             Self::TurnUp => const { &[plain(Key::U)] },
             Self::ShowPreview => const { &[plain(Key::Num1)] },
             Self::ShowPicture => const { &[plain(Key::Num2)] },
@@ -355,7 +381,7 @@ impl Command {
             Self::DrawRegion => const { &[plain(Key::B)] },
             Self::ClearRegion => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::B)] },
             Self::Cancel => const { &[plain(Key::Escape)] },
-            Self::EstimateTime => const { &[plain(Key::T)] },
+            Self::EstimateTime => const { &[plain(Key::E)] },
             Self::Report => const { &[command_shift(Key::R)] },
             Self::MeasureCosts => const { &[plain(Key::F7)] },
             Self::ShowShortcuts => const { &[plain(Key::F1), plain(Key::Questionmark)] },

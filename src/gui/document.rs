@@ -166,6 +166,7 @@ pub fn same_scene(a: &Scene, b: &Scene) -> bool {
 #[must_use]
 pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
     a.background == b.background
+        && a.bookmarks == b.bookmarks
         && a.materials == b.materials
         && a.objects == b.objects
         && a.lights == b.lights

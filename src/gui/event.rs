@@ -11,6 +11,7 @@ use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
 use super::picture_buffer::{EncodedTile, PictureBuffer};
+use super::ray_view::WantedRays;
 use super::report::Findings;
 use super::time_estimate::Subject;
 use super::worker::Placed;
@@ -18,7 +19,7 @@ use crate::analysis::cost::Costs;
 use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
 use crate::io::{LoadedScene, Model, RadianceFile, ReadAgain, TextureFile};
-use crate::render::{PreparedScene, RenderStats};
+use crate::render::{PreparedScene, RenderStats, SampleTrace};
 use crate::scene::{Material, Scene};
 
 /// What was read again.
@@ -106,6 +107,13 @@ pub enum Event {
         material: Material,
         /// What it looks like.
         image: Option<egui::ColorImage>,
+    },
+    /// The rays of a camera sample, or why there are none.
+    Traced {
+        /// Of which sample.
+        wanted: Box<WantedRays>,
+        /// They.
+        result: Result<SampleTrace, String>,
     },
     /// The running render is done.
     Rendered {

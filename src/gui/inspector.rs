@@ -3,6 +3,7 @@
 use egui::{Color32, CornerRadius, RichText, Sense, Ui, Vec2};
 
 use super::widgets::{format_number, grouped, percent};
+use crate::accel::Visits;
 
 /// Height of the line, in points.
 pub const HEIGHT: f32 = 22.0;
@@ -42,6 +43,8 @@ pub struct Inspected {
     pub other: Option<[f32; 3]>,
     /// What is seen there; `None` where that is the background, or where the scene has changed since.
     pub surface: Option<Surface>,
+    /// What the ray through its middle visits of the structure in use; `None` where the scene has changed since.
+    pub visits: Option<Visits>,
 }
 
 impl Inspected {
@@ -82,6 +85,9 @@ impl Inspected {
             parts.push(format!("{}, {}", surface.object, surface.material));
             parts.push(format!("triangle {}", grouped(surface.triangle.into())));
             parts.push(format!("distance {}", format_number(surface.distance, 3)));
+        }
+        if let Some(Visits { nodes, blocks }) = self.visits {
+            parts.push(format!("steps {nodes} + {blocks}"));
         }
         parts.join("  ·  ")
     }
@@ -134,15 +140,20 @@ mod tests {
                 triangle: 1234,
                 distance: 4.25,
             }),
+            visits: Some(Visits {
+                nodes: 5,
+                blocks: 2,
+            }),
         };
         assert_eq!(
             inspected.in_words(),
             "12, 7  ·  linear 0.5 0.25 2  ·  shown 188 137 255  ·  error 0.02 (1.0 %)  ·  ram, clay  ·  triangle 1,234  ·  \
-             distance 4.25"
+             distance 4.25  ·  steps 5 + 2"
         );
         inspected.values.linear[1] = f32::NAN;
         inspected.values.error = None;
         inspected.surface = None;
+        inspected.visits = None;
         assert_eq!(
             inspected.in_words(),
             "12, 7  ·  linear 0.5 NaN 2  ·  not finite: shown in magenta"

@@ -57,6 +57,8 @@ pub enum Lane {
     Time,
     /// Rendering balls of materials.
     Balls,
+    /// Taking a camera sample again.
+    Trace,
     /// Waiting for the desktop to show a folder.
     ShowFolder,
     /// Looking for what earlier windows left.
@@ -73,7 +75,7 @@ pub enum Lane {
     Reload,
 }
 
-const LANES: usize = 24;
+const LANES: usize = 25;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

@@ -7,11 +7,12 @@
 //! - [`jobs`], [`worker`], [`event`]: background work and what it says
 //! - [`orbit`], [`pick`]: the camera under the mouse, as plain maths
 //! - [`tool`], [`gizmo`], [`focus`]: what else the mouse does: moving things by handles, choosing what is sharp
+//! - [`ray_view`], [`box_view`]: the rays of a pixel, and the boxes of the structure that they pass
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
 //! - [`picture`], [`picture_buffer`], [`canvas`]: the render as it fills in
 //! - [`part`], [`region`], [`threads`]: which of its pixels, and who renders them
 //! - [`renders`], [`compare`]: the renders of this session, one against another
-//! - [`zoom`], [`look`], [`inspector`], [`histogram`]: a picture looked at closely
+//! - [`zoom`], [`look`], [`inspector`], [`histogram`], [`steps_legend`]: a picture looked at closely
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`], [`time_estimate`]: what effects cost, and how long all takes
@@ -27,6 +28,7 @@
 pub mod app;
 pub mod balls;
 pub mod bench;
+pub mod box_view;
 pub mod canvas;
 pub mod commands;
 pub mod compare;
@@ -55,12 +57,14 @@ pub mod picture;
 pub mod picture_buffer;
 pub mod preview;
 pub mod preview_image;
+pub mod ray_view;
 pub mod region;
 pub mod renders;
 pub mod report;
 pub mod selection;
 mod start;
 pub mod status_bar;
+pub mod steps_legend;
 pub mod theme;
 pub mod threads;
 pub mod time_estimate;

@@ -216,6 +216,38 @@ pub fn project(camera: &Camera, size: PictureSize, point: DVec3) -> Option<(DVec
     position.is_finite().then_some((position, offset.z))
 }
 
+/// Where the part of the line from `from` to `to` that lies before the eye is in the picture; `None` where all of it is behind.
+#[must_use]
+pub fn project_line(
+    camera: &Camera,
+    size: PictureSize,
+    from: DVec3,
+    to: DVec3,
+) -> Option<[DVec2; 2]> {
+    /// What is nearer than this share of the farther end's distance is cut off.
+    const NEAREST: f64 = 1e-4;
+    let axes = camera.axes()?;
+    let depth = |point: DVec3| axes.forward.dot(point - camera.eye);
+    let depths = [depth(from), depth(to)];
+    let near = depths[0].max(depths[1]) * NEAREST;
+    if near.is_nan() || near <= 0.0 {
+        return None;
+    }
+    let cut = |end: DVec3, own: f64, other_end: DVec3, other: f64| {
+        if own >= near {
+            end
+        } else {
+            end.lerp(other_end, (near - own) / (other - own))
+        }
+    };
+    let ends = [
+        cut(from, depths[0], to, depths[1]),
+        cut(to, depths[1], from, depths[0]),
+    ];
+    let [a, b] = ends.map(|end| project(camera, size, end));
+    Some([a?.0, b?.0])
+}
+
 /// Distance of `point` from the eye along the view axis; `None` behind the eye.
 #[must_use]
 pub fn depth_of(camera: &Camera, point: DVec3) -> Option<f64> {
@@ -429,6 +461,27 @@ mod tests {
                 assert!(nearest_edge > 0.0, "cut off: {camera:?}");
                 assert!(nearest_edge < 0.15, "lost in the middle: {nearest_edge}");
             }
+        }
+    }
+
+    #[test]
+    fn lines_are_cut_off_behind_the_eye() {
+        for camera in cameras() {
+            let axes = camera.axes().unwrap();
+            let distance = camera.eye.distance(camera.target);
+            let ahead = camera.target + axes.right * (distance * 0.1);
+            let behind = camera.eye - axes.forward * distance + axes.up * (distance * 0.3);
+            let [a, b] = project_line(&camera, SIZE, ahead, behind).unwrap();
+            let (expected, _) = project(&camera, SIZE, ahead).unwrap();
+            assert!(a.distance(expected) < 1e-6, "{a} {expected}");
+            assert!(b.is_finite());
+            // What is before the eye of the line lies on the line in the picture.
+            let middle = ahead.lerp(behind, 0.3);
+            let (middle, _) = project(&camera, SIZE, middle).unwrap();
+            let off = (b - a).normalize().perp_dot(middle - a);
+            assert!(off.abs() < 1e-3, "{off}");
+            let behind_too = behind + axes.right * distance;
+            assert_eq!(project_line(&camera, SIZE, behind, behind_too), None);
         }
     }
 

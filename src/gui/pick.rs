@@ -1,8 +1,9 @@
 //! What lies under the mouse: one ray into the prepared scene, from the camera of the moment.
 
 use super::orbit::PictureSize;
+use crate::accel::Visits;
 use crate::math::{Bounds, DBounds, DVec2, DVec3, SceneFrame};
-use crate::render::{PreparedCamera, PreparedGeometry};
+use crate::render::{CameraRay, PreparedCamera, PreparedGeometry};
 use crate::scene::{Camera, RenderSettings};
 
 /// The surface under a picture position.
@@ -25,22 +26,50 @@ pub fn pick(
     size: PictureSize,
     position: DVec2,
 ) -> Option<Picked> {
-    let (width, height) = (settings.width, settings.height);
-    let bounds = geometry.accelerator().bounds();
-    let prepared = PreparedCamera::new(camera, geometry.frame(), &[bounds], width, height)?;
-    let x = position.x / size.width * f64::from(width);
-    let y = position.y / size.height * f64::from(height);
-    let camera_ray = prepared.ray(x, y)?;
+    let (camera_ray, direction) = ray_through(geometry, camera, settings, size, position)?;
     let hit = geometry
         .accelerator()
         .intersect(&camera_ray.ray, f32::INFINITY)?;
     let distance = (camera_ray.start + f64::from(hit.t)) / geometry.frame().scale();
-    let point = camera.eye + prepared.direction(x, y) * distance;
+    let point = camera.eye + direction * distance;
     point.is_finite().then(|| Picked {
         object: geometry.object_of(hit.triangle),
         triangle: hit.triangle,
         point,
     })
+}
+
+/// What the ray of [`pick`] visits of the structure; nothing where it passes by everything.
+#[must_use]
+pub fn visits(
+    geometry: &PreparedGeometry,
+    camera: &Camera,
+    settings: &RenderSettings,
+    size: PictureSize,
+    position: DVec2,
+) -> Visits {
+    let ray = ray_through(geometry, camera, settings, size, position);
+    ray.map_or_else(Visits::default, |(ray, _)| {
+        geometry
+            .accelerator()
+            .visits(&ray.ray, f32::INFINITY, false)
+    })
+}
+
+/// The ray through `position`, and its direction in `f64`; `None` where it passes by everything.
+fn ray_through(
+    geometry: &PreparedGeometry,
+    camera: &Camera,
+    settings: &RenderSettings,
+    size: PictureSize,
+    position: DVec2,
+) -> Option<(CameraRay, DVec3)> {
+    let (width, height) = (settings.width, settings.height);
+    let bounds = geometry.accelerator().bounds();
+    let prepared = PreparedCamera::new(camera, geometry.frame(), &[bounds], width, height)?;
+    let x = position.x / size.width * f64::from(width);
+    let y = position.y / size.height * f64::from(height);
+    Some((prepared.ray(x, y)?, prepared.direction(x, y)))
 }
 
 /// The world box of the prepared triangles.

@@ -24,16 +24,19 @@ pub enum Tool {
     Scale,
     /// A click makes what is under it sharp.
     Focus,
+    /// A click shows the rays of what is under it.
+    Rays,
 }
 
 impl Tool {
     /// All of them, in the order of the bar.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Select,
         Self::Move,
         Self::Rotate,
         Self::Scale,
         Self::Focus,
+        Self::Rays,
     ];
 
     /// The command that chooses it.
@@ -45,6 +48,7 @@ impl Tool {
             Self::Rotate => Command::RotateTool,
             Self::Scale => Command::ScaleTool,
             Self::Focus => Command::FocusTool,
+            Self::Rays => Command::RayTool,
         }
     }
 
@@ -103,6 +107,12 @@ impl Tool {
                 painter.rect_stroke(small, 0.0, stroke, egui::StrokeKind::Middle);
                 painter.line_segment([at(0.5, -0.5), at(6.5, -6.5)], stroke);
                 arrow_head(at(6.5, -6.5), vec2(1.0, -1.0).normalized());
+            }
+            Self::Rays => {
+                let path = vec![at(-8.0, -5.0), at(-1.0, 5.0), at(7.0, -1.0)];
+                painter.line(path, stroke);
+                painter.circle_filled(at(-1.0, 5.0), 2.0, ink);
+                painter.line_segment([at(-1.0, 5.0), at(1.0, -7.0)], Stroke::new(1.0, ink));
             }
             Self::Focus => {
                 painter.circle_stroke(center, 5.5, stroke);

@@ -51,6 +51,8 @@ pub struct TopBarState<'a> {
     pub phase: Phase,
     /// What the mouse does in the preview.
     pub tool: Tool,
+    /// Whether cameras were remembered.
+    pub has_bookmarks: bool,
     /// Whether the picture follows every change.
     pub is_live: bool,
     /// Whether a render is under way that can rest.
@@ -139,6 +141,7 @@ impl TopBarState<'_> {
         match command {
             Command::SavePicture | Command::ShowPicture | Command::CompareFile => self.has_picture,
             Command::Compare => self.can_compare,
+            Command::NextBookmark | Command::PreviousBookmark => self.has_bookmarks,
             Command::Flip => self.is_comparing,
             Command::ShowWhole | Command::ShowFullSize | Command::Enlarge | Command::Reduce => {
                 self.is_picture_shown
@@ -179,6 +182,7 @@ impl TopBarState<'_> {
             Command::SavePicture | Command::ShowPicture | Command::CompareFile => {
                 "There is no picture yet: press Render"
             }
+            Command::NextBookmark | Command::PreviousBookmark => "No camera was remembered yet",
             Command::Compare => "It takes two renders to compare",
             Command::Flip => "No pictures are compared",
             Command::ShowWhole | Command::ShowFullSize | Command::Enlarge | Command::Reduce => {
@@ -292,47 +296,7 @@ fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
                 menu_item_ui(ui, state, tool.command(), asked);
             }
         });
-        ui.menu_button("View", |ui| {
-            for command in [
-                Command::FrameAll,
-                Command::FrameSelected,
-                Command::ResetCamera,
-                Command::TurnUp,
-            ] {
-                menu_item_ui(ui, state, command, asked);
-            }
-            ui.separator();
-            for command in [
-                Command::ShowPreview,
-                Command::ShowPicture,
-                Command::TogglePanel,
-                Command::ToggleErrorPlot,
-                Command::ToggleRenders,
-            ] {
-                menu_item_ui(ui, state, command, asked);
-            }
-            ui.separator();
-            for command in [
-                Command::ShowWhole,
-                Command::ShowFullSize,
-                Command::Enlarge,
-                Command::Reduce,
-            ] {
-                menu_item_ui(ui, state, command, asked);
-            }
-            ui.separator();
-            for command in [
-                Command::ShowOlderRender,
-                Command::ShowNewerRender,
-                Command::Compare,
-                Command::CompareFile,
-                Command::Flip,
-            ] {
-                menu_item_ui(ui, state, command, asked);
-            }
-            ui.separator();
-            theme_ui(ui);
-        });
+        ui.menu_button("View", |ui| view_menu_ui(ui, state, asked));
         let menu = ui.menu_button("Render", |ui| render_menu_ui(ui, state, asked));
         // The button that renders is called Render too.
         menu.response.accessible_name("Render menu");
@@ -365,6 +329,57 @@ fn render_menu_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>)
     ] {
         menu_item_ui(ui, state, command, asked);
     }
+}
+
+/// What the menu View holds.
+fn view_menu_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
+    for command in [
+        Command::FrameAll,
+        Command::FrameSelected,
+        Command::ResetCamera,
+        Command::TurnUp,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    for command in [
+        Command::AddBookmark,
+        Command::NextBookmark,
+        Command::PreviousBookmark,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    for command in [
+        Command::ShowPreview,
+        Command::ShowPicture,
+        Command::TogglePanel,
+        Command::ToggleErrorPlot,
+        Command::ToggleRenders,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    for command in [
+        Command::ShowWhole,
+        Command::ShowFullSize,
+        Command::Enlarge,
+        Command::Reduce,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    for command in [
+        Command::ShowOlderRender,
+        Command::ShowNewerRender,
+        Command::Compare,
+        Command::CompareFile,
+        Command::Flip,
+    ] {
+        menu_item_ui(ui, state, command, asked);
+    }
+    ui.separator();
+    theme_ui(ui);
 }
 
 fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &mut Vec<Command>) {

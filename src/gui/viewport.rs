@@ -70,6 +70,8 @@ pub struct Viewport {
     aimed: Option<usize>,
     /// How far along the view axis what is under the mouse is, for the focus.
     depth: Option<f64>,
+    /// Where a ray was asked for, as shares of the frame's width and height.
+    asked_ray: Option<DVec2>,
 }
 
 /// What the central area works on.
@@ -139,14 +141,22 @@ impl Viewport {
             .accessible_name("Viewport");
         let before = view.scene.camera;
         self.drag_ui(ui, &response, frame, zoom.as_deref_mut(), view);
-        if self.tool == Tool::Focus {
-            self.focus_ui(&response, frame, view);
-        } else {
-            self.depth = None;
-            self.click(&response, frame, view);
+        self.depth = None;
+        match self.tool {
+            Tool::Focus => self.focus_ui(&response, frame, view),
+            Tool::Rays if response.clicked() => {
+                let place = response.interact_pointer_pos();
+                let size = picture_size(frame);
+                let size = DVec2::new(size.width, size.height);
+                self.asked_ray = place.map(|place| in_frame(frame, place) / size);
+            }
+            Tool::Rays => {}
+            _ => self.click(&response, frame, view),
         }
         match zoom {
             Some(zoom) => zoom.scroll_ui(ui, &response),
+            // What is in the hand is seen from where it was taken.
+            None if self.is_handle_held() => {}
             None => scroll(ui, &response, frame, view),
         }
         orbit::is_moved(&before, &view.scene.camera)
@@ -169,6 +179,11 @@ impl Viewport {
     #[must_use]
     pub fn depth_under_mouse(&self) -> Option<f64> {
         self.depth
+    }
+
+    /// Where the rays of a pixel were asked for since the last call, as shares of the frame's width and height.
+    pub fn take_asked_ray(&mut self) -> Option<DVec2> {
+        self.asked_ray.take()
     }
 
     /// Whether a handle is held.

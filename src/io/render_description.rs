@@ -22,6 +22,7 @@ pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> Strin
     let mut named = Scene {
         display: Display::default(),
         output: Output::default(),
+        bookmarks: Vec::new(),
         ..scene.clone()
     };
     let meshes = scene.meshes.iter();

@@ -20,6 +20,7 @@ pub enum FalseColor {
     Albedo,
     Facing,
     Object,
+    Steps,
 }
 
 /// The property of the first surface along `camera_ray`; black where there is none.
@@ -30,6 +31,12 @@ pub fn color<K: Kernel>(
     &CameraSample { sampler, hit, .. }: &CameraSample,
     tally: &mut K::Tally,
 ) -> Vec3 {
+    if let FalseColor::Steps = which {
+        let visits = scene
+            .accelerator()
+            .visits(&camera_ray.ray, f32::INFINITY, false);
+        return steps_color(visits.nodes + visits.blocks);
+    }
     let Some(hit) = hit else {
         return Vec3::ZERO;
     };
@@ -65,7 +72,20 @@ pub fn color<K: Kernel>(
             }
         }
         FalseColor::Object => object_color(point.object),
+        FalseColor::Steps => unreachable!("they are known without a hit"),
     }
+}
+
+/// How many steps have the last colour of [`steps_color`].
+pub const MOST_STEPS: u64 = 255;
+
+/// The colour of that many steps, linear: black for none, then over red and yellow to white for [`MOST_STEPS`] and more. Equal factors
+/// are equally far apart: most rays take few steps, and some very many.
+#[must_use]
+pub fn steps_color(steps: u64) -> Vec3 {
+    let share = (steps as f32 + 1.0).log2() / (MOST_STEPS as f32 + 1.0).log2();
+    let heat = share.min(1.0) * 3.0;
+    Vec3::new(heat, heat - 1.0, heat - 2.0).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 /// A colour of its own for every object: hues a golden section apart are far from their neighbours.
@@ -83,6 +103,17 @@ fn object_color(object: usize) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn more_steps_are_brighter() {
+        assert_eq!(steps_color(0), Vec3::ZERO);
+        assert_eq!(steps_color(MOST_STEPS), Vec3::ONE);
+        assert_eq!(steps_color(u64::MAX), Vec3::ONE);
+        let sums: Vec<f32> = (0..=MOST_STEPS)
+            .map(|n| steps_color(n).element_sum())
+            .collect();
+        assert!(sums.windows(2).all(|pair| pair[0] < pair[1]));
+    }
 
     #[test]
     fn neighbouring_objects_differ_in_color() {

@@ -56,6 +56,7 @@ pub use bands::Bands;
 pub use camera::{CameraRay, PreparedCamera};
 pub use checkpoint::Checkpoint;
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
+pub use false_color::{MOST_STEPS, steps_color};
 pub use fault::{RenderFault, keep_panics_quiet, panic_message};
 pub(crate) use fresnel::fresnel;
 pub(crate) use geometry::is_nothing;

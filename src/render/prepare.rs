@@ -438,6 +438,7 @@ impl PreparedScene {
             Mode::Albedo => false_color(FalseColor::Albedo),
             Mode::Facing => false_color(FalseColor::Facing),
             Mode::Object => false_color(FalseColor::Object),
+            Mode::Steps => false_color(FalseColor::Steps),
             Mode::Direct | Mode::Path if !self.does(Feature::Light) => Gathered::nothing(),
             Mode::Direct => direct::gather::<K>(self, camera_ray, hit, sampler, tally),
             Mode::Path => path::gather::<K>(self, camera_ray, hit, sampler, tally),

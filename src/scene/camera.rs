@@ -31,6 +31,15 @@ impl Default for Camera {
     }
 }
 
+/// A camera to come back to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bookmark {
+    /// What people call it.
+    pub name: String,
+    /// The camera.
+    pub camera: Camera,
+}
+
 /// Smallest sine of the angle between view and up; below it, rounding alone would decide where right is.
 const SMALLEST_SINE: f64 = 1e-12;
 

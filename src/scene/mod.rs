@@ -25,7 +25,7 @@ use crate::geometry::TriangleMesh;
 use crate::math::DBounds;
 
 pub use background::{Background, ImageAxes};
-pub use camera::{Camera, CameraAxes};
+pub use camera::{Bookmark, Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
 pub use light::{Facing, Light};
 pub use material::{Material, Textures};
@@ -67,6 +67,8 @@ pub trait Choice: Copy + PartialEq + 'static {
 pub struct Scene {
     /// Where the picture is taken from.
     pub camera: Camera,
+    /// Cameras to come back to; no picture depends on them.
+    pub bookmarks: Vec<Bookmark>,
     /// What rays see that hit nothing.
     pub background: Background,
     /// Materials by name.

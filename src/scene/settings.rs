@@ -204,6 +204,9 @@ pub enum Mode {
     Facing,
     /// One colour per object.
     Object,
+    /// How much of the structure the ray from the eye visits, nodes and blocks of triangles together, by colours from black over red and
+    /// yellow to white at 255. Unlike all others, it depends on [`RenderSettings::accelerator`].
+    Steps,
 }
 
 impl Mode {
@@ -224,6 +227,7 @@ impl Choice for Mode {
         (Self::Albedo, "albedo"),
         (Self::Facing, "facing"),
         (Self::Object, "object"),
+        (Self::Steps, "steps"),
     ];
 }
 

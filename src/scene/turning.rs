@@ -26,10 +26,13 @@ impl Scene {
             }
         };
         let moved = |place: DVec3| center + turned(place - center);
-        let camera = &mut self.camera;
-        camera.eye = moved(camera.eye);
-        camera.target = moved(camera.target);
-        camera.up = turned(camera.up);
+        let bookmarks = self.bookmarks.iter_mut();
+        let bookmarks = bookmarks.map(|bookmark| &mut bookmark.camera);
+        for camera in bookmarks.chain([&mut self.camera]) {
+            camera.eye = moved(camera.eye);
+            camera.target = moved(camera.target);
+            camera.up = turned(camera.up);
+        }
         for light in &mut self.lights {
             light.move_to(moved(light.position()));
             if let Light::Disk { facing, .. } = light {
@@ -52,7 +55,7 @@ mod tests {
     use super::*;
     use crate::geometry::shapes;
     use crate::scene::presets::{UpAxis, light_and_frame};
-    use crate::scene::{Object, Rgb};
+    use crate::scene::{Bookmark, Object, Rgb};
     use std::sync::Arc;
 
     /// A ball off the origin under the preset's light and a disk.
@@ -74,11 +77,16 @@ mod tests {
     #[test]
     fn what_is_turned_is_the_scene_with_the_other_axis_up() {
         let mut scene = lit_ball(UpAxis::Z);
+        scene.bookmarks.push(Bookmark {
+            name: "front".into(),
+            camera: scene.camera,
+        });
         let original = scene.clone();
         scene.turn_surroundings().expect("can be measured");
         let y_up = lit_ball(UpAxis::Y);
         let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a} {b}");
         near(scene.camera.eye, y_up.camera.eye);
+        assert_eq!(scene.bookmarks[0].camera, scene.camera);
         assert_eq!(scene.camera.up, y_up.camera.up);
         assert_eq!(scene.background, y_up.background);
         for (turned, expected) in scene.lights.iter().zip(&y_up.lights) {

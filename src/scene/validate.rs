@@ -15,6 +15,9 @@ impl Scene {
     /// The first value that cannot be rendered, and what it may be.
     pub fn validate(&self) -> Result<(), SceneError> {
         check_camera(&self.camera)?;
+        for (index, bookmark) in self.bookmarks.iter().enumerate() {
+            check_camera(&bookmark.camera).map_err(|error| of_bookmark(error, index))?;
+        }
         check_background(&self.background)?;
         for (index, light) in self.lights.iter().enumerate() {
             check_light(index, light)?;
@@ -96,6 +99,22 @@ fn shown_vector(vector: &DVec3) -> String {
 
 /// What a channel may reflect in all, with a last digit to spare.
 const MOST_REFLECTANCE: f64 = 1.0 + 1e-9;
+
+/// What is wrong with a camera, said of that of a bookmark.
+fn of_bookmark(error: SceneError, index: usize) -> SceneError {
+    match error {
+        SceneError::BadValue {
+            key,
+            value,
+            expected,
+        } => SceneError::BadValue {
+            key: key.replacen("camera.", &format!("bookmarks.{index}."), 1),
+            value,
+            expected,
+        },
+        other => other,
+    }
+}
 
 fn check_camera(camera: &Camera) -> Result<(), SceneError> {
     let Camera {

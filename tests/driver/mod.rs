@@ -18,6 +18,9 @@ use raymini::scene::Scene;
 /// Longest wait for anything; machines differ, tests must not hang.
 pub const DEADLINE: Duration = Duration::from_mins(1);
 
+/// Where the side panel ends, above the status bar.
+const PANEL_BOTTOM: f32 = 765.0;
+
 /// A mesh of two pyramids.
 pub const MESH: &str = "OFF\n7 10 0\n\
     -1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n0 0 1.5\n3 0 0.5\n3 1 1\n\
@@ -276,6 +279,12 @@ pub fn set_samples(window: &mut Window, samples: u32) {
 
 /// Types a number into the field called `name`.
 pub fn set_number(window: &mut Window, name: &str, number: &str) {
+    // What a user scrolls to first.
+    let field = window.harness.get_by_label(name);
+    if field.rect().bottom() > PANEL_BOTTOM {
+        field.scroll_to_me();
+        window.harness.run_steps(30);
+    }
     window.harness.get_by_label(name).click();
     window.harness.run_steps(2);
     window

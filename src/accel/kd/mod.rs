@@ -15,12 +15,13 @@ mod walk;
 
 use super::Hit;
 use super::block::TriangleBlock;
+use super::boxes::{self, Cell, Division, LevelBoxes};
 use super::query::{AnyHit, NearestHit};
 use super::simd::{self, LANES};
 use crate::control::CancelToken;
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray};
-use node::{Node, packed, places};
+use node::{Node, NodeKind, packed, places};
 
 /// No tree has more planes above a leaf, so that the stack of a walk has a fixed size.
 const MAX_DEPTH: u32 = 48;
@@ -174,6 +175,33 @@ impl KdTree {
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// The cells below so many planes, and those that hold triangles and lie above; at most `most`.
+    pub(super) fn boxes_at(&self, depth: u32, most: usize) -> LevelBoxes {
+        let root = Cell {
+            node: 0,
+            bounds: self.bounds,
+        };
+        boxes::gather(root, (depth, most), |cell, parts| {
+            match self.nodes[cell.node].kind() {
+                NodeKind::Leaf { blocks } if blocks.is_empty() => Division::Empty,
+                NodeKind::Leaf { .. } => Division::Whole,
+                NodeKind::Interior {
+                    axis,
+                    position,
+                    children,
+                } => {
+                    let mut halves = [cell.bounds; 2];
+                    halves[0].max[axis] = position;
+                    halves[1].min[axis] = position;
+                    for (node, bounds) in (children..).zip(halves) {
+                        parts.push(Cell { node, bounds });
+                    }
+                    Division::Divided
+                }
+            }
+        })
     }
 
     /// Memory of nodes, leaves and the triangles' places in them.

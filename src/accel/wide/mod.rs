@@ -30,6 +30,7 @@ mod walk;
 
 use super::Hit;
 use super::block::TriangleBlock;
+use super::boxes::{self, Cell, Division, LevelBoxes};
 use super::fan::Fan;
 use super::packet::{Packet, PacketHits};
 use super::query::{AnyHit, NearestHit};
@@ -39,7 +40,7 @@ use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray, Vec3};
 use build::Job;
 use item::{Extent, Item};
-use node::{Child, Node};
+use node::{Child, ChildKind, Node};
 use rayon::prelude::*;
 use split::{CHUNK, folded};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -235,6 +236,27 @@ impl WideTree {
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// The boxes of nodes and leaves below so many nodes, and of leaves above; at most `most`.
+    pub(super) fn boxes_at(&self, depth: u32, most: usize) -> LevelBoxes {
+        let root = Cell {
+            node: self.root,
+            bounds: self.bounds,
+        };
+        boxes::gather(root, (depth, most), |cell, parts| match cell.node.kind() {
+            ChildKind::Leaf(blocks) if blocks.is_empty() => Division::Empty,
+            ChildKind::Leaf(_) => Division::Whole,
+            ChildKind::Node(index) => {
+                let node = &self.nodes[index];
+                let children = node.children.iter().enumerate();
+                parts.extend(children.map(|(lane, &child)| Cell {
+                    node: child,
+                    bounds: node.bounds(lane),
+                }));
+                Division::Divided
+            }
+        })
     }
 
     /// Memory of nodes, triangles and their places.

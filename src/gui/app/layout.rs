@@ -22,9 +22,10 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent, View};
 use crate::gui::viewport::{self, Viewport, ViewportScene};
 use crate::gui::zoom::Place;
-use crate::gui::{compare, error_colors, error_plot, inspector};
+use crate::gui::{compare, error_colors, error_plot, inspector, steps_legend};
 use crate::io;
 use crate::math::DBounds;
+use crate::scene::Mode;
 
 /// Time between two frames while a report is made and the user does nothing: rarely, as each frame takes time from what is measured.
 const REPORT_REFRESH: Duration = Duration::from_millis(500);
@@ -187,6 +188,7 @@ impl App {
                             structure,
                             costs: &self.costs,
                             balls: &mut self.balls,
+                            boxes: &mut self.boxes,
                             can_measure_costs,
                             commands,
                         };
@@ -235,6 +237,8 @@ impl App {
         } else {
             self.interact_ui(ui, frame, area);
         }
+        self.trace_asked_ray();
+        self.update_boxes();
         if !showing_picture {
             let scene = &self.document.scene;
             Viewport::markers_ui(ui, frame, scene, &self.selection);
@@ -252,6 +256,9 @@ impl App {
         }
         self.region.outline_ui(ui, frame, area, size);
         let picture = self.picture_on_screen();
+        if let Some(picture) = picture.filter(|p| p.scene.render.mode == Mode::Steps) {
+            steps_legend::legend_ui(ui, frame.intersect(area), &picture.scene.display);
+        }
         if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
             error_colors::legend_ui(ui, frame.intersect(area), scale);
         }

@@ -5,6 +5,7 @@
 //! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. Everything slow is a job;
 //! see [`super::jobs`] for how jobs and window talk.
 //!
+//! - `bookmarks`: cameras to come back to
 //! - `comparing`: the shown picture against another
 //! - `editing`: undoing, copying, removing
 //! - `keeping`: unsaved work and recent files on disk
@@ -19,9 +20,11 @@
 //! - `timing`: how long a render will take
 //! - `news`: what jobs have to say
 //! - `obeying`: what the user asks for by name
+//! - `tracing`: the rays of a pixel, and the structure they pass
 //! - `tools`: what the mouse does in the preview
 //! - `layout`: where everything is drawn
 
+mod bookmarks;
 mod comparing;
 mod editing;
 mod keeping;
@@ -38,11 +41,13 @@ mod saving;
 mod seeing;
 mod timing;
 mod tools;
+mod tracing;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use super::balls::Balls;
+use super::box_view::BoxView;
 use super::commands::Command;
 use super::compare::Comparison;
 use super::costs::CostState;
@@ -56,6 +61,7 @@ use super::jobs::{Jobs, Lane};
 use super::messages::Messages;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
+use super::ray_view::RayView;
 use super::region::RegionTool;
 use super::renders::{Freed, Renders};
 use super::report::ReportWindow;
@@ -140,6 +146,9 @@ pub struct App {
     costs: CostState,
     time: TimeState,
     balls: Balls,
+    /// The rays of the pixel that was clicked last.
+    rays: Option<RayView>,
+    boxes: BoxView,
     report: ReportWindow,
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
@@ -211,6 +220,8 @@ impl App {
             costs: CostState::default(),
             time: TimeState::default(),
             balls: Balls::default(),
+            rays: None,
+            boxes: BoxView::default(),
             report: ReportWindow::default(),
             waiting_report: None,
             loading: None,
@@ -379,6 +390,7 @@ impl App {
                 Phase::Ready
             },
             tool: self.viewport.tool,
+            has_bookmarks: !self.document.scene.bookmarks.is_empty(),
             is_live: self.is_live,
             can_pause: self.picture.as_ref().is_some_and(Picture::is_running),
             is_paused: self.is_paused(),

@@ -83,6 +83,7 @@ impl App {
             Event::HistogramMade(histogram) => self.brightness.histogram = Some(histogram),
             Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
             Event::BallRendered { material, image } => self.balls.put(ctx, material, image),
+            Event::Traced { wanted, result } => self.traced(*wanted, result),
             Event::Rendered { hash, stats } => self.rendered(hash, stats),
             Event::RenderFailed {
                 text,

@@ -47,6 +47,9 @@ impl App {
                 self.document.scene.camera = self.document.home;
                 self.view = View::Preview;
             }
+            Command::AddBookmark => self.add_bookmark(),
+            Command::NextBookmark => self.go_to_next_bookmark(1),
+            Command::PreviousBookmark => self.go_to_next_bookmark(-1),
             Command::TurnUp => {
                 if let Err(error) = self.document.scene.turn_surroundings() {
                     let title = "The other axis cannot be turned up";

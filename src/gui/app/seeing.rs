@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use egui::Ui;
 
 use super::App;
+use crate::accel::Visits;
 use crate::gui::document::same_geometry;
 use crate::gui::event::Event;
 use crate::gui::histogram::Histogram;
@@ -16,7 +17,7 @@ use crate::gui::pick;
 use crate::gui::picture::Picture;
 use crate::math::DVec2;
 use crate::render::Layer;
-use crate::scene::Display;
+use crate::scene::{Display, Scene};
 
 /// Time between two histograms of a picture that still changes.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -54,6 +55,16 @@ impl Source {
     }
 }
 
+/// The size of the picture of `scene`, and the middle of a pixel of it.
+fn middle_of(scene: &Scene, [x, y]: [u32; 2]) -> (PictureSize, DVec2) {
+    let size = PictureSize {
+        width: scene.render.width.into(),
+        height: scene.render.height.into(),
+    };
+    let position = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    (size, position)
+}
+
 impl App {
     /// Takes note of what the picture on the screen holds under the mouse.
     pub(super) fn inspect_ui(&mut self, ui: &Ui) {
@@ -77,24 +88,32 @@ impl App {
             values,
             other: other.map(|values| values.linear),
             surface: self.surface_at(picture, pixel),
+            visits: self.visits_at(picture, pixel),
+        })
+    }
+
+    /// What the ray through the middle of a pixel of `picture` visits, where the structure is still that it was made with.
+    fn visits_at(&self, picture: &Picture, pixel: [u32; 2]) -> Option<Visits> {
+        // Before the structure is there, every triangle is looked at.
+        let state = self.prepared.as_ref().filter(|_| self.is_prepared())?;
+        let scene = &picture.scene;
+        same_geometry(&state.scene, scene).then(|| {
+            let (size, position) = middle_of(scene, pixel);
+            let geometry = &state.placed.geometry;
+            pick::visits(geometry, &scene.camera, &scene.render, size, position)
         })
     }
 
     /// The surface in the middle of a pixel of `picture`, where the triangles are still those it was made of.
-    fn surface_at(&self, picture: &Picture, [x, y]: [u32; 2]) -> Option<Surface> {
+    fn surface_at(&self, picture: &Picture, pixel: [u32; 2]) -> Option<Surface> {
         let state = self.prepared.as_ref()?;
         let scene = &picture.scene;
         if !same_geometry(&state.scene, scene) {
             return None;
         }
-        let settings = &scene.render;
-        let size = PictureSize {
-            width: settings.width.into(),
-            height: settings.height.into(),
-        };
-        let position = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let (size, position) = middle_of(scene, pixel);
         let geometry = &state.placed.geometry;
-        let picked = pick::pick(geometry, &scene.camera, settings, size, position)?;
+        let picked = pick::pick(geometry, &scene.camera, &scene.render, size, position)?;
         let object = scene.objects.get(picked.object)?;
         let name = if object.name.is_empty() {
             format!("object {}", picked.object + 1)

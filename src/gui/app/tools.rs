@@ -41,8 +41,19 @@ impl App {
             }
         }
         let is_free = !egui::Popup::is_any_open(ctx) && !ctx.egui_wants_keyboard_input();
-        if self.viewport.tool == Tool::Focus && is_free && pressed(Key::Escape) {
+        if !is_free {
+            return;
+        }
+        let is_asking = matches!(self.viewport.tool, Tool::Focus | Tool::Rays);
+        if is_asking && pressed(Key::Escape) {
             self.viewport.tool = Tool::Select;
+        }
+        if self.viewport.tool == Tool::Rays {
+            for (key, step) in [(Key::Comma, -1), (Key::Period, 1)] {
+                if pressed(key) {
+                    self.trace_other_sample(step);
+                }
+            }
         }
     }
 
@@ -55,9 +66,14 @@ impl App {
             let pointer = pointer.filter(|&place| visible.contains(place));
             let part = (&self.selection, self.selected_center());
             self.viewport.handles_ui(ui, frame, scene, part, pointer);
+            if let Some(rays) = self.rays.as_ref().filter(|_| self.shows_rays()) {
+                rays.rays_ui(ui, frame, &scene.camera);
+            }
+            self.boxes.boxes_ui(ui, frame, &scene.camera);
         }
         let lines = match self.viewport.tool {
             Tool::Select => Vec::new(),
+            Tool::Rays => self.ray_words(),
             Tool::Focus => focus::in_words(scene, self.viewport.depth_under_mouse()),
             tool => self.handle_words(tool),
         };

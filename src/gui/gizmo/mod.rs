@@ -218,7 +218,7 @@ impl HandleDrag {
             Tool::Move => self.moved(&camera, size, to, snap),
             Tool::Rotate => self.rotated(&camera, size, to, snap),
             Tool::Scale => self.scaled(&camera, size, to, snap),
-            Tool::Select | Tool::Focus => None,
+            Tool::Select | Tool::Focus | Tool::Rays => None,
         };
         // Where the mouse points at nothing that can be said, the part stays where it is.
         if let Some(motion) = motion {

@@ -92,7 +92,7 @@ impl Viewed<'_> {
             return Vec::new();
         };
         match tool {
-            Tool::Select | Tool::Focus => Vec::new(),
+            Tool::Select | Tool::Focus | Tool::Rays => Vec::new(),
             Tool::Move => {
                 let disk = circle(middle, DISK_RADIUS);
                 let mut shapes = vec![Shape {

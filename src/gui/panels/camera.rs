@@ -10,13 +10,61 @@ pub fn camera_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     let length_speed = state.length_speed();
     lens_and_place_ui(ui, &mut state.scene.camera, length_speed);
     ui.add_space(4.0);
-    command_button_ui(
-        ui,
-        state,
-        "Pick focus",
-        Command::FocusTool,
-        "Click what is to be sharp, in the preview or the picture  (D)",
-    );
+    ui.horizontal(|ui| {
+        for (name, command, tooltip) in [
+            (
+                "Pick focus",
+                Command::FocusTool,
+                "Click what is to be sharp, in the preview or the picture  (D)",
+            ),
+            (
+                "Add bookmark",
+                Command::AddBookmark,
+                "Remember the camera as it is now; the scene file keeps it  (B)",
+            ),
+        ] {
+            command_button_ui(ui, state, name, command, tooltip);
+        }
+    });
+    bookmarks_ui(ui, state);
+}
+
+/// Cameras to come back to.
+fn bookmarks_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let scene = &mut *state.scene;
+    let mut removed = None;
+    for (index, bookmark) in scene.bookmarks.iter_mut().enumerate() {
+        let number = index + 1;
+        ui.horizontal(|ui| {
+            let field = egui::TextEdit::singleline(&mut bookmark.name).desired_width(112.0);
+            ui.add(field)
+                .accessible_name(format!("Name of bookmark {number}"));
+            let is_here = bookmark.camera == scene.camera;
+            let go = ui
+                .add(egui::Button::selectable(is_here, "Go"))
+                .accessible_name(format!("Go to bookmark {number}"))
+                .on_hover_text("Look from here  (N goes through all)");
+            if go.clicked() {
+                scene.camera = bookmark.camera;
+            }
+            let set = ui
+                .add_enabled(!is_here, egui::Button::new("Set"))
+                .accessible_name(format!("Set bookmark {number}"))
+                .on_hover_text("Remember the camera as it is now in place of this one");
+            if set.clicked() {
+                bookmark.camera = scene.camera;
+            }
+            let remove = ui
+                .button("Remove")
+                .accessible_name(format!("Remove bookmark {number}"));
+            if remove.clicked() {
+                removed = Some(index);
+            }
+        });
+    }
+    if let Some(index) = removed {
+        scene.bookmarks.remove(index);
+    }
 }
 
 /// Where the camera stands and what its lens is. `length_speed`: change of a length per point of dragging.

@@ -17,6 +17,7 @@ pub(super) use background::with_image;
 pub(super) use settings::StructureInUse;
 
 use super::balls::Balls;
+use super::box_view::BoxView;
 use super::commands::Command;
 use super::costs::CostState;
 use super::histogram::Histogram;
@@ -51,6 +52,8 @@ pub struct PanelState<'a> {
     pub structure: Option<StructureInUse>,
     /// What materials look like.
     pub balls: &'a mut Balls,
+    /// The boxes of the structure that the preview shows.
+    pub boxes: &'a mut BoxView,
     /// What effects cost.
     pub costs: &'a CostState,
     /// Whether that can be measured now.
@@ -84,6 +87,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     section_ui(ui, title, true, |ui| properties_ui(ui, state));
     section_ui(ui, "Image", true, |ui| {
         settings::image_ui(ui, state);
+        state.boxes.choice_ui(ui);
     });
     section_ui(ui, "Effects", true, |ui| {
         settings::effects_ui(ui, &mut state.scene.render);

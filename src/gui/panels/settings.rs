@@ -531,5 +531,6 @@ fn mode_name(mode: Mode) -> &'static str {
         Mode::Albedo => "Reflectance",
         Mode::Facing => "Front and back sides",
         Mode::Object => "Objects by colour",
+        Mode::Steps => "Steps through the structure",
     }
 }

@@ -272,7 +272,8 @@ fn mode_number(mode: Mode) -> u32 {
         Mode::Albedo => 3,
         Mode::Facing => 4,
         Mode::Object => 5,
-        Mode::Ao => 6,
+        // The preview knows no structure either.
+        Mode::Ao | Mode::Steps => 6,
     }
 }
 

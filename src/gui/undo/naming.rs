@@ -21,6 +21,10 @@ fn added_or_removed(before: &Scene, after: &Scene) -> Option<String> {
     if let Some((verb, index)) = one_more_or_less(&before.lights, &after.lights) {
         return Some(format!("{verb} light {}", index + 1));
     }
+    if let Some((verb, index)) = one_more_or_less(&before.bookmarks, &after.bookmarks) {
+        let scene = if verb == "adding" { after } else { before };
+        return Some(format!("{verb} bookmark {}", scene.bookmarks[index].name));
+    }
     let only_in = |a: &Scene, b: &Scene| {
         let mut names = a.materials.keys();
         names.find(|name| !b.materials.contains_key(*name)).cloned()
@@ -116,6 +120,7 @@ fn setting_change(before: &Scene, after: &Scene) -> &'static str {
                     before.background != after.background,
                     "changing the background",
                 ),
+                (before.bookmarks != after.bookmarks, "changing a bookmark"),
                 (a.exposure != b.exposure, "changing the exposure"),
                 (a.tone_curve != b.tone_curve, "changing the tone curve"),
                 (c.png_bits != d.png_bits, "changing the depth of PNG files"),

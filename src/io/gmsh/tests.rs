@@ -1,3 +1,5 @@
+use std::fmt::Write as _;
+
 use super::*;
 use crate::geometry::shapes;
 use crate::io::mesh_reading::trials::{self, CUBE, FILLINGS, area_and_volume};
@@ -39,7 +41,8 @@ fn version_four(filling: &[[u32; 4]]) -> String {
     text += "$Nodes\n2 9 3 83\n1 5 1 1\n3\n0 0 0 0.5\n3 1 0 8\n";
     text.extend((1..9).map(|index| format!("{}\n", number(index))));
     text.extend(CUBE[1..].iter().map(|[x, y, z]| format!("{x} {y} {z}\n")));
-    text += &format!(
+    let _ = write!(
+        text,
         "$EndNodes\n$Elements\n2 {} 1 99\n1 5 1 1\n1 3 13\n3 1 4 {}\n",
         filling.len() + 1,
         filling.len()

@@ -72,10 +72,7 @@ fn sections_of_other_kinds_are_passed_over() {
         plain
             .replace("Vertices", "\nVERTICES # all\n")
             .replace("Dimension 3", "dimension\n3"),
-        format!(
-            "{}Edges 2\n1 2 0\n2 3 0\nNormals\n1\n0 0 1e0\nEnd\nwhat is this",
-            plain
-        ),
+        format!("{plain}Edges 2\n1 2 0\n2 3 0\nNormals\n1\n0 0 1e0\nEnd\nwhat is this"),
         plain.replace("Triangles", "Corners\n1\n1\nRidges 0\nTriangles"),
         plain.replace('\n', "\r\n"),
     ] {

@@ -3,8 +3,8 @@
 use super::keys::{Allowed, Keys};
 use crate::math::{DVec3, Degrees};
 use crate::scene::{
-    Background, Camera, Choice, Copies, Display, Facing, Light, Material, Object, Output, PngBits,
-    RenderSettings, Rgb, Scene, Stop,
+    Background, Bookmark, Camera, Choice, Copies, Display, Facing, Light, Material, Object, Output,
+    PngBits, RenderSettings, Rgb, Scene, Stop,
 };
 
 /// The whole file. `scene` holds the defaults when reading.
@@ -17,10 +17,16 @@ pub fn scene(keys: &mut Keys<'_>, scene: &mut Scene) {
     keys.map("materials", &mut scene.materials, material);
     keys.list("objects", &mut scene.objects, object);
     keys.list("lights", &mut scene.lights, light);
+    keys.list("bookmarks", &mut scene.bookmarks, bookmark);
     keys.record("render", |keys| render(keys, &mut scene.render));
     keys.record("display", |keys| display(keys, &mut scene.display));
     keys.record("output", |keys| output(keys, &mut scene.output));
     keys.finish();
+}
+
+fn bookmark(keys: &mut Keys<'_>, bookmark: &mut Bookmark) {
+    keys.text("name", &mut bookmark.name);
+    camera(keys, &mut bookmark.camera);
 }
 
 fn camera(keys: &mut Keys<'_>, camera: &mut Camera) {

@@ -43,6 +43,18 @@ fn every_key_round_trips() {
             aperture_radius: 0.05,
             focus_distance: Some(6.5),
         },
+        bookmarks: vec![
+            crate::scene::Bookmark {
+                name: "from \"above\"".into(),
+                camera: crate::scene::Camera {
+                    eye: DVec3::Z * 7.5,
+                    target: DVec3::X,
+                    focus_distance: Some(f64::INFINITY),
+                    ..crate::scene::Camera::default()
+                },
+            },
+            crate::scene::Bookmark::default(),
+        ],
         background: Background::Gradient {
             zenith: DVec3::new(0.1, 0.2, 0.3),
             horizon: DVec3::ONE,
@@ -627,4 +639,23 @@ fn a_material_of_any_name_is_written_so_that_it_can_be_read() {
         (changed.render.width, changed.materials),
         (7, scene.materials)
     );
+}
+
+/// A camera to come back to is checked like the camera, and named where it is wrong.
+#[test]
+fn bookmarks_are_cameras_with_names() {
+    let scene = parse("[[bookmarks]]\nname = \"side\"\neye = [9, 0, 1]\n").unwrap();
+    assert_eq!(scene.bookmarks[0].name, "side");
+    assert_eq!(scene.bookmarks[0].camera.eye, DVec3::new(9.0, 0.0, 1.0));
+    assert!(!write(&Scene::default()).contains("bookmarks"));
+    for (text, expected) in [
+        ("[[bookmarks]]\nfov = 4\n", "fov"),
+        (
+            "[[bookmarks]]\n[[bookmarks]]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n",
+            "bookmarks.1.target",
+        ),
+    ] {
+        let error = parse(text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
 }
