@@ -294,6 +294,38 @@ fn several_meshes_open_as_one_scene() {
 }
 
 #[test]
+fn a_mesh_of_several_materials_opens_and_is_added_in_parts() {
+    let files = Files::new();
+    let materials = "newmtl wood\nKd 0.6 0.4 0.2\nnewmtl chrome\nKd 0\nKs 0.9\nillum 3\n";
+    files.write("chair.mtl", materials);
+    let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let faces = "usemtl wood\nf 1 2 3\nusemtl chrome\nf 1 3 4\n";
+    let chair = files.write("chair.obj", &format!("mtllib chair.mtl\n{vertices}{faces}"));
+    let parts = |window: &Window| -> Vec<(String, Option<String>)> {
+        let objects = window.scene().objects.iter();
+        objects
+            .map(|object| (object.name.clone(), object.material.clone()))
+            .collect()
+    };
+    let expected = ["wood", "chrome"].map(|name| (name.to_owned(), Some(name.to_owned())));
+    assert_eq!(parts(&Window::open(&chair)), expected);
+
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Add light");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&chair);
+    window.click("Add to scene");
+    window.until("the parts are added", |app| {
+        app.document().scene.objects.len() == 3
+    });
+    assert_eq!(parts(&window)[1..], expected);
+    assert_eq!(window.scene().materials["chrome"].kind(), "mirror");
+    // It stands in a scene with Z up.
+    assert_eq!(window.scene().objects[1].rotate.x, 90.0);
+    window.settle();
+}
+
+#[test]
 fn framing_and_resetting_the_camera() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
