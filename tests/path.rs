@@ -313,7 +313,7 @@ fn what_max_bounces_cuts_off_is_counted() {
     let (all, none) = (8 * 8 * 4, 0);
     // After one bounce the light of the background is met: nothing is missing.
     let cases = [
-        (Mode::Direct, mirror, [all, none]),
+        (Mode::Direct, mirror.clone(), [all, none]),
         (Mode::Direct, diffuse(0.5), [all, none]),
         (Mode::Path, mirror, [all, none]),
         (Mode::Path, diffuse(0.5), [all, none]),
@@ -322,7 +322,7 @@ fn what_max_bounces_cuts_off_is_counted() {
     ];
     for (mode, material, counts) in cases {
         scene.render.mode = mode;
-        scene.materials.insert("wall".into(), material);
+        scene.materials.insert("wall".into(), material.clone());
         for (max_bounces, count) in (0..).zip(counts) {
             scene.render.max_bounces = max_bounces;
             let stats = run(&scene).stats;
