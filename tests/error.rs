@@ -69,7 +69,7 @@ fn room() -> Scene {
         ("left", -DVec3::X, DVec3::Y, DVec3::Z),
         ("right", DVec3::X, DVec3::Y, DVec3::Z),
     ] {
-        add(&mut scene, name, rectangle(center, u, v), white);
+        add(&mut scene, name, rectangle(center, u, v), white.clone());
     }
     let mirror = Material::Mirror {
         reflectance: Rgb::splat(0.9),

@@ -246,7 +246,7 @@ fn parallel_mirrors_multiply_their_reflectance() {
         &mut scene,
         "left",
         rectangle(DVec3::new(0.0, 0.0, 5.0), DVec3::Y, DVec3::Z * 4.6),
-        mirror,
+        mirror.clone(),
     );
     add(
         &mut scene,

@@ -87,7 +87,7 @@ fn a_smooth_mirror_has_no_black_silhouette() {
     let cube = shapes::cuboid(DVec3::splat(-0.6), DVec3::splat(0.6));
     for mesh in [shapes::icosphere(0), shapes::icosphere(2), cube] {
         for mode in [Mode::Direct, Mode::Path] {
-            let mut scene = smooth(mesh.clone(), mirror);
+            let mut scene = smooth(mesh.clone(), mirror.clone());
             scene.render.mode = mode;
             scene.render.max_bounces = 1;
             scene.render.samples_per_pixel = 8;

@@ -161,7 +161,9 @@ fn a_checker_far_away_fades_to_its_mean() {
         *position *= 200.0;
     }
     let coordinates = floor.texture_coordinates.as_mut().expect("some");
-    coordinates.iter_mut().for_each(|uv| *uv *= 200.0);
+    for uv in coordinates {
+        *uv *= 200.0;
+    }
     let mut scene = seen_from_above(floor, textured(1.0, diffuse_image("checker")), SIDE);
     // The smallest checker, enlarged so that its edges are sharp.
     let texel = |index: usize| {
@@ -322,9 +324,10 @@ fn an_even_image_of_normals_changes_no_bit() {
 /// mirrored, turned, and on an object that is turned itself.
 #[test]
 fn a_tilted_normal_is_lit_by_its_cosine() {
+    type Placed = fn(DVec2) -> DVec2;
+
     let tilted = Vec3::new(0.48, -0.36, 0.8);
     let light = DVec3::new(0.7, 0.4, 2.0);
-    type Placed = fn(DVec2) -> DVec2;
     // The image's axes in the plane of the square.
     let cases: [(Placed, [DVec3; 2]); 4] = [
         (|uv| uv, [DVec3::X, DVec3::Y]),
@@ -339,7 +342,9 @@ fn a_tilted_normal_is_lit_by_its_cosine() {
         for (from_below, turn) in [(false, 0.0), (true, 0.0), (false, 90.0)] {
             let mut mesh = square();
             let coordinates = mesh.texture_coordinates.as_mut().expect("some");
-            coordinates.iter_mut().for_each(|uv| *uv = placed(*uv));
+            for uv in coordinates {
+                *uv = placed(*uv);
+            }
             let mut scene = seen_from_above(mesh, textured(0.6, normal_image("tilt")), 8);
             set_normal(&mut scene, "tilt", tilted);
             scene.render.mode = Mode::Direct;
@@ -389,9 +394,9 @@ fn images_of_normals_turn_nothing_where_coordinates_are_degenerate() {
         set_normal(&mut scene, "tilt", Vec3::new(0.6, 0.0, 0.8));
         let mesh = Arc::make_mut(scene.meshes.get_mut("mesh").expect("is there"));
         let coordinates = mesh.texture_coordinates.as_mut().expect("some");
-        coordinates
-            .iter_mut()
-            .for_each(|uv| *uv *= DVec2::new(line, 0.0));
+        for uv in coordinates {
+            *uv *= DVec2::new(line, 0.0);
+        }
         picture(&scene).hash()
     };
     for line in [0.0, 1.0] {
