@@ -276,10 +276,12 @@ fn turns(process: u32) -> u64 {
     threads.filter_map(turns_of).sum()
 }
 
-/// With a mesh open and nobody at the mouse, no thread of the program's wakes: not once in five seconds.
+/// With a mesh open and nobody at the mouse, one thread of the program's wakes, once a second, to look whether files have changed: no frame
+/// is drawn, which would take dozens of turns.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_idle_window_uses_no_processor() {
+    const SECONDS: u64 = 5;
     let folder = tempfile::tempdir().unwrap();
     let scene = write_scene(folder.path(), 4);
     let display = Display::start();
@@ -287,8 +289,9 @@ fn an_idle_window_uses_no_processor() {
     let process = window.process.0.id();
     wait_for("the window to be idle", || {
         let before = turns(process);
-        std::thread::sleep(Duration::from_secs(5));
-        (turns(process) == before).then_some(())
+        std::thread::sleep(Duration::from_secs(SECONDS));
+        // A look may be cut in two by another program.
+        (turns(process) <= before + 2 * SECONDS).then_some(())
     });
     window.quit();
 }
