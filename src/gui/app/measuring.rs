@@ -9,10 +9,12 @@ use crate::gui::worker;
 use crate::scene::Scene;
 
 impl App {
-    /// Has balls of materials rendered that are missing. Not while something is measured: it would take time from that.
+    /// Has balls of materials rendered that are missing. Not before the scene can be drawn and rendered, and not while something is
+    /// measured: it would take time from that.
     pub(super) fn update_balls(&mut self) {
-        let is_measuring = self.report.is_running() || self.is_measuring_costs();
-        let is_free = !is_measuring && !self.jobs.is_busy(Lane::Balls);
+        let is_measuring =
+            self.report.is_running() || self.is_measuring_costs() || self.is_estimating_time();
+        let is_free = !is_measuring && !self.is_settling() && !self.jobs.is_busy(Lane::Balls);
         if let Some(request) = self.balls.next_request().filter(|_| is_free) {
             self.jobs.start(Lane::Balls, move |job| request.render(job));
         }
