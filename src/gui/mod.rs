@@ -22,7 +22,7 @@
 //! - [`watching`]: files that change while they are open
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
-//! - [`bench`]: how quick the window is, measured in a real one
+//! - [`mod@bench`]: how quick the window is, measured in a real one
 //! - `start`: opening the window, and words for when it does not open
 
 pub mod app;
