@@ -297,9 +297,7 @@ fn describe(path: &Path, facts: &Facts) -> String {
             &picture.warnings
         }
     };
-    for warning in warnings {
-        lines.add("warning", warning);
-    }
+    lines.add_all("warning", warnings, String::clone);
     lines.0.join("\n")
 }
 

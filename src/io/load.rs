@@ -129,7 +129,8 @@ pub fn load_scenes(
     }
 }
 
-/// Loads the scene file at `path` again, whose scene was `known`: meshes and images that it had are kept as they are, and not read.
+/// Loads the scene file at `path` again, whose scene was `known`: meshes, images and textures that it had are kept as they are, and not
+/// read.
 /// `None` when cancelled.
 ///
 /// # Errors
@@ -146,6 +147,7 @@ pub fn reload_scene(
     let mut file = SceneFile::parse(&text, &name)?;
     file.scene.meshes.clone_from(&known.meshes);
     file.scene.images.clone_from(&known.images);
+    file.scene.textures.clone_from(&known.textures);
     let mut loaded = load_file(&file, path, cancel, &Progress::new())?;
     if let Some(LoadedScene { scene, .. }) = &mut loaded {
         let objects = &scene.objects;
@@ -156,6 +158,8 @@ pub fn reload_scene(
         scene.images.retain(
             |name, _| matches!(background, Background::Image { image, .. } if image == name),
         );
+        let textures = scene.texture_names();
+        scene.textures.retain(|name, _| textures.contains(name));
     }
     Ok(loaded)
 }
@@ -429,6 +433,11 @@ fn load_meshes(
         files[number].1.push(index);
     }
     for (name, objects) in files {
+        let mut meshes = objects.iter().map(|&index| &scene.objects[index].mesh);
+        if meshes.all(|mesh| scene.meshes.contains_key(mesh)) {
+            progress.advance(work_of(&name) * objects.len() as u64);
+            continue;
+        }
         let error_at = |index: usize, error: MeshError| {
             file.error_at(&format!("objects.{index}.mesh"), error.to_string())
         };
@@ -486,6 +495,10 @@ fn load_textures(
 ) -> Result<bool, LoadError> {
     let mut loader = TextureLoader::default();
     for image in scene.texture_names() {
+        if scene.textures.contains_key(&image) {
+            progress.advance(work_of(&image));
+            continue;
+        }
         let loaded = loader
             .load(&image, work_of(&image), cancel, progress)
             .map_err(|error| {
@@ -536,7 +549,8 @@ fn outside_warning(path: &str, folder: &Path) -> Option<String> {
     // Everything lies in the root.
     let is_folder = |folder: &&Path| folder.parent().is_some();
     let around = folder.parent().filter(is_folder).unwrap_or(&folder);
-    let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    let (file, _) = file_and_part(path);
+    let real = std::fs::canonicalize(file).unwrap_or_else(|_| file.into());
     let outside = !real.starts_with(around);
     outside.then(|| {
         format!(

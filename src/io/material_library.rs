@@ -45,7 +45,8 @@ pub fn load_libraries(
             match read_bounded_file(&file, expected, MOST_BYTES, cancel, &Progress::new()) {
                 Ok(None) => return None,
                 Ok(Some(bytes)) => {
-                    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+                    let name = name.replace('\\', "/");
+                    let folder = Path::new(&name).parent().unwrap_or(Path::new(""));
                     take(&file, folder, &bytes, &mut definitions, warnings, cancel)?;
                 }
                 Err(reason) => warnings.push(format!("{} is left out: {reason}", at())),

@@ -97,6 +97,16 @@ pub fn write_model(
                 .file_name()
                 .map(|name| name.to_string_lossy().into_owned());
             if has_materials {
+                // Another file of that name is not the one that was asked for.
+                if library.exists() && !path.exists() {
+                    return Err(WriteError::Unfit {
+                        path: path.to_owned(),
+                        reason: format!(
+                            "its materials go to {}, which is there already",
+                            library.display()
+                        ),
+                    });
+                }
                 let materials = || {
                     scene
                         .materials

@@ -28,7 +28,7 @@ mod write;
 mod tests;
 
 pub use material::MtlMaterial;
-pub use write::write;
+pub use write::{plain, write};
 
 use std::collections::HashMap;
 

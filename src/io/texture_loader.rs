@@ -28,6 +28,9 @@ impl TextureLoader {
         cancel: &CancelToken,
         progress: &Progress,
     ) -> Result<Option<TextureFile>, RadianceError> {
+        if cancel.is_cancelled() {
+            return Ok(None);
+        }
         let (file, Some(part)) = file_and_part(name) else {
             return load_texture(Path::new(name), cancel, progress);
         };

@@ -70,7 +70,7 @@ impl Default for KdParameters {
             min_gain: 0.05,
             halved_above: 64,
             halvings: 3,
-            reference_budget: 4.0,
+            reference_budget: 5.5,
         }
     }
 }

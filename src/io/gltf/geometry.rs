@@ -214,11 +214,7 @@ impl<'a, 'd> MeshReader<'a, 'd> {
         let first = u32::try_from(all.positions.len() + count)
             .map(|end| end - u32::try_from(count).unwrap_or(end))
             .map_err(|_| Malformed::at(place, "fewer than 2^32 vertices", "more"))?;
-        let mut taken = if is_alone {
-            Vec::new()
-        } else {
-            vec![NONE; count]
-        };
+        let mut taken = Taken::new(if is_alone { 0 } else { count }, corners);
         if is_alone {
             for vertex in 0..count {
                 all.push(&source, vertex, &mut self.notes, place)?;
@@ -255,11 +251,12 @@ impl<'a, 'd> MeshReader<'a, 'd> {
                 let number = if is_alone {
                     first + found
                 } else {
-                    let taken = &mut taken[found as usize];
-                    if *taken == NONE {
-                        *taken = all.push(&source, found as usize, &mut self.notes, place)?;
+                    let known = taken.get(found);
+                    if known.is_none() {
+                        let new = all.push(&source, found as usize, &mut self.notes, place)?;
+                        taken.set(found, new);
                     }
-                    *taken
+                    taken.get(found).unwrap_or(NONE)
                 };
                 face.push(number);
             }
@@ -323,6 +320,40 @@ impl<'a, 'd> MeshReader<'a, 'd> {
 
 /// Stands for no vertex.
 const NONE: u32 = u32::MAX;
+
+/// Which numbers the vertices got that were taken so far.
+enum Taken {
+    All(Vec<u32>),
+    /// Where few of very many are: room for all would be made again for each primitive that shares them.
+    Few(HashMap<u32, u32>),
+}
+
+impl Taken {
+    /// None so far, of `count` vertices for so many `corners`.
+    fn new(count: usize, corners: usize) -> Self {
+        if corners < count {
+            Self::Few(HashMap::new())
+        } else {
+            Self::All(vec![NONE; count])
+        }
+    }
+
+    fn get(&self, vertex: u32) -> Option<u32> {
+        match self {
+            Self::All(numbers) => Some(numbers[vertex as usize]).filter(|&number| number != NONE),
+            Self::Few(numbers) => numbers.get(&vertex).copied(),
+        }
+    }
+
+    fn set(&mut self, vertex: u32, number: u32) {
+        match self {
+            Self::All(numbers) => numbers[vertex as usize] = number,
+            Self::Few(numbers) => {
+                numbers.insert(vertex, number);
+            }
+        }
+    }
+}
 
 /// The elements of an accessor, which are those read last where it is the same.
 fn recent<const N: usize>(
@@ -428,7 +459,7 @@ impl Vertices {
             let color = colors[vertex];
             self.colors.resize(number, Vec3::ONE);
             self.colors.push(if color.is_finite() {
-                color.max(Vec3::ZERO)
+                color.clamp(Vec3::ZERO, Vec3::ONE)
             } else {
                 Vec3::ONE
             });

@@ -2,7 +2,7 @@
 
 use super::accessor::{Data, beyond};
 use super::container;
-use super::document::{Document, Index, TextureInfo};
+use super::document::{Document, Image, Index, TextureInfo};
 use super::uri::{self, Uri};
 use super::{Load, buffers};
 use crate::io::mesh_reading::{List, Malformed, Place};
@@ -60,10 +60,15 @@ pub fn image_of(
         );
         return None;
     };
-    match image.uri.as_deref().map(uri::without_data) {
-        Some(Some(name)) => Some(ImageName::File(name.into_owned())),
-        _ => Some(ImageName::Within(format!("{PREFIX}{number}"))),
+    if let Some(Some(name)) = image.uri.as_deref().map(uri::without_data) {
+        return Some(ImageName::File(name.into_owned()));
     }
+    // However often a file says that it is an image, it is one.
+    let is_same = |other: &Image| other.uri == image.uri && other.buffer_view == image.buffer_view;
+    let first = document.images.iter().position(is_same);
+    let first = first.and_then(|first| u32::try_from(first).ok());
+    let number = first.unwrap_or(number);
+    Some(ImageName::Within(format!("{PREFIX}{number}")))
 }
 
 /// The bytes of the image of number `index` in the file whose bytes these are. `load` gives the bytes of other files; `None` when

@@ -24,7 +24,8 @@ const DARKEST: f64 = 1e-6;
 /// (Fisher & Woo 1994, R.E versus N.H Specular Highlights).
 #[must_use]
 pub fn shininess_of(roughness: f64) -> f64 {
-    let alpha_squared = roughness.powi(4);
+    let alpha = roughness * roughness;
+    let alpha_squared = alpha * alpha;
     ((1.0 / alpha_squared - 1.0) / 2.0).clamp(0.0, MOST_SHININESS)
 }
 
@@ -42,8 +43,9 @@ pub fn roughness_of(shininess: f64) -> f64 {
 /// 2. Glass, where at least half of the light is let through (`KHR_materials_transmission`): of the index of `KHR_materials_ior`, and
 ///    fading as `KHR_materials_volume` says: −ln(colour) / distance.
 /// 3. A mirror of reflectance B, where m is at least 0.5 and r below 0.05.
-/// 4. Phong: what is reflected at right angles, F = (1 − m) · 0.04 · specular + m · B, is its specular reflectance, and
-///    B · (1 − m) · (1 − F) its diffuse one, as the specification (appendix B) has it; the exponent is that of [`shininess_of`] r.
+/// 4. Phong: what is reflected at right angles, P = 0.04 · specular of what is no metal and B of what is, is its specular reflectance,
+///    (1 − m) · P + m · B, and B · (1 − m) · (1 − P) its diffuse one, as the specification (appendix B) has it; the exponent is that of
+///    [`shininess_of`] r.
 ///
 /// `textures` vary a material of Phong. Where m and r come from an image, the material is taken for no metal of the roughness that it states. What is changed or left
 /// out, `remarks` say of the material called `name`.

@@ -155,7 +155,7 @@ impl Affine {
     pub fn as_object(&self) -> Option<Object> {
         let columns = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis];
         let lengths = columns.map(DVec3::length);
-        let size = (lengths[0] * lengths[1] * lengths[2]).cbrt();
+        let size = libm::cbrt(lengths[0] * lengths[1] * lengths[2]);
         if !size.is_finite() || size <= f64::MIN_POSITIVE {
             return None;
         }

@@ -13,7 +13,7 @@ pub fn write<'a>(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     for (name, material) in materials {
-        writeln!(out, "newmtl {name}")?;
+        writeln!(out, "newmtl {}", plain(name))?;
         match material {
             Material::Phong {
                 diffuse,
@@ -45,4 +45,18 @@ pub fn write<'a>(
 fn colors(out: &mut dyn Write, diffuse: Rgb, specular: Rgb) -> io::Result<()> {
     writeln!(out, "Kd {}", Decimals(&diffuse.to_array()))?;
     writeln!(out, "Ks {}", Decimals(&specular.to_array()))
+}
+
+/// `name` as a statement can hold it: on one line, without what begins a comment.
+#[must_use]
+pub fn plain(name: &str) -> String {
+    let is_plain = |letter: char| !letter.is_control() && letter != '#';
+    let plain: String = name
+        .chars()
+        .map(|letter| if is_plain(letter) { letter } else { '_' })
+        .collect();
+    match plain.trim() {
+        "" => "_".to_owned(),
+        trimmed => trimmed.to_owned(),
+    }
 }

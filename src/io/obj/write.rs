@@ -1,5 +1,6 @@
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_writing::{Decimals, encoded};
+use crate::io::mtl;
 use std::io::{self, Write};
 
 /// Writes a mesh as the text of an OBJ file, with normals, texture coordinates and colours where it has any.
@@ -45,7 +46,7 @@ pub fn write_parts(
     let (has_texture, has_normal) = (mesh.texture_coordinates.is_some(), mesh.normals.is_some());
     for (index, triangle) in mesh.triangles.iter().enumerate() {
         while let Some((_, name)) = materials.next_if(|(first, _)| *first <= index) {
-            writeln!(out, "usemtl {name}")?;
+            writeln!(out, "usemtl {}", mtl::plain(name))?;
         }
         write!(out, "f")?;
         for corner in triangle.map(|vertex| u64::from(vertex) + 1) {
