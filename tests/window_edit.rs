@@ -51,7 +51,7 @@ fn everything_is_undone_step_by_step_and_done_again() {
     window.click("Select pyramid");
     set_number(&mut window, "Scale", "1.5");
     step(&mut window, &mut states, &mut names);
-    window.click("New material");
+    window.operate("New material");
     step(&mut window, &mut states, &mut names);
     window.press(Modifiers::NONE, Key::Delete);
     step(&mut window, &mut states, &mut names);
@@ -178,7 +178,7 @@ fn parts_are_copied_pasted_duplicated_and_removed() {
     window.harness.run_steps(2);
     assert_eq!(window.scene().objects[2].name, "pyramid 3");
     window.press(Modifiers::NONE, Key::Delete);
-    window.click("Remove object");
+    window.operate("Remove object");
     assert_eq!(window.scene().objects.len(), 1);
     assert!(window.has("Scale"), "a neighbour is selected");
 
