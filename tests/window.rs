@@ -4,7 +4,7 @@
 
 mod driver;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -405,19 +405,6 @@ fn a_lights_marker_moves_the_light() {
     );
 }
 
-#[derive(Debug)]
-struct Dropped(PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        Err("the window reads by path".to_owned())
-    }
-}
-
 /// A small image of all directions.
 fn write_image(path: &Path) {
     let pixel = |i: u8| image::Rgb([f32::from(i), 2.0, 30.0 - f32::from(i)]);
@@ -434,8 +421,7 @@ fn a_dropped_image_becomes_the_background() {
     let mut window = Window::open(&files.path("room.toml"));
     let sky = files.path("sky.hdr");
     write_image(&sky);
-    let dropped = std::sync::Arc::new(Dropped(sky));
-    window.harness.input_mut().dropped_files.push(dropped);
+    window.drop_file(sky);
     window.until("the image is there", |app| {
         matches!(app.document().scene.background, Background::Image { .. })
     });
@@ -485,8 +471,7 @@ fn an_image_that_cannot_be_read_gets_a_banner_and_the_background_stays() {
 fn dropped_files_open() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
-    let dropped = std::sync::Arc::new(Dropped(files.path("pyramid.off")));
-    window.harness.input_mut().dropped_files.push(dropped);
+    window.drop_file(files.path("pyramid.off"));
     window.harness.step();
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
     window.settle();

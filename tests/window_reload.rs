@@ -5,7 +5,9 @@ mod driver;
 
 use driver::{Files, MESH, SCENE, Window, library_hash, load};
 use egui::{Key, Modifiers};
-use raymini::scene::Scene;
+use raymini::gui::jobs::Lane;
+use raymini::math::DVec3;
+use raymini::scene::{Light, Scene};
 
 /// A mesh of one triangle.
 const TRIANGLE: &str = "OFF\n3 1 0\n0 0 0\n2 0 0\n0 0 2\n3 0 1 2\n";
@@ -117,4 +119,63 @@ fn a_scene_file_that_changes_is_read_again_where_nothing_is_lost_and_asked_about
     }
     assert!(!window.app().asks_to_reload());
     assert_eq!(window.scene().lights.len(), 3);
+}
+
+/// What is edited while a changed scene file is being read is not lost without a question.
+#[test]
+fn an_edit_made_while_the_scene_file_is_read_is_asked_about() {
+    let files = Files::new();
+    let mut window = watched(&files, "room.toml");
+    files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "7, 9, 9"));
+    while !window.app().works_in(Lane::Reload) {
+        window.harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let scene = &mut window.harness.state_mut().document_mut().scene;
+    scene.lights.push(Light::Point {
+        position: DVec3::ONE,
+        intensity: DVec3::ONE,
+    });
+    let edited = scene.clone();
+    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    assert_eq!(window.scene(), &edited);
+    window.click("Read it again");
+    window.until("the file's light is there", |app| {
+        app.document().scene.lights[0].emission().x == 7.0
+    });
+    assert_eq!(window.scene(), &load(&files.path("room.toml")));
+    assert!(!window.app().asks_to_reload());
+}
+
+/// Images of materials are read again as meshes are, in every step to undo.
+#[test]
+fn an_image_of_a_material_that_changes_is_read_again() {
+    let files = Files::new();
+    let paint = |color: [u8; 3]| {
+        let image = image::RgbImage::from_pixel(2, 2, image::Rgb(color));
+        image.save(files.path("paint.png")).unwrap();
+    };
+    paint([200, 10, 10]);
+    let painted = SCENE.replace(
+        "[[objects]]",
+        "diffuse_image = \"paint.png\"\n\n[[objects]]",
+    );
+    files.write("room.toml", &painted);
+    let mut window = watched(&files, "room.toml");
+    window.operate("Add light");
+    let texels = |scene: &Scene| {
+        let image = scene.textures.values().next().expect("an image");
+        image.texels().clone()
+    };
+    let before = texels(window.scene());
+    paint([10, 200, 10]);
+    window.until("the paint is another", |app| {
+        texels(&app.document().scene) != before
+    });
+    let expected = load(&files.path("room.toml"));
+    assert_eq!(texels(window.scene()), texels(&expected));
+    assert_eq!(window.scene().lights.len(), 2, "the edit is still there");
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(texels(window.scene()), texels(&expected));
+    assert!(!window.app().document().is_modified());
 }

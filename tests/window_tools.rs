@@ -139,6 +139,89 @@ fn a_drag_is_constrained_by_keys_and_cancelled() {
     assert_eq!(next_undo(&window), None);
 }
 
+/// Takes hold of the pyramid with the tool that moves, and carries it a little.
+fn carry_pyramid(window: &mut Window) -> Pos2 {
+    window.click("Select pyramid");
+    window.press(Modifiers::NONE, Key::G);
+    let from = window.on_screen(MIDDLE);
+    window.harness.hover_at(from);
+    window.harness.run_steps(1);
+    button(window, from, true);
+    let mut at = from;
+    for _ in 0..3 {
+        at += Vec2::new(20.0, -15.0);
+        window.harness.hover_at(at);
+        window.harness.run_steps(1);
+    }
+    at
+}
+
+/// While something is held, keys are about that alone.
+#[test]
+fn no_command_disturbs_what_is_held() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.operate("Add light");
+    let before = window.scene().clone();
+    let at = carry_pyramid(&mut window);
+    assert_ne!(window.scene().objects, before.objects);
+    for (modifiers, key) in [
+        (Modifiers::NONE, Key::Delete),
+        (Modifiers::NONE, Key::B),
+        (Modifiers::COMMAND, Key::D),
+        (Modifiers::COMMAND, Key::Y),
+        (Modifiers::NONE, Key::R),
+    ] {
+        window.press(modifiers, key);
+        assert_eq!(window.scene().objects.len(), 1, "{key:?}");
+        assert_eq!(window.scene().lights, before.lights, "{key:?}");
+        assert!(!window.app().region().is_drawing);
+    }
+    // With Ctrl, which snaps, the letters are axes and no commands.
+    window.press(Modifiers::COMMAND, Key::Z);
+    let along = window.scene().objects[0].translate;
+    assert!(along.x == 0.0 && along.y == 0.0 && along.z > 0.3, "{along}");
+    window.harness.event(Event::Cut);
+    window.harness.run_steps(2);
+    let along = window.scene().objects[0].translate;
+    assert!(
+        along.x != 0.0 && along.y == 0.0 && along.z == 0.0,
+        "{along}"
+    );
+    button(&mut window, at, false);
+    window.harness.run_steps(2);
+    assert_eq!(next_undo(&window).as_deref(), Some("moving pyramid"));
+    undo(&mut window);
+    assert_eq!(window.scene(), &before);
+    window.settle();
+}
+
+/// A scene that arrives while something of the scene before is held stays as it is in its file.
+#[test]
+fn what_is_held_is_let_go_of_when_another_scene_arrives() {
+    let files = Files::new();
+    let other = driver::SCENE.replace("mesh = ", "translate = [0.0, 5.0, 0.0]\nmesh = ");
+    let other = files.write("other.toml", &other);
+    let mut window = Window::open(&files.path("room.toml"));
+    let at = carry_pyramid(&mut window);
+    window.drop_file(other.clone());
+    window.harness.run_steps(3);
+    window.operate("Replace");
+    window.until("the other scene is there", |app| {
+        app.document().name() == "other"
+    });
+    for step in 1..=3_u8 {
+        window
+            .harness
+            .hover_at(at + Vec2::splat(12.0) * f32::from(step));
+        window.harness.run_steps(1);
+    }
+    button(&mut window, at, false);
+    window.harness.run_steps(2);
+    assert_eq!(window.scene(), &driver::load(&other));
+    window.settle();
+}
+
 #[test]
 fn lights_and_what_they_aim_at_are_moved() {
     let files = Files::new();

@@ -41,6 +41,8 @@ pub struct Balls {
     shown: BTreeMap<String, TextureHandle>,
     /// What was asked for since the last request.
     missing: Vec<Material>,
+    /// What a job was asked for that it has not made yet.
+    requested: Vec<Material>,
     /// What all balls share, once there was one.
     prepared: Arc<std::sync::OnceLock<PreparedScene>>,
 }
@@ -79,6 +81,7 @@ impl Balls {
     pub fn next_request(&mut self) -> Option<BallRequest> {
         let mut materials = std::mem::take(&mut self.missing);
         materials.truncate(MOST_AT_ONCE);
+        self.requested.clone_from(&materials);
         (!materials.is_empty()).then(|| BallRequest {
             materials,
             prepared: Arc::clone(&self.prepared),
@@ -88,13 +91,25 @@ impl Balls {
     /// Takes in what a job made.
     pub fn put(&mut self, ctx: &egui::Context, material: Material, image: Option<ColorImage>) {
         let texture = image.map(|image| ctx.load_texture(BALL, image, TextureOptions::LINEAR));
+        self.requested.retain(|requested| *requested != material);
+        self.learn(material, texture);
+        if self.shown.len() > MOST {
+            self.shown.clear();
+        }
+    }
+
+    /// The job ended by a fault: what it has not made is not asked for again, which would end the same way.
+    pub fn give_up(&mut self) {
+        for material in std::mem::take(&mut self.requested) {
+            self.learn(material, None);
+        }
+    }
+
+    fn learn(&mut self, material: Material, texture: Option<TextureHandle>) {
         if self.known.len() == MOST {
             self.known.remove(0);
         }
         self.known.push((material, texture));
-        if self.shown.len() > MOST {
-            self.shown.clear();
-        }
     }
 }
 
@@ -310,6 +325,22 @@ mod tests {
         let width = row.iter().filter(|pixel| bright(pixel)).count() as f32;
         let share = width / side as f32;
         assert!((share - SHARE).abs() < 0.04, "{share}");
+    }
+
+    #[test]
+    fn what_a_job_failed_at_is_not_asked_for_again() {
+        let mut balls = Balls::default();
+        let materials = [Material::mirror(), Material::default()];
+        for material in &materials {
+            balls.texture(None, material);
+        }
+        assert_eq!(balls.next_request().unwrap().materials, materials);
+        let image = ColorImage::filled([2, 2], egui::Color32::RED);
+        balls.put(&egui::Context::default(), Material::mirror(), Some(image));
+        balls.give_up();
+        let textures = materials.map(|material| balls.texture(None, &material));
+        assert!(textures[0].is_some() && textures[1].is_none());
+        assert!(balls.next_request().is_none());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::selection::Selection;
 use super::undo::{Snapshot, UndoHistory};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Camera, RadianceMap, Scene};
+use crate::scene::{Camera, RadianceMap, Scene, TextureImage};
 
 /// A scene, the file it belongs to, and its last saved state.
 #[derive(Clone, Debug)]
@@ -103,26 +103,17 @@ impl Document {
 
     /// Puts `mesh` in place of that called `name`, in every step to undo too: its file is another one now.
     pub fn replace_mesh(&mut self, name: &str, mesh: &Arc<TriangleMesh>) {
-        let Some(old) = self.scene.meshes.get(name).cloned() else {
-            return;
-        };
-        self.change_all(|scene| {
-            if let Some(there) = scene.meshes.get_mut(name).filter(|m| Arc::ptr_eq(m, &old)) {
-                there.clone_from(mesh);
-            }
-        });
+        self.change_all(|scene| replace(&mut scene.meshes, name, mesh));
     }
 
     /// [`Document::replace_mesh`], of an image.
     pub fn replace_image(&mut self, name: &str, image: &Arc<RadianceMap>) {
-        let Some(old) = self.scene.images.get(name).cloned() else {
-            return;
-        };
-        self.change_all(|scene| {
-            if let Some(there) = scene.images.get_mut(name).filter(|i| Arc::ptr_eq(i, &old)) {
-                there.clone_from(image);
-            }
-        });
+        self.change_all(|scene| replace(&mut scene.images, name, image));
+    }
+
+    /// [`Document::replace_mesh`], of an image of materials.
+    pub fn replace_texture(&mut self, name: &str, image: &Arc<TextureImage>) {
+        self.change_all(|scene| replace(&mut scene.textures, name, image));
     }
 
     /// Changes the scene, as it is, was saved and ever was.
@@ -173,20 +164,27 @@ pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
         && a.render == b.render
         && a.display == b.display
         && a.output == b.output
-        && same_meshes(&a.meshes, &b.meshes)
+        && same_shared(&a.meshes, &b.meshes)
+        && same_shared(&a.textures, &b.textures)
         && same_image(a, b)
 }
 
 /// Whether two scenes make the same linear picture: display and file format do not count.
 #[must_use]
 pub fn same_picture(a: &Scene, b: &Scene) -> bool {
-    a.camera == b.camera
-        && a.background == b.background
+    a.camera == b.camera && same_picture_but_camera(a, b)
+}
+
+/// [`same_picture`], wherever the camera is.
+#[must_use]
+pub fn same_picture_but_camera(a: &Scene, b: &Scene) -> bool {
+    a.background == b.background
         && a.materials == b.materials
         && a.objects == b.objects
         && a.lights == b.lights
         && a.render == b.render
-        && same_meshes(&a.meshes, &b.meshes)
+        && same_shared(&a.meshes, &b.meshes)
+        && same_shared(&a.textures, &b.textures)
         && same_image(a, b)
 }
 
@@ -209,7 +207,7 @@ pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
             .zip(&b.objects)
             .all(|(x, y)| x.mesh == y.mesh)
         && (0..a.objects.len()).all(|index| shape(a, index) == shape(b, index))
-        && same_meshes(&a.meshes, &b.meshes)
+        && same_shared(&a.meshes, &b.meshes)
 }
 
 /// Whether two scenes have the same image as background, or none. Images are compared by identity.
@@ -219,10 +217,15 @@ pub fn same_image(a: &Scene, b: &Scene) -> bool {
     image(a) == image(b)
 }
 
-fn same_meshes(
-    a: &BTreeMap<String, Arc<TriangleMesh>>,
-    b: &BTreeMap<String, Arc<TriangleMesh>>,
-) -> bool {
+/// Puts `new` in place of what is called `name`, where there is such a thing.
+fn replace<T>(things: &mut BTreeMap<String, Arc<T>>, name: &str, new: &Arc<T>) {
+    if let Some(there) = things.get_mut(name) {
+        there.clone_from(new);
+    }
+}
+
+/// Whether both hold the same things under the same names, by identity.
+fn same_shared<T>(a: &BTreeMap<String, Arc<T>>, b: &BTreeMap<String, Arc<T>>) -> bool {
     a.len() == b.len()
         && a.iter()
             .zip(b)
@@ -242,7 +245,7 @@ pub fn name_of(path: &Path) -> String {
 mod tests {
     use super::*;
     use crate::math::DVec3;
-    use crate::scene::{Light, Object};
+    use crate::scene::{Light, Object, Texels};
 
     fn scene() -> Scene {
         Scene {
@@ -299,6 +302,37 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_changed_is_new_also_in_steps_that_alone_have_it() {
+        let mut document = Document::new(scene(), "room".into(), Some("room.toml".into()));
+        document.scene.objects.clear();
+        document.scene.meshes.clear();
+        document.record_edit(&Selection::Camera);
+        let mesh = Arc::new(TriangleMesh::default());
+        document.replace_mesh("a", &mesh);
+        assert!(document.scene.meshes.is_empty());
+        document.undo();
+        assert!(Arc::ptr_eq(&document.scene.meshes["a"], &mesh));
+        assert!(!document.is_modified());
+    }
+
+    #[test]
+    fn another_image_of_a_material_makes_another_picture() {
+        let image = |value| {
+            let texels = Texels::Bytes(vec![[value; 3]]);
+            Arc::new(TextureImage::new(1, 1, texels))
+        };
+        let mut before = scene();
+        before.textures.insert("paint".into(), image(9));
+        let mut after = before.clone();
+        assert!(same_picture(&before, &after) && same_scene(&before, &after));
+        after.textures.insert("paint".into(), image(200));
+        assert!(!same_picture(&before, &after) && !same_but_camera(&before, &after));
+        let mut document = Document::new(before, "room".into(), Some("room.toml".into()));
+        document.replace_texture("paint", &after.textures["paint"]);
+        assert!(same_scene(&document.scene, &after) && !document.is_modified());
+    }
+
+    #[test]
     fn reading_the_file_again_can_be_undone_and_leaves_the_view() {
         let mut document = Document::new(scene(), "room".into(), Some("room.toml".into()));
         document.scene.lights.push(light());
@@ -346,5 +380,7 @@ mod tests {
         let mut brighter = before.clone();
         brighter.display.exposure = 1.0;
         assert!(same_picture(&before, &brighter) && !same_scene(&before, &brighter));
+        brighter.camera.eye.x += 1.0;
+        assert!(!same_picture(&before, &brighter) && same_picture_but_camera(&before, &brighter));
     }
 }

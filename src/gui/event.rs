@@ -29,6 +29,8 @@ pub enum Reloaded {
     Meshes(ReadAgain),
     /// An image.
     Image(RadianceFile),
+    /// Images of materials, by their names.
+    Textures(Vec<(String, TextureFile)>),
     /// A scene.
     Scene(Box<LoadedScene>),
 }

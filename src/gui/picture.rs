@@ -59,7 +59,7 @@ pub struct Picture {
     /// From the click to the first tile on its way to the screen.
     pub first_tile: Option<Duration>,
     hold: Hold,
-    /// What was edited while the render was paused, and that it goes on without.
+    /// What was edited since it began, and that it is not to be made anew for.
     passed_over: Option<(Scene, Part)>,
     /// What is known of its error, oldest first.
     errors: Vec<ErrorPoint>,
@@ -184,8 +184,13 @@ impl Picture {
 
     /// Goes on with a paused render. Whatever was edited meanwhile, up to `scene` and `part`, does not start it anew.
     pub fn resume(&mut self, scene: &Scene, part: Part) {
-        self.passed_over = Some((scene.clone(), part));
+        self.pass_over(scene, part);
         self.throttle().allow(usize::MAX);
+    }
+
+    /// Takes note that nobody wants it anew for what was edited since it began, up to `scene` and `part`.
+    pub fn pass_over(&mut self, scene: &Scene, part: Part) {
+        self.passed_over = Some((scene.clone(), part));
     }
 
     /// Whether it is paused.
@@ -194,7 +199,7 @@ impl Picture {
         self.is_running() && self.throttle().is_paused()
     }
 
-    /// What was edited while the render was paused, and that it goes on without.
+    /// What was edited since it began, and that it is not to be made anew for.
     #[must_use]
     pub fn passed_over(&self) -> Option<(&Scene, Part)> {
         let (scene, part) = self.passed_over.as_ref()?;

@@ -15,8 +15,17 @@ pub struct RegionTool {
     chosen: Option<Part>,
     /// Whether the mouse draws one.
     pub is_drawing: bool,
-    /// Where a drag began that is going on, as edges of pixels.
-    from: Option<[u32; 2]>,
+    /// The drag that is going on.
+    drag: Option<Drag>,
+}
+
+/// A region that is being drawn.
+#[derive(Clone, Copy, Debug)]
+struct Drag {
+    /// Where it began, as edges of pixels.
+    from: [u32; 2],
+    /// What was chosen before.
+    before: Option<Part>,
 }
 
 impl RegionTool {
@@ -43,6 +52,23 @@ impl RegionTool {
         *self = Self::default();
     }
 
+    /// Takes the tool that draws, or puts it away.
+    pub fn toggle_drawing(&mut self) {
+        if self.is_drawing {
+            self.stop();
+        } else {
+            self.is_drawing = true;
+        }
+    }
+
+    /// Puts the tool away that draws. What a drag has drawn that goes on is as it was before.
+    pub fn stop(&mut self) {
+        self.is_drawing = false;
+        if let Some(drag) = self.drag.take() {
+            self.chosen = drag.before;
+        }
+    }
+
     /// Lets the mouse draw the region of a picture of the size `of` that is in `frame`, whatever part of it `visible` is. A click
     /// clears it.
     pub fn draw_ui(&mut self, ui: &Ui, frame: Rect, visible: Rect, of: [u32; 2]) {
@@ -60,16 +86,22 @@ impl RegionTool {
         }
         if response.drag_started() {
             let origin = ui.input(|input| input.pointer.press_origin());
-            self.from = origin.map(|origin| Part::edge_at(origin, frame, of));
+            self.drag = origin.map(|origin| Drag {
+                from: Part::edge_at(origin, frame, of),
+                before: self.chosen,
+            });
         }
-        if let (Some(from), Some(position)) = (self.from, response.interact_pointer_pos()) {
+        if let (Some(drag), Some(position)) = (self.drag, response.interact_pointer_pos()) {
             let to = Part::edge_at(position, frame, of);
-            self.chosen = Part::between(from, to, of).filter(|part| !part.is_whole());
+            self.chosen = Part::between(drag.from, to, of).filter(|part| !part.is_whole());
         }
         if response.drag_stopped() {
-            // One drag is one region; the mouse is free again.
-            self.is_drawing = false;
-            self.from = None;
+            let is_released = ui.input(|input| input.pointer.any_released());
+            // One drag is one region; the mouse is free again. Where Esc ends it, the command that goes with the key puts the tool away.
+            match self.drag.take() {
+                Some(drag) if !is_released => self.chosen = drag.before,
+                _ => self.is_drawing = false,
+            }
         }
     }
 
@@ -119,7 +151,7 @@ impl RegionTool {
                     .on_hover_text("Draw it with the mouse, over the preview or the picture; a click clears it  (B)");
                 let draw = draw.accessible_name("Draw region");
                 if draw.clicked() {
-                    self.is_drawing = !self.is_drawing;
+                    self.toggle_drawing();
                 }
                 let clear = ui
                     .add_enabled(self.is_chosen(), egui::Button::new("Clear"))
@@ -133,7 +165,12 @@ impl RegionTool {
             },
         );
         if let Some(chosen) = self.chosen {
-            self.choose(numbers_ui(ui, chosen.scaled_to(of)));
+            let shown = chosen.scaled_to(of);
+            let typed = numbers_ui(ui, shown);
+            // At another size it is rounded; what was chosen stays until another is, or sizes that are gone through would wear it down.
+            if typed != shown {
+                self.choose(typed);
+            }
         }
     }
 }

@@ -83,6 +83,8 @@ pub struct ViewportScene<'a> {
     pub selection: &'a mut Selection,
     /// For picking; `None` until the scene is prepared.
     pub geometry: Option<&'a PreparedGeometry>,
+    /// Whether `geometry` has its tree. Before, picking looks at every triangle, which is too slow for every frame.
+    pub is_quick: bool,
     /// The world box of the objects.
     pub bounds: DBounds,
     /// What the selected object turns about, in its own coordinates.
@@ -166,6 +168,7 @@ impl Viewport {
     fn focus_ui(&mut self, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
         let place = response.hover_pos().or(response.interact_pointer_pos());
         let size = picture_size(frame);
+        let place = place.filter(|_| view.is_quick || response.clicked());
         let seen = place.and_then(|place| seen_at(view, size, in_frame(frame, place)));
         self.depth = seen.and_then(|seen| orbit::depth_of(&view.scene.camera, seen.point));
         if response.clicked()
@@ -203,6 +206,19 @@ impl Viewport {
         if let Some(held) = self.held.take() {
             held.cancel(scene);
         }
+        self.drag = Drag::None;
+    }
+
+    /// Whether an object or a light, or what that is turned towards, is held. It is known by its place in the scene, so nothing else may
+    /// change what is there.
+    #[must_use]
+    pub fn is_part_held(&self) -> bool {
+        self.is_handle_held() || matches!(self.drag, Drag::Light { .. })
+    }
+
+    /// Lets go of whatever is held and leaves it where it is; the mouse moves nothing until it is pressed again.
+    pub fn release(&mut self) {
+        self.held = None;
         self.drag = Drag::None;
     }
 
@@ -348,8 +364,7 @@ impl Viewport {
             };
         }
         if !response.dragged() {
-            self.drag = Drag::None;
-            self.held = None;
+            self.release();
             return;
         }
         let Some(position) = response.interact_pointer_pos() else {

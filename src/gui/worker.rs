@@ -116,23 +116,30 @@ pub fn reload(job: &Job<Event>, stale: Stale, known: Scene) {
     let (path, progress) = (stale.path(), Progress::new());
     let result = match &stale {
         Stale::Meshes(_) => {
-            let names = known.meshes.keys();
-            let names: Vec<String> = names
-                .filter(|name| Path::new(io::file_and_part(name).0) == path)
-                .cloned()
-                .collect();
+            let names = names_in(path, known.meshes.keys());
             unless_cancelled(io::load_again(path, &names, &job.cancel))
                 .map(|result| result.map(Reloaded::Meshes))
         }
         Stale::Image(_) => unless_cancelled(io::load_image(path, &job.cancel, &progress))
             .map(|result| result.map(Reloaded::Image)),
-        Stale::Scene(_) => unless_cancelled(io::reload_scene(path, &known, &job.cancel))
+        Stale::Textures(_) => {
+            let names = names_in(path, known.textures.keys());
+            unless_cancelled(io::load_textures_again(&names, &job.cancel))
+                .map(|result| result.map(Reloaded::Textures))
+        }
+        Stale::Scene { .. } => unless_cancelled(io::reload_scene(path, &known, &job.cancel))
             .map(|result| result.map(|loaded| Reloaded::Scene(Box::new(loaded)))),
     };
     drop(known);
     if let Some(result) = result {
         job.send(Event::Reloaded { stale, result });
     }
+}
+
+/// Those of `names` that are in the file at `path`.
+fn names_in<'a>(path: &Path, names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let names = names.filter(|name| Path::new(io::file_and_part(name).0) == path);
+    names.cloned().collect()
 }
 
 /// Prepares `scene`, keeping what is the same of what was placed and prepared before. It is told of twice: when it can be drawn, and when

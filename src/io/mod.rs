@@ -72,4 +72,5 @@ pub use scene_paths::{
 pub use texture_file::{
     TEXTURE_EXTENSIONS, TEXTURE_FORMATS, TextureFile, load_texture, parse_texture,
 };
+pub use texture_loader::load_textures_again;
 pub use whole_file::open_file;

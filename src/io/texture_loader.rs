@@ -16,6 +16,25 @@ pub struct TextureLoader {
     file: Option<(String, Vec<u8>)>,
 }
 
+/// Loads images again by their names. `None` when cancelled.
+///
+/// # Errors
+/// As [`TextureLoader::load`], of the first that cannot be loaded.
+pub fn load_textures_again(
+    names: &[String],
+    cancel: &CancelToken,
+) -> Result<Option<Vec<(String, TextureFile)>>, RadianceError> {
+    let mut loader = TextureLoader::default();
+    let mut loaded = Vec::new();
+    for name in names {
+        let Some(file) = loader.load(name, 0, cancel, &Progress::new())? else {
+            return Ok(None);
+        };
+        loaded.push((name.clone(), file));
+    }
+    Ok(Some(loaded))
+}
+
 impl TextureLoader {
     /// Loads the image called `name`; `work`: by how much `progress` advances then. `None` when cancelled.
     ///

@@ -75,6 +75,20 @@ impl Files {
     }
 }
 
+/// A file that hangs over the window and is let go of.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("the window reads by path".to_owned())
+    }
+}
+
 /// The window under test.
 pub struct Window {
     pub harness: Harness<'static, App>,
@@ -224,6 +238,12 @@ impl Window {
         }
         self.harness.event(press(to, false));
         self.harness.run_steps(2);
+    }
+
+    /// Drops a file on the window, which reads it from the next frame on.
+    pub fn drop_file(&mut self, path: PathBuf) {
+        let dropped = std::sync::Arc::new(Dropped(path));
+        self.harness.input_mut().dropped_files.push(dropped);
     }
 
     pub fn render(&mut self) {

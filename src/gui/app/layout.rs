@@ -221,6 +221,7 @@ impl App {
         }
         viewport::backdrop_ui(ui, area, frame);
         if self.document.scene.objects.is_empty() {
+            self.viewport.release();
             self.empty_ui(ui, area);
             hovered_files_ui(ui, area);
             return;
@@ -233,6 +234,7 @@ impl App {
             self.picture_ui(ui, frame, area);
         }
         if self.region.is_drawing {
+            self.viewport.release();
             self.region.draw_ui(ui, frame, area, size);
         } else {
             self.interact_ui(ui, frame, area);
@@ -352,6 +354,7 @@ impl App {
         });
         let bounds = self.bounds();
         let center = self.selected_center();
+        let is_quick = self.is_prepared();
         let geometry = self
             .prepared
             .as_ref()
@@ -360,6 +363,7 @@ impl App {
             scene: &mut self.document.scene,
             selection: &mut self.selection,
             geometry,
+            is_quick,
             bounds,
             center,
             picture,

@@ -120,6 +120,7 @@ impl App {
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,
+            Lane::Balls => self.balls.give_up(),
             _ => {}
         }
         let text =

@@ -17,6 +17,9 @@ impl App {
         if !self.top_bar_state().allows(command) && command != Command::Cancel {
             return;
         }
+        if self.viewport.is_part_held() && command != Command::Cancel {
+            return;
+        }
         self.document.record_edit(&self.selection);
         if self.carry_out_edit(ctx, command) {
             return;
@@ -72,7 +75,7 @@ impl App {
             Command::Render => self.ask_for_render(),
             Command::ToggleLive => self.toggle_live(),
             Command::TogglePause => self.toggle_pause(),
-            Command::DrawRegion => self.region.is_drawing = !self.region.is_drawing,
+            Command::DrawRegion => self.region.toggle_drawing(),
             Command::ClearRegion => self.region.clear(),
             Command::Cancel => self.cancel(),
             Command::EstimateTime => self.estimate_time(),
@@ -94,9 +97,10 @@ impl App {
     /// Puts the tool away that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
     fn cancel(&mut self) {
         if self.region.is_drawing {
-            self.region.is_drawing = false;
+            self.region.stop();
         } else if self.is_rendering() {
             self.cancel_render();
+            self.pass_over_edits();
         } else if self.report.is_running() {
             self.cancel_report();
         } else if self.is_measuring_costs() {

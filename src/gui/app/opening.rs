@@ -61,7 +61,10 @@ impl App {
         let scene = &self.document.scene;
         let material = match &self.selection {
             Selection::Material(name) => Some(name.clone()),
-            Selection::Object(index) => scene.objects[*index].material.clone(),
+            Selection::Object(index) => scene
+                .objects
+                .get(*index)
+                .and_then(|object| object.material.clone()),
             _ => None,
         };
         let Some(material) = material else {
@@ -157,8 +160,10 @@ impl App {
         self.jobs.cancel(Lane::Render);
         self.jobs.cancel(Lane::Encode);
         self.jobs.cancel(Lane::Reload);
-        self.reloading.stale.clear();
-        self.reloading.asks = false;
+        self.jobs.cancel(Lane::Trace);
+        self.reloading.forget();
+        self.viewport.release();
+        self.rays = None;
         self.messages.clear();
         self.messages.news("");
         self.document = document;

@@ -11,13 +11,12 @@ use std::sync::Arc;
 use egui::{Frame, Margin, RichText, Ui};
 
 use super::App;
-use crate::gui::document::name_of;
+use crate::gui::document::{Document, name_of};
 use crate::gui::event::Reloaded;
 use crate::gui::jobs::Lane;
 use crate::gui::watching::{self, FileWatch};
 use crate::gui::worker;
 use crate::io::{self, LoadedScene, ReadAgain};
-use crate::scene::Scene;
 
 /// What is read again.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,15 +25,25 @@ pub enum Stale {
     Meshes(PathBuf),
     /// An image of the background.
     Image(PathBuf),
+    /// The images of materials that are in a file.
+    Textures(PathBuf),
     /// The scene file.
-    Scene(PathBuf),
+    Scene {
+        /// It.
+        path: PathBuf,
+        /// Whether the user wants it in place of unsaved work.
+        is_wanted: bool,
+    },
 }
 
 impl Stale {
     /// Its file.
     #[must_use]
     pub fn path(&self) -> &Path {
-        let (Self::Meshes(path) | Self::Image(path) | Self::Scene(path)) = self;
+        let (Self::Meshes(path)
+        | Self::Image(path)
+        | Self::Textures(path)
+        | Self::Scene { path, .. }) = self;
         path
     }
 
@@ -57,28 +66,77 @@ pub struct Reloading {
     pub(super) watch: FileWatch,
     /// What was not read again yet.
     pub(super) stale: VecDeque<Stale>,
+    /// What is being read again.
+    reading: Option<Stale>,
+    /// What the watched files were found from.
+    sources: Sources,
     /// Whether the scene file has changed beside unsaved work.
     pub(super) asks: bool,
 }
 
-/// The files that `scene` was read from, but for its own, each once.
-fn parts_of(scene: &Scene) -> BTreeSet<&Path> {
-    let meshes = scene.meshes.keys().map(|name| io::file_and_part(name).0);
-    let names = meshes.chain(scene.images.keys().map(String::as_str));
-    let paths = names.map(Path::new);
-    paths.filter(|path| path.is_absolute()).collect()
+impl Reloading {
+    /// Forgets what was to be read again.
+    pub(super) fn forget(&mut self) {
+        self.stale.clear();
+        self.reading = None;
+        self.asks = false;
+    }
+}
+
+/// A scene's file and the names of what was read for it. They change seldom; to find the files that they are in takes looking at disks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Sources {
+    own: Option<PathBuf>,
+    meshes: Vec<String>,
+    images: Vec<String>,
+    textures: Vec<String>,
+}
+
+impl Sources {
+    fn of(document: &Document) -> Self {
+        let scene = &document.scene;
+        Self {
+            own: document.path().map(Path::to_owned),
+            meshes: scene.meshes.keys().cloned().collect(),
+            images: scene.images.keys().cloned().collect(),
+            textures: scene.textures.keys().cloned().collect(),
+        }
+    }
+
+    /// Whether they are still those of `document`.
+    fn are_of(&self, document: &Document) -> bool {
+        let scene = &document.scene;
+        self.own.as_deref() == document.path()
+            && self.meshes.iter().eq(scene.meshes.keys())
+            && self.images.iter().eq(scene.images.keys())
+            && self.textures.iter().eq(scene.textures.keys())
+    }
+
+    /// The files, each once.
+    fn files(&self) -> BTreeSet<PathBuf> {
+        let names = self.meshes.iter().chain(&self.textures);
+        let names = names.map(|name| io::file_and_part(name).0);
+        let names = names.chain(self.images.iter().map(String::as_str));
+        let paths = names.map(Path::new).filter(|path| path.is_absolute());
+        let own = self.own.as_deref().map(absolute);
+        paths.map(Path::to_owned).chain(own).collect()
+    }
+}
+
+/// Whether what is called `name` is in the file at `path`.
+fn is_in(name: &str, path: &Path) -> bool {
+    Path::new(io::file_and_part(name).0) == path
 }
 
 impl App {
     /// Watches the files that the scene came from.
     pub(super) fn watch_files(&mut self) {
-        let own = self.document.path().map(absolute);
-        let parts = parts_of(&self.document.scene);
-        let parts = || parts.iter().copied().chain(own.as_deref());
-        if self.reloading.watch.has_files(parts()) {
+        if self.reloading.sources.are_of(&self.document) {
             return;
         }
-        self.reloading.watch.set_files(parts().map(Path::to_owned));
+        let sources = Sources::of(&self.document);
+        self.reloading.watch.set_files(sources.files());
+        self.reloading.sources = sources;
         if !self.jobs.is_busy(Lane::Watch) {
             let files = self.reloading.watch.clone();
             self.jobs
@@ -90,22 +148,47 @@ impl App {
     pub(super) fn files_changed(&mut self, paths: Vec<PathBuf>) {
         for path in paths {
             let scene = &self.document.scene;
-            let name = path.to_string_lossy();
-            let is_own = self.document.path().map(absolute) == Some(path.clone());
-            let mut meshes = scene.meshes.keys();
-            let stale = if meshes.any(|mesh| io::file_and_part(mesh).0 == name) {
-                Stale::Meshes(path)
-            } else if scene.images.contains_key(&*name) {
-                Stale::Image(path)
-            } else if is_own && self.document.is_modified() {
+            let has_meshes = scene.meshes.keys().any(|name| is_in(name, &path));
+            let has_textures = scene.textures.keys().any(|name| is_in(name, &path));
+            let is_image = scene.images.contains_key(&*path.to_string_lossy());
+            let is_own = self.is_own(&path);
+            // One file may be several of them.
+            if has_meshes {
+                self.queue_reload(Stale::Meshes(path.clone()));
+            }
+            if has_textures {
+                self.queue_reload(Stale::Textures(path.clone()));
+            }
+            if is_image {
+                self.queue_reload(Stale::Image(path.clone()));
+            }
+            if is_own && self.document.is_modified() {
                 self.reloading.asks = true;
-                continue;
             } else if is_own {
-                Stale::Scene(path)
-            } else {
-                continue;
-            };
-            self.queue_reload(stale);
+                let is_wanted = false;
+                self.queue_reload(Stale::Scene { path, is_wanted });
+            }
+        }
+    }
+
+    /// Whether `path` is the scene's own file.
+    fn is_own(&self, path: &Path) -> bool {
+        let own = self.document.path().map(absolute);
+        own.as_deref() == Some(path)
+    }
+
+    /// Takes note that the scene's file holds what was saved: what it held before is not read any more.
+    pub(super) fn forget_stale_scene(&mut self) {
+        let is_part = |stale: &Stale| !matches!(stale, Stale::Scene { .. });
+        self.reloading.asks = false;
+        self.reloading.stale.retain(is_part);
+        if self
+            .reloading
+            .reading
+            .take_if(|stale| !is_part(stale))
+            .is_some()
+        {
+            self.jobs.cancel(Lane::Reload);
         }
     }
 
@@ -120,16 +203,29 @@ impl App {
         if self.jobs.is_busy(Lane::Reload) || self.jobs.is_busy(Lane::Load) {
             return;
         }
-        let is_part = |stale: &Stale| !matches!(stale, Stale::Scene(_));
+        let is_part = |stale: &Stale| !matches!(stale, Stale::Scene { .. });
         let first = self.reloading.stale.iter().position(is_part).unwrap_or(0);
         if let Some(stale) = self.reloading.stale.remove(first) {
             let known = self.document.scene.clone();
+            self.reloading.reading = Some(stale.clone());
             self.jobs
                 .start(Lane::Reload, move |job| worker::reload(job, stale, known));
         }
     }
 
     pub(super) fn reloaded(&mut self, stale: &Stale, result: Result<Reloaded, String>) {
+        self.reloading.reading = None;
+        if let Stale::Scene { path, is_wanted } = stale {
+            if !self.is_own(path) {
+                return;
+            }
+            // Edited, or on its way to the file, since the file was found to be another.
+            let is_at_risk = self.document.is_modified() || self.jobs.is_busy(Lane::SaveScene);
+            if is_at_risk && !is_wanted && result.is_ok() {
+                self.reloading.asks = true;
+                return;
+            }
+        }
         self.messages.withdraw(&stale.complaint());
         let reloaded = match result {
             Ok(reloaded) => reloaded,
@@ -153,8 +249,17 @@ impl App {
                 self.document.replace_image(&name, &Arc::new(file.map));
                 warnings
             }
+            Reloaded::Textures(files) => {
+                let mut warnings = Vec::new();
+                for (name, file) in files {
+                    warnings.extend(io::texture_warnings(&name, &file));
+                    self.document.replace_texture(&name, &Arc::new(file.image));
+                }
+                warnings
+            }
             Reloaded::Scene(loaded) => {
                 let LoadedScene { scene, warnings } = *loaded;
+                self.viewport.release();
                 self.document.reload(scene, &self.selection);
                 self.reloading.asks = false;
                 warnings
@@ -197,7 +302,8 @@ impl App {
                         .button("Keep mine")
                         .on_hover_text("Go on with what is here; saving replaces the file");
                     if reload.clicked() {
-                        self.queue_reload(Stale::Scene(path.clone()));
+                        let (path, is_wanted) = (path.clone(), true);
+                        self.queue_reload(Stale::Scene { path, is_wanted });
                     }
                     if reload.clicked() || keep.clicked() {
                         self.reloading.asks = false;

@@ -296,6 +296,14 @@ impl App {
         self.end_picture(Outcome::Cancelled);
     }
 
+    /// Has the picture stay as it is until something else is edited, also where a render follows every change.
+    pub(super) fn pass_over_edits(&mut self) {
+        let part = self.wanted_part();
+        if let Some(picture) = &mut self.picture {
+            picture.pass_over(&self.document.scene, part);
+        }
+    }
+
     pub(super) fn end_picture(&mut self, outcome: Outcome) {
         if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
             picture.end(outcome);
@@ -341,7 +349,7 @@ impl App {
             || !same_picture(&picture.scene, &self.document.scene)
     }
 
-    /// Whether all that was edited since `picture` began was edited while it was paused.
+    /// Whether all that was edited since `picture` began was edited while it was paused, or the render of it was cancelled.
     fn goes_on_as_it_was(&self, picture: &Picture) -> bool {
         let passed_over = picture.passed_over();
         passed_over.is_some_and(|(scene, part)| {

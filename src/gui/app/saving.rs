@@ -43,7 +43,7 @@ impl App {
                 self.reloading
                     .watch
                     .accept(&std::path::absolute(&path).unwrap_or_else(|_| path.clone()));
-                self.reloading.asks = false;
+                self.forget_stale_scene();
                 self.document.set_saved(*scene, path);
                 if let Some(intent) = self.after_saving.take() {
                     self.go_on(ctx, intent);

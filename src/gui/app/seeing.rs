@@ -94,7 +94,6 @@ impl App {
 
     /// What the ray through the middle of a pixel of `picture` visits, where the structure is still that it was made with.
     fn visits_at(&self, picture: &Picture, pixel: [u32; 2]) -> Option<Visits> {
-        // Before the structure is there, every triangle is looked at.
         let state = self.prepared.as_ref().filter(|_| self.is_prepared())?;
         let scene = &picture.scene;
         same_geometry(&state.scene, scene).then(|| {
@@ -106,7 +105,8 @@ impl App {
 
     /// The surface in the middle of a pixel of `picture`, where the triangles are still those it was made of.
     fn surface_at(&self, picture: &Picture, pixel: [u32; 2]) -> Option<Surface> {
-        let state = self.prepared.as_ref()?;
+        // Before the structure is there, every triangle is looked at.
+        let state = self.prepared.as_ref().filter(|_| self.is_prepared())?;
         let scene = &picture.scene;
         if !same_geometry(&state.scene, scene) {
             return None;

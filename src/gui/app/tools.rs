@@ -33,8 +33,14 @@ impl App {
         let pressed = |key: Key| ctx.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if self.viewport.is_handle_held() {
             let keys = [Key::X, Key::Y, Key::Z].into_iter().zip(Axis::ALL);
-            for (_, axis) in keys.filter(|(key, _)| pressed(*key)) {
+            // With Ctrl too, which snaps.
+            let with_command =
+                |key: Key| ctx.input_mut(|input| input.consume_key(Modifiers::COMMAND, key));
+            for (_, axis) in keys.filter(|(key, _)| pressed(*key) || with_command(*key)) {
                 self.viewport.constrain_handle(axis);
+            }
+            if take_cut(ctx) {
+                self.viewport.constrain_handle(Axis::X);
             }
             if pressed(Key::Escape) {
                 self.viewport.cancel_handle(&mut self.document.scene);
@@ -139,6 +145,15 @@ impl App {
         let moves = moves_since(&state.scene, &self.document.scene);
         moves.get(*index).copied().flatten()
     }
+}
+
+/// Whether Ctrl+X was pressed, which desktops tell of in place of the keys. It means nothing else then.
+fn take_cut(ctx: &egui::Context) -> bool {
+    ctx.input_mut(|input| {
+        let before = input.events.len();
+        input.events.retain(|event| *event != egui::Event::Cut);
+        input.events.len() < before
+    })
 }
 
 /// What happened to each object of `prepared` until it is as in `now`; empty where they are not the same objects.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::App;
-use crate::gui::document::{same_but_camera, same_geometry};
+use crate::gui::document::{same_geometry, same_picture_but_camera};
 use crate::gui::jobs::Lane;
 use crate::gui::ray_view::{RayView, WantedRays};
 use crate::gui::tool::Tool;
@@ -58,7 +58,8 @@ impl App {
 
     /// Whether the rays are still those of the scene, and asked for.
     pub(super) fn shows_rays(&self) -> bool {
-        let is_of = |rays: &RayView| same_but_camera(&rays.wanted.edited, &self.document.scene);
+        let is_of =
+            |rays: &RayView| same_picture_but_camera(&rays.wanted.edited, &self.document.scene);
         self.viewport.tool == Tool::Rays && self.rays.as_ref().is_some_and(is_of)
     }
 

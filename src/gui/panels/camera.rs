@@ -11,19 +11,12 @@ pub fn camera_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     lens_and_place_ui(ui, &mut state.scene.camera, length_speed);
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        for (name, command, tooltip) in [
-            (
-                "Pick focus",
-                Command::FocusTool,
-                "Click what is to be sharp, in the preview or the picture  (D)",
-            ),
-            (
-                "Add bookmark",
-                Command::AddBookmark,
-                "Remember the camera as it is now; the scene file keeps it  (B)",
-            ),
+        for (name, command) in [
+            ("Pick focus", Command::FocusTool),
+            ("Add bookmark", Command::AddBookmark),
         ] {
-            command_button_ui(ui, state, name, command, tooltip);
+            let tooltip = command.tooltip(ui.ctx());
+            command_button_ui(ui, state, name, command, &tooltip);
         }
     });
     bookmarks_ui(ui, state);

@@ -82,7 +82,7 @@ fn threads_ui(ui: &mut Ui, threads: &mut Threads) {
     combo_row_ui(
         ui,
         "Threads",
-        "Processor cores that render; the picture does not depend on it. One is left free while you use mouse or keys in the window, and          half a second longer, where that is chosen",
+        "Processor cores that render; the picture does not depend on it. One is left free while you use mouse or keys in the window, and half a second longer, where that is chosen",
         threads,
         &choices,
     );
