@@ -19,7 +19,7 @@ pub struct TextureLoader {
 /// Loads images again by their names. `None` when cancelled.
 ///
 /// # Errors
-/// As [`TextureLoader::load`], of the first that cannot be loaded.
+/// Why the first that cannot be loaded cannot: no such file or image, or one that is malformed.
 pub fn load_textures_again(
     names: &[String],
     cancel: &CancelToken,
