@@ -1,5 +1,6 @@
 //! Triangle meshes and what can be said about them without knowing any material.
 
+mod face_normal;
 mod mesh;
 mod normals;
 pub mod polygon;
@@ -8,7 +9,8 @@ pub mod tetrahedra;
 mod triangle;
 mod welded;
 
+pub use face_normal::face_normal;
 pub use mesh::TriangleMesh;
-pub use normals::{CornerNormals, corner_normals, face_normal};
+pub use normals::{CornerNormals, corner_normals};
 pub use triangle::{RayKernel, Triangle, TriangleHit};
 pub use welded::Welded;

@@ -10,7 +10,7 @@ mod ears;
 mod orientation;
 mod spokes;
 
-use super::normals::scale_to_one;
+use super::face_normal::scale_to_one;
 use crate::math::{DVec2, DVec3};
 use orientation::orientation;
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::normals::scale_to_one;
+use super::face_normal::scale_to_one;
 use crate::math::DVec3;
 
 /// The faces of tetrahedra that belong to one alone.
