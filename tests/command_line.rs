@@ -635,6 +635,8 @@ fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
     );
     let stats = json(&folder.path().join("a.json"));
     assert_eq!(stats["plan"], facts["features"]);
+    assert_eq!(stats["used"], facts["used"]);
+    assert_eq!(facts["used"]["lights"], serde_json::json!([2, 2]));
     has_shadows(&stats["costs"]);
     succeed(folder.path(), &render);
     assert_eq!(json(&folder.path().join("a.json"))["costs"], Value::Null);

@@ -166,7 +166,14 @@ fn the_plan_is_shown_and_another_light_keeps_the_rays_from_the_eye() {
     let path = files.write("room.toml", &format!("{SCENE}antialiasing = false\n"));
     let mut window = Window::open(&path);
     window.operate("Plan");
-    assert!(window.says("left out: render.antialiasing is off"));
+    for line in [
+        "left out: render.antialiasing is off",
+        "lights: 1 of 1 shine",
+        "materials: 1 of 1 are worn, lobes: diffuse, specular",
+        "structure: wide, over 10 triangles",
+    ] {
+        assert!(window.says(line), "{line}");
+    }
     window.render();
     let camera_rays = |window: &Window| window.finished().1.rays.camera;
     assert_eq!(camera_rays(&window), 160 * 120);

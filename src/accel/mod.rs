@@ -44,7 +44,7 @@ pub use fan::Fan;
 pub use kd::{KdParameters, KdStatistics, KdTree};
 pub use packet::{Packet, PacketHits};
 pub use placed::{AimingError, PlacedTriangle};
-pub use quality::{StructureQuality, Visits};
+pub use quality::{StructureQuality, Visits, bytes_for_counts};
 pub use wide::{BuildQuality, WideTree};
 
 use crate::geometry::{Triangle, TriangleHit};

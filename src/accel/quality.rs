@@ -2,9 +2,10 @@
 
 use std::ops::AddAssign;
 
+use super::leaf::{Counting, LeafTest, Nearest};
 use super::query::CountVisits;
-use super::simd::{self, LANES};
-use super::{Accelerator, Assembly, BruteForce};
+use super::simd::{self, LANES, Portable};
+use super::{Accelerator, Assembly, BruteForce, Hit};
 use crate::geometry::RayKernel;
 use crate::math::Ray;
 
@@ -22,6 +23,15 @@ impl AddAssign for Visits {
         self.nodes += other.nodes;
         self.blocks += other.blocks;
     }
+}
+
+/// The bytes that looking for the nearest hit keeps for counts, beside the ray's test and the best hit: as rendering asks, and as
+/// [`Accelerator::visits`] asks.
+#[must_use]
+pub fn bytes_for_counts() -> [usize; 2] {
+    type Looking<'a> = Nearest<'a, Portable>;
+    let needed = size_of::<(LeafTest<'_, Portable>, Option<Hit>)>();
+    [size_of::<Looking<'_>>(), size_of::<Counting<Looking<'_>>>()].map(|bytes| bytes - needed)
 }
 
 /// What a structure came out like.

@@ -175,15 +175,21 @@ fn saved_in_preparing(
     )
 }
 
+fn have_same_picture(a: &PreparedScene, b: &PreparedScene) -> bool {
+    let [a, b] = [a, b].map(|scene| outcome_of(scene, false).image.hash());
+    a == b
+}
+
 fn tree_again(bench: &Bench<'_>) -> Measured {
     let before = prepare(bench.scene, None)?;
     let moved = bench.changed(|scene| scene.camera.eye += DVec3::splat(0.1));
     let is_built =
         |after: &PreparedScene| u64::from(!Arc::ptr_eq(after.geometry(), before.geometry()));
+    let (kept, anew) = (prepare(&moved, Some(&before))?, prepare(&moved, None)?);
     Ok(Finding {
-        count: is_built(&prepare(&moved, Some(&before))?),
-        otherwise: is_built(&prepare(&moved, None)?),
-        same_bits: None,
+        count: is_built(&kept),
+        otherwise: is_built(&anew),
+        same_bits: Some(have_same_picture(&kept, &anew)),
         saving: Some(saved_in_preparing(bench, &moved, Some(&before), None)),
     })
 }
@@ -204,10 +210,12 @@ fn light_choice_again(bench: &Bench<'_>) -> Measured {
     let other = prepare(&other, Some(&before))?;
     scene.camera.eye += DVec3::splat(0.1);
     let is_made = |after: &PreparedScene| u64::from(!after.shares_light_choice(&before));
+    let kept = prepare(&scene, Some(&before))?;
+    let anew = prepare(&scene, Some(&other))?;
     Ok(Finding {
-        count: is_made(&prepare(&scene, Some(&before))?),
-        otherwise: is_made(&prepare(&scene, Some(&other))?),
-        same_bits: None,
+        count: is_made(&kept),
+        otherwise: is_made(&anew),
+        same_bits: Some(have_same_picture(&kept, &anew)),
         saving: Some(saved_in_preparing(
             bench,
             &scene,
