@@ -101,6 +101,42 @@ fn a_mesh_of_several_materials_opens_as_an_object_for_each() {
     assert_eq!(scene.camera.up, DVec3::Y);
 }
 
+/// An image of heights beside one of normals; the first is still good for colours.
+#[test]
+fn images_of_heights_are_no_normals() {
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n\
+               usemtl bumpy\nf 1/1 2/1 3/1\nusemtl right\nf 1/1 3/1 2/1\n";
+    let mtl = "newmtl bumpy\nmap_Kd heights.png\nmap_Bump heights.png\n\
+               newmtl right\nnorm normals.png\n";
+    let folder = folder(&[("a.obj", obj), ("a.mtl", mtl)]);
+    let write = |name: &str, texels: [[u8; 3]; 2]| {
+        let image = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(texels[x as usize]));
+        image.save(folder.path().join(name)).expect("is written");
+    };
+    write("heights.png", [[90; 3], [160; 3]]);
+    write("normals.png", [[128, 128, 255], [140, 128, 250]]);
+    let LoadedScene { scene, warnings } = load(&folder.path().join("a.obj"));
+    let [warning] = &warnings[..] else {
+        panic!("{warnings:?}")
+    };
+    assert!(
+        warning.contains("heights.png: this is an image of heights"),
+        "{warning}"
+    );
+    let images = |name: &str| {
+        let textures = scene.materials[name].textures().expect("is of Phong");
+        let of = |image: &Option<String>| {
+            let name = image.as_deref().map(Path::new);
+            name.and_then(Path::file_name)
+                .map(|name| name.to_string_lossy().into_owned())
+        };
+        [of(&textures.diffuse_image), of(&textures.normal_image)]
+    };
+    assert_eq!(images("bumpy"), [Some("heights.png".to_owned()), None]);
+    assert_eq!(images("right"), [None, Some("normals.png".to_owned())]);
+    assert_eq!(scene.textures.len(), 2);
+}
+
 #[test]
 fn a_saved_scene_finds_its_parts_again() {
     let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);

@@ -144,7 +144,14 @@ fn load_model_textures(
             Ok(None) => return None,
             Ok(Some(file)) => {
                 model.warnings.extend(texture_warnings(&name, &file));
-                model.scene.textures.insert(name, Arc::new(file.image));
+                if file.image.is_grey() && leave_out_normals(&mut model.scene, &name) {
+                    model.warnings.push(format!(
+                        "{name}: this is an image of heights, where one of normals was expected; it is left out"
+                    ));
+                }
+                if model.scene.texture_names().contains(&name) {
+                    model.scene.textures.insert(name, Arc::new(file.image));
+                }
             }
             Err(error) => {
                 model
@@ -162,4 +169,13 @@ fn load_model_textures(
         }
     }
     Some(model)
+}
+
+/// Takes the image called `name` away from materials that have it for normals; whether there are any.
+fn leave_out_normals(scene: &mut Scene, name: &str) -> bool {
+    let materials = scene.materials.values_mut();
+    let textures = materials.filter_map(Material::textures_mut);
+    // Of all of them, not up to the first.
+    let had = textures.map(|textures| textures.leave_out_normals(name));
+    had.fold(false, |any, had| any | had)
 }

@@ -75,6 +75,11 @@ impl Textures {
         }
     }
 
+    /// Takes the image called `name` away as one of normals; whether it was one.
+    pub fn leave_out_normals(&mut self, name: &str) -> bool {
+        self.normal_image.take_if(|image| image == name).is_some()
+    }
+
     /// Whether anything varies over `mesh`, which may have neither texture coordinates nor colours.
     #[must_use]
     pub fn vary_over(&self, mesh: &TriangleMesh) -> bool {

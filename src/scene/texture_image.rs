@@ -106,6 +106,19 @@ impl TextureImage {
         self.mean
     }
 
+    /// Whether no texel has a colour: what heights look like, and normals never do.
+    #[must_use]
+    pub fn is_grey(&self) -> bool {
+        fn are_grey<T: PartialEq>(texels: &[[T; 3]]) -> bool {
+            texels.iter().all(|[r, g, b]| r == g && g == b)
+        }
+        match &self.texels {
+            Texels::Bytes(texels) => are_grey(texels),
+            Texels::Words(texels) => are_grey(texels),
+            Texels::Floats(texels) => are_grey(texels),
+        }
+    }
+
     /// Texels per row.
     #[must_use]
     pub fn width(&self) -> u32 {

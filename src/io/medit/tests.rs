@@ -150,11 +150,7 @@ fn what_is_wrong_is_named_with_its_line() {
 
 #[test]
 fn what_is_written_reads_back_the_same() {
-    for mesh in [shapes::icosphere(2), TriangleMesh::default()] {
-        let mut bytes = Vec::new();
-        write(&mesh, &mut bytes).expect("a vector takes all");
-        assert_eq!(read(bytes).mesh, mesh);
-    }
+    trials::assert_written_is_read(write, parse);
 }
 
 #[test]

@@ -2,8 +2,10 @@
 
 use super::Malformed;
 use crate::control::{CancelToken, Progress};
-use crate::geometry::{face_normal, shapes::Random};
+use crate::geometry::shapes::{self, Random};
+use crate::geometry::{TriangleMesh, face_normal};
 use crate::io::mesh_file::MeshFile;
+use std::io::{self, Write};
 use std::time::Instant;
 
 /// A reader.
@@ -25,6 +27,18 @@ pub fn read(parse: Parse, bytes: &[u8]) -> Result<MeshFile, Malformed> {
 pub fn read_right(parse: Parse, bytes: &[u8]) -> MeshFile {
     read(parse, bytes)
         .unwrap_or_else(|error| panic!("{error} in {}", String::from_utf8_lossy(bytes)))
+}
+
+/// Meshes that are written read back the same.
+pub fn assert_written_is_read(
+    write: fn(&TriangleMesh, &mut dyn Write) -> io::Result<()>,
+    parse: Parse,
+) {
+    for mesh in [shapes::icosphere(2), TriangleMesh::default()] {
+        let mut bytes = Vec::new();
+        write(&mesh, &mut bytes).expect("a vector takes all");
+        assert_eq!(read_right(parse, &bytes).mesh, mesh);
+    }
 }
 
 /// What the reader says is wrong with the bytes.

@@ -22,7 +22,7 @@ pub struct MtlMaterial {
     pub illumination: Option<u64>,
     /// `map_Kd`: an image in place of `diffuse`.
     pub diffuse_image: Option<String>,
-    /// `norm`, `map_Bump` or `bump`.
+    /// `norm`, `map_Bump` or `bump`. Where it turns out to be of heights, as the last two once were, it is left out when it is loaded.
     pub normal_image: Option<String>,
 }
 
