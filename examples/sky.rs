@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example sky -- assets/evening.hdr`. The sun stands 24° high, at the image's centre.
 
+mod noise;
+
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
@@ -84,23 +86,12 @@ fn cloud(direction: DVec3) -> f64 {
 
 /// Smooth noise, 0 to 1, from values at whole coordinates.
 fn value_noise(x: f64, y: f64) -> f64 {
-    let (column, row) = (x.floor(), y.floor());
-    let ease = |t: f64| t * t * (3.0 - 2.0 * t);
-    let (u, v) = (ease(x - column), ease(y - row));
-    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-    let above = mix(hash(column, row), hash(column + 1.0, row), u);
-    let below = mix(hash(column, row + 1.0), hash(column + 1.0, row + 1.0), u);
-    mix(above, below, v)
+    noise::smooth(x, y, hash)
 }
 
 /// A number of `[0, 1)` for each pair of whole ones.
 fn hash(x: f64, y: f64) -> f64 {
     #[expect(clippy::cast_possible_truncation, reason = "small whole numbers")]
     let (x, y) = (x as i64, y as i64);
-    let mut state = (x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b)).cast_unsigned();
-    for _ in 0..3 {
-        state ^= state >> 29;
-        state = state.wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    }
-    (state >> 11) as f64 / 9_007_199_254_740_992.0
+    noise::scrambled((x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b)).cast_unsigned())
 }

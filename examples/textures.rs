@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release --example textures -- assets`.
 
+mod noise;
+
 use std::f64::consts::{PI, TAU};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -133,23 +135,12 @@ fn dents(at: DVec2) -> f64 {
 
 /// Smooth noise, 0 to 1.
 fn noise(x: f64, y: f64) -> f64 {
-    let (column, row) = (x.floor(), y.floor());
-    let ease = |t: f64| t * t * (3.0 - 2.0 * t);
-    let (u, v) = (ease(x - column), ease(y - row));
-    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-    let above = mix(hash(column, row), hash(column + 1.0, row), u);
-    let below = mix(hash(column, row + 1.0), hash(column + 1.0, row + 1.0), u);
-    mix(above, below, v)
+    noise::smooth(x, y, hash)
 }
 
 /// A number of `[0, 1)` for each pair of whole ones.
 fn hash(x: f64, y: f64) -> f64 {
-    let mut state = x.to_bits() ^ y.to_bits().rotate_left(29);
-    for _ in 0..3 {
-        state ^= state >> 29;
-        state = state.wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    }
-    (state >> 11) as f64 / 9_007_199_254_740_992.0
+    noise::scrambled(x.to_bits() ^ y.to_bits().rotate_left(29))
 }
 
 /// A square of side 2 on z = 0, on which the image lies once.
