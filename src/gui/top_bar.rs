@@ -524,6 +524,8 @@ fn live_switch_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>)
     }
 }
 
+/// Room between the time and Live, in points.
+const TIME_GAP: f32 = 8.0;
 /// Least room that the name of the scene is left beside the time, in points.
 const LEAST_NAME_WIDTH: f32 = 120.0;
 /// How long the mouse rests on Render until the time is found out, in seconds.
@@ -541,7 +543,7 @@ fn time_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
     let galley = ui
         .painter()
         .layout_no_wrap(text.clone(), font, egui::Color32::WHITE);
-    if ui.available_width() < galley.size().x + LEAST_NAME_WIDTH {
+    if ui.available_width() < galley.size().x + TIME_GAP + LEAST_NAME_WIDTH {
         return;
     }
     let command = Command::EstimateTime;
@@ -550,6 +552,8 @@ fn time_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
         None => command.tooltip(ui.ctx()),
     };
     let button = Button::new(RichText::new(text).weak()).frame(false);
+    // Right to left: away from Live.
+    ui.add_space(TIME_GAP);
     let response = ui
         .add_enabled(state.time.is_some() || state.allows(command), button)
         .on_hover_text(explained)

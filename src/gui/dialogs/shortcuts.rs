@@ -4,7 +4,7 @@ use super::{buttons_ui, modal_ui};
 use crate::gui::commands::Command;
 
 /// What the mouse does in the preview.
-const MOUSE: [(&str, &str); 7] = [
+const MOUSE: [(&str, &str); 8] = [
     ("Drag", "Orbit about the target"),
     (
         "Shift + drag, middle or right drag",
@@ -14,6 +14,10 @@ const MOUSE: [(&str, &str); 7] = [
     ("Click", "Select the object or light"),
     ("Double click", "Orbit about this point from now on"),
     ("Drag a light's marker", "Move the light, at its distance"),
+    (
+        "Drag a handle",
+        "Move, turn or scale what is selected; Ctrl snaps, X Y Z keep to an axis",
+    ),
     (
         "Drop files",
         "Open scenes and meshes; make an image the background",
