@@ -50,6 +50,16 @@ impl Accelerator {
     /// What [`Accelerator::intersect`], or [`Accelerator::occluded`] where `any_hit`, visits.
     #[must_use]
     pub fn visits(&self, ray: &Ray, t_max: f32, any_hit: bool) -> Visits {
+        self.counted(ray, t_max, any_hit).0
+    }
+
+    /// [`Accelerator::intersect`], and what it visits.
+    #[must_use]
+    pub fn intersect_counting(&self, ray: &Ray, t_max: f32) -> (Visits, Option<Hit>) {
+        self.counted(ray, t_max, false)
+    }
+
+    fn counted(&self, ray: &Ray, t_max: f32, any_hit: bool) -> (Visits, Option<Hit>) {
         match self {
             Self::Wide(tree) => simd::answer(&CountVisits {
                 tree,
@@ -63,7 +73,14 @@ impl Accelerator {
                 t_max,
                 any_hit,
             }),
-            Self::BruteForce(all) => all.visits_along(ray, t_max, any_hit),
+            Self::BruteForce(all) => {
+                let hit = if any_hit {
+                    None
+                } else {
+                    all.intersect(ray, t_max)
+                };
+                (all.visits_along(ray, t_max, any_hit), hit)
+            }
         }
     }
 

@@ -49,7 +49,7 @@ impl<T: Tree> Query for AnyHit<'_, T> {
     }
 }
 
-/// What [`NearestHit`], or [`AnyHit`] where `any_hit`, visits.
+/// What [`NearestHit`], or [`AnyHit`] where `any_hit`, visits; the nearest hit beside it.
 pub(super) struct CountVisits<'a, T> {
     pub tree: &'a T,
     pub ray: &'a Ray,
@@ -58,19 +58,19 @@ pub(super) struct CountVisits<'a, T> {
 }
 
 impl<T: Tree> Query for CountVisits<'_, T> {
-    type Answer = Visits;
+    type Answer = (Visits, Option<Hit>);
 
     #[inline(always)]
-    fn answer<S: Simd>(&self, simd: S) -> Visits {
+    fn answer<S: Simd>(&self, simd: S) -> (Visits, Option<Hit>) {
         let (ray, t_max) = (self.ray, self.t_max);
         if self.any_hit {
             let mut counting = Counting::new(Any::new(simd, ray, t_max));
             self.tree.walk(simd, ray, t_max, &mut counting);
-            counting.visits
+            (counting.visits, None)
         } else {
             let mut counting = Counting::new(Nearest::new(simd, ray, t_max));
             self.tree.walk(simd, ray, t_max, &mut counting);
-            counting.visits
+            (counting.visits, counting.visitor.best)
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::once::of_grid;
 use super::{Bench, Case, Finding, Measured, Proof, outcome_of, prepare, seconds_of};
-use crate::accel::{Accelerator, BuildQuality, Hit, WideTree, bytes_for_counts};
+use crate::accel::{Accelerator, BuildQuality, Hit, Visits, WideTree, bytes_for_counts};
 use crate::analysis::bench::{RayKind, generate};
 use crate::analysis::cost::paired;
 use crate::control::{CancelToken, Progress};
@@ -151,21 +151,18 @@ fn beyond_the_radius(bench: &Bench<'_>) -> Measured {
 /// Whether a question counts is decided by its type.
 fn node_counts(bench: &Bench<'_>) -> Measured {
     let scene = prepare(bench.scene, None)?;
-    let accelerator = scene.geometry().accelerator();
+    let structure = scene.geometry().accelerator().flat();
     let rays = eye_rays(&scene);
-    let plain = || {
-        let hit = |ray| accelerator.intersect(ray, f32::INFINITY);
-        rays.iter().filter_map(hit).count() as u64
-    };
-    let counted = || {
-        let visits = |ray| accelerator.visits(ray, f32::INFINITY, false);
-        rays.iter().map(|ray| visits(ray).nodes).sum::<u64>()
+    let plain = || nearest_hits(structure, &rays);
+    let counted = || -> (Vec<Visits>, Vec<Option<Hit>>) {
+        let ask = |ray| structure.intersect_counting(ray, f32::INFINITY);
+        rays.iter().map(ask).unzip()
     };
     let [without, with] = bytes_for_counts();
     Ok(Finding {
         count: without as u64,
         otherwise: with as u64,
-        same_bits: None,
+        same_bits: Some(plain() == counted().1),
         saving: Some(paired(
             bench.pairs,
             || seconds_of(plain),
