@@ -1,0 +1,11 @@
+//! The program, run as its users run it from a command line.
+
+mod check;
+mod check_scene;
+mod checkpoint;
+mod command_line;
+mod compare;
+mod convert;
+mod faults;
+mod parts;
+mod report;

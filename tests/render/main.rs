@@ -1,0 +1,19 @@
+//! Renders against closed forms, against a second way to the same light, and against themselves.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod error;
+mod glass;
+mod instances;
+mod layers;
+mod light;
+mod many_lights;
+mod occlusion;
+mod path;
+mod plan;
+mod resume;
+mod sky;
+mod smooth;
+mod textures;
+mod trace;
+mod whole;

@@ -1,0 +1,167 @@
+//! Two pictures against each other: wipe, flip, difference, and how far they are apart.
+
+use crate::driver::{Files, Window, set_samples};
+use egui::{Key, Modifiers, PointerButton, Vec2};
+use egui_kittest::kittest::Queryable;
+use raymini::analysis::Metrics;
+use raymini::gui::compare::{Distance, Mode};
+use raymini::render::Image;
+
+fn distance(window: &Window) -> Distance {
+    let comparison = window.app().comparison().expect("a comparison");
+    *comparison.distance().unwrap().as_ref().unwrap()
+}
+
+fn measured(window: &mut Window) {
+    window.until("it is measured", |app| {
+        app.comparison().is_some_and(|c| c.distance().is_some())
+    });
+}
+
+/// The picture of a render that is on the screen.
+fn image(window: &Window) -> Image {
+    window.app().picture_on_screen().unwrap().buffer.image()
+}
+
+/// What the middle of the left and the right half of the picture look like.
+fn halves(window: &mut Window) -> [egui::Color32; 2] {
+    let frame = window.harness.get_by_label("Viewport").rect();
+    let screen = window.harness.render().unwrap();
+    [0.25, 0.75].map(|share| {
+        let x = frame.left() + frame.width() * share;
+        let y = frame.top() + frame.height() * 0.12;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "pixels"
+        )]
+        let pixel = screen.get_pixel(x as u32, y as u32);
+        egui::Color32::from_rgb(pixel[0], pixel[1], pixel[2])
+    })
+}
+
+#[test]
+fn two_renders_are_compared_by_wipe_flip_and_difference() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Renders");
+    window.render();
+    let before = image(&window);
+    window.press(Modifiers::NONE, Key::C);
+    assert!(window.app().comparison().is_none(), "there is but one");
+    // The same with a background.
+    window.harness.state_mut().document_mut().scene.background =
+        raymini::scene::Background::Constant {
+            radiance: raymini::scene::Rgb::new(0.5, 0.5, 0.0),
+        };
+    window.harness.run_steps(2);
+    window.render();
+    let after = image(&window);
+    window.press(Modifiers::NONE, Key::C);
+    measured(&mut window);
+    let metrics = Metrics::measure(&after, &before).unwrap();
+    let found = distance(&window);
+    assert_eq!(found.rmse, metrics.errors.rmse());
+    assert_eq!(found.relmse, metrics.errors.relmse);
+    assert!(window.says("RMSE") && window.says("relative MSE"));
+    window.harness.run_steps(5);
+
+    // A at the left, B at the right of the divider, which the mouse moves.
+    let [left, right] = halves(&mut window);
+    assert!(left.r() > 100 && right.r() < 20, "{left:?} {right:?}");
+    let divider = window.harness.get_by_label("Divider").rect().center();
+    let frame = window.harness.get_by_label("Viewport").rect();
+    let by = Vec2::new(0.4 * frame.width(), 0.0);
+    let camera = window.scene().camera;
+    window.drag(PointerButton::Primary, divider, divider + by);
+    assert_eq!(
+        window.scene().camera,
+        camera,
+        "the divider moves, not the camera"
+    );
+    let [left, right] = halves(&mut window);
+    assert!(left.r() > 100 && right.r() > 100, "{left:?} {right:?}");
+
+    window.press(Modifiers::NONE, Key::X);
+    assert_eq!(window.app().comparison().unwrap().mode, Mode::Flip);
+    let [left, right] = halves(&mut window);
+    assert!(left.r() < 20 && right.r() < 20, "{left:?} {right:?}");
+    window.press(Modifiers::NONE, Key::X);
+    let [left, right] = halves(&mut window);
+    assert!(left.r() > 100 && right.r() > 100, "{left:?} {right:?}");
+
+    window.click("Compare: Difference");
+    window.harness.run_steps(5);
+    let [left, _] = halves(&mut window);
+    assert!(left.r() > 100 && left.b() == 0, "{left:?}");
+    assert!(window.says("white is"));
+
+    // Another picture is looked at: it is the other one itself.
+    window.click("Show render 1");
+    window.until("it is measured", |app| {
+        let found = app.comparison().and_then(|c| c.distance());
+        found.is_some_and(|d| d.as_ref().is_ok_and(|d| d.differing_pixels == 0))
+    });
+    assert!(window.says("the same, bit for bit"));
+    window.click("Close");
+    assert!(window.app().comparison().is_none());
+}
+
+#[test]
+fn a_picture_is_compared_with_an_image_file() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let exr = files.path("reference.exr");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&exr);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&exr);
+    measured(&mut window);
+    assert_eq!(distance(&window).differing_pixels, 0);
+    assert!(window.says("reference.exr"));
+    window.press(Modifiers::NONE, Key::C);
+    assert!(window.app().comparison().is_none());
+
+    // Of another size: both are shown, and it is said why there is no number.
+    image::RgbImage::new(7, 5)
+        .save(files.path("small.png"))
+        .unwrap();
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&files.path("small.png"));
+    measured(&mut window);
+    assert!(window.says("the sizes differ"));
+    window.click("Compare: Difference");
+
+    let broken = files.write("broken.png", "no picture");
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&broken);
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    assert_eq!(window.app().messages().banners()[0].title, "Cannot compare");
+}
+
+/// A render that still runs is measured again and again, so its error against a reference falls on the screen.
+#[test]
+fn a_running_render_is_compared_until_it_is_done() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    set_samples(&mut window, 400);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.press(Modifiers::NONE, Key::C);
+    window.until("the picture is finished", |app| {
+        !app.picture().unwrap().is_running()
+    });
+    let reference = window.app().renders().picture(1).unwrap().buffer.image();
+    let expected = Metrics::measure(&image(&window), &reference).unwrap();
+    window.until("the finished picture is measured", |app| {
+        let found = app.comparison().and_then(|c| c.distance());
+        found.is_some_and(|d| d.as_ref().is_ok_and(|d| d.rmse == expected.errors.rmse()))
+    });
+}

@@ -1,0 +1,317 @@
+//! Drives the window as a user does: by the names on its controls, by keys and by the mouse.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use raymini::control::{CancelToken, Progress};
+use raymini::gui::picture::Outcome;
+use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
+use raymini::io;
+use raymini::math::DVec3;
+use raymini::render::{PreparedScene, RenderProgress, RenderStats, RunConfig, render};
+use raymini::scene::Scene;
+
+/// Longest wait for anything; machines differ, tests must not hang.
+pub const DEADLINE: Duration = Duration::from_mins(1);
+
+/// Where the side panel ends, above the status bar.
+const PANEL_BOTTOM: f32 = 765.0;
+
+/// A mesh of two pyramids.
+pub const MESH: &str = "OFF\n7 10 0\n\
+    -1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n0 0 1.5\n3 0 0.5\n3 1 1\n\
+    3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n3 2 1 0\n3 3 2 0\n3 1 5 4\n3 5 6 4\n3 2 6 5\n3 1 2 5\n";
+
+pub const SCENE: &str = r#"
+[camera]
+eye = [2.0, -7.0, 3.0]
+target = [0.5, 0.0, 0.5]
+
+[materials.clay]
+kind = "phong"
+diffuse = [0.8, 0.5, 0.3]
+specular = [0.1, 0.1, 0.1]
+
+[[objects]]
+name = "pyramid"
+mesh = "pyramid.off"
+material = "clay"
+
+[[lights]]
+kind = "point"
+position = [-3.0, -3.0, 4.0]
+intensity = [60.0, 60.0, 60.0]
+
+[render]
+width = 160
+height = 120
+samples_per_pixel = 4
+"#;
+
+/// A folder with a scene and its mesh.
+pub struct Files {
+    pub folder: tempfile::TempDir,
+}
+
+impl Files {
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("pyramid.off"), MESH).unwrap();
+        std::fs::write(folder.path().join("room.toml"), SCENE).unwrap();
+        Self { folder }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        std::fs::write(self.path(name), text).unwrap();
+        self.path(name)
+    }
+}
+
+/// A file that hangs over the window and is let go of.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("the window reads by path".to_owned())
+    }
+}
+
+/// The window under test.
+pub struct Window {
+    pub harness: Harness<'static, App>,
+}
+
+impl Window {
+    pub fn open(path: &Path) -> Self {
+        Self::start(vec![path.to_owned()], true)
+    }
+
+    pub fn start(paths: Vec<PathBuf>, with_gpu: bool) -> Self {
+        Self::start_keeping(paths, with_gpu, None)
+    }
+
+    /// A window that keeps unsaved work in the folder `data`.
+    pub fn start_keeping(paths: Vec<PathBuf>, with_gpu: bool, data: Option<PathBuf>) -> Self {
+        let builder = Harness::builder()
+            .with_size(Vec2::new(1280.0, 800.0))
+            .with_step_dt(1.0 / 60.0);
+        let builder = if with_gpu { builder.wgpu() } else { builder };
+        let options = AppOptions {
+            paths,
+            file_dialogs: FileDialogs::PathField,
+            data_folder: data,
+        };
+        let harness = builder.build_eframe(move |creation| App::new(creation, options));
+        let mut window = Self { harness };
+        window.settle();
+        window
+    }
+
+    pub fn app(&self) -> &App {
+        self.harness.state()
+    }
+
+    pub fn scene(&self) -> &Scene {
+        &self.app().document().scene
+    }
+
+    /// Draws frames until `holds`.
+    pub fn until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
+        let deadline = Instant::now() + DEADLINE;
+        while !holds(self.app()) {
+            assert!(Instant::now() < deadline, "waited in vain until {what}");
+            self.harness.step();
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        self.harness.run_steps(2);
+    }
+
+    /// Until files are read and the scene is prepared, or a message says why not.
+    pub fn settle(&mut self) {
+        self.until("the scene is ready", |app| {
+            !app.is_settling() || !app.messages().banners().is_empty()
+        });
+    }
+
+    pub fn click(&mut self, name: &str) {
+        self.harness.get_by_label(name).click();
+        self.harness.run_steps(3);
+    }
+
+    /// Clicks a control as assistive technology does, also where it is scrolled out of sight.
+    pub fn operate(&mut self, name: &str) {
+        self.harness.get_by_label(name).click_accesskit();
+        self.harness.run_steps(3);
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.harness.query_by_label(name).is_some()
+    }
+
+    /// Where the control called `name` is on the screen.
+    pub fn rect(&self, name: &str) -> egui::Rect {
+        self.harness.get_by_label(name).rect()
+    }
+
+    pub fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.run_steps(3);
+    }
+
+    /// Types a path into the path field and confirms it.
+    pub fn enter_path(&mut self, path: &Path) {
+        self.enter("Path", path.to_str().unwrap());
+    }
+
+    /// Types into the text field called `name`, in place of what is there, and confirms it.
+    pub fn enter(&mut self, name: &str, text: &str) {
+        let field = self.harness.get_by_role_and_label(Role::TextInput, name);
+        field.focus();
+        self.harness.run_steps(1);
+        self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        self.harness.run_steps(1);
+        let field = self.harness.get_by_role_and_label(Role::TextInput, name);
+        field.type_text(text);
+        self.harness.run_steps(2);
+        self.harness.key_press(Key::Enter);
+        self.harness.run_steps(3);
+    }
+
+    /// Where a world point is on the screen.
+    pub fn on_screen(&self, point: DVec3) -> Pos2 {
+        let frame = self.harness.get_by_label("Viewport").rect();
+        let size = viewport::picture_size(frame);
+        let (position, _) = orbit::project(&self.scene().camera, size, point).unwrap();
+        #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
+        let offset = Vec2::new(position.x as f32, position.y as f32);
+        frame.min + offset
+    }
+
+    pub fn click_at(&mut self, position: Pos2) {
+        self.clicks_at(position, 1);
+    }
+
+    /// Clicks so quickly that several clicks are one multiple click.
+    pub fn clicks_at(&mut self, position: Pos2, count: usize) {
+        self.harness.hover_at(position);
+        self.harness.run_steps(1);
+        for pressed in [true, false].repeat(count) {
+            self.harness.event(Event::PointerButton {
+                pos: position,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            self.harness.run_steps(1);
+        }
+        self.harness.run_steps(1);
+    }
+
+    pub fn drag(&mut self, button: PointerButton, from: Pos2, to: Pos2) {
+        self.harness.hover_at(from);
+        self.harness.run_steps(1);
+        let press = |pos, pressed| Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.harness.event(press(from, true));
+        self.harness.run_steps(1);
+        for step in 1..=4_u8 {
+            self.harness
+                .hover_at(from + (to - from) * (f32::from(step) / 4.0));
+            self.harness.run_steps(1);
+        }
+        self.harness.event(press(to, false));
+        self.harness.run_steps(2);
+    }
+
+    /// Drops a file on the window, which reads it from the next frame on.
+    pub fn drop_file(&mut self, path: PathBuf) {
+        let dropped = std::sync::Arc::new(Dropped(path));
+        self.harness.input_mut().dropped_files.push(dropped);
+    }
+
+    pub fn render(&mut self) {
+        self.click("Render");
+        self.until("the picture is finished", |app| {
+            !app.picture()
+                .is_none_or(raymini::gui::picture::Picture::is_running)
+        });
+    }
+
+    pub fn hash(&self) -> String {
+        self.finished().0
+    }
+
+    /// Hash and statistics of the finished picture.
+    pub fn finished(&self) -> (String, RenderStats) {
+        match &self.app().picture().expect("a picture").outcome {
+            Outcome::Finished { hash, stats } => (hash.clone(), **stats),
+            other => panic!("the picture is {other:?}"),
+        }
+    }
+
+    pub fn says(&self, part: &str) -> bool {
+        self.harness
+            .query_all_by_label_contains(part)
+            .next()
+            .is_some()
+    }
+}
+
+/// The hash of the picture that the library makes of `scene`.
+pub fn library_hash(scene: &Scene) -> String {
+    let prepared = PreparedScene::prepare(scene, None, &CancelToken::new());
+    let prepared = prepared.unwrap().unwrap();
+    let run = RunConfig {
+        threads: 1,
+        ..RunConfig::default()
+    };
+    let outcome = render(&prepared, None, &run, &RenderProgress::default(), None);
+    outcome.unwrap().image.hash()
+}
+
+pub fn load(path: &Path) -> Scene {
+    let loaded = io::load_scene(path, &CancelToken::new(), &Progress::new());
+    loaded.unwrap().unwrap().scene
+}
+
+/// Types the number of samples into its field.
+pub fn set_samples(window: &mut Window, samples: u32) {
+    set_number(window, "Samples", &samples.to_string());
+    assert_eq!(window.scene().render.samples_per_pixel, samples);
+}
+
+/// Types a number into the field called `name`.
+pub fn set_number(window: &mut Window, name: &str, number: &str) {
+    // What a user scrolls to first.
+    let field = window.harness.get_by_label(name);
+    if field.rect().bottom() > PANEL_BOTTOM {
+        field.scroll_to_me();
+        window.harness.run_steps(30);
+    }
+    window.harness.get_by_label(name).click();
+    window.harness.run_steps(2);
+    window
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.harness.run_steps(1);
+    window.harness.event(Event::Text(number.to_owned()));
+    window.harness.run_steps(1);
+    window.harness.key_press(Key::Enter);
+    window.harness.run_steps(2);
+}

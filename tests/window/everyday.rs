@@ -1,0 +1,1026 @@
+//! The window, driven as a user drives it: by the names on its controls, by keys and by the mouse. Runs on software Vulkan
+//! without a display; tests that need a GPU fail without an adapter.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::driver::{
+    DEADLINE, Files, MESH, SCENE, Window, library_hash, load, set_number, set_samples,
+};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
+use egui_kittest::kittest::Queryable;
+use raymini::control::CancelToken;
+use raymini::gui::costs::CostState;
+use raymini::gui::dialogs::Dialog;
+use raymini::gui::messages::Severity;
+use raymini::gui::picture::Outcome;
+use raymini::gui::report::Outcome as ReportOutcome;
+use raymini::gui::top_bar::View;
+use raymini::math::DVec3;
+use raymini::render::{Ending, Layer, PreparedScene, RenderProgress, RunConfig, render};
+use raymini::scene::{Background, Light, Shadows};
+use serde_json::Value;
+
+/// The main job: open, look around, render, watch, cancel, render to the end, save, open again.
+#[test]
+fn open_orbit_render_cancel_save_reopen() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    assert_eq!(window.app().document().name(), "room");
+    assert!(!window.app().document().is_modified());
+
+    // Looking around moves the camera about its target and marks the scene as changed.
+    let before = window.scene().camera;
+    let middle = Pos2::new(470.0, 400.0);
+    window.drag(
+        PointerButton::Primary,
+        middle,
+        middle + Vec2::new(60.0, 25.0),
+    );
+    let after = window.scene().camera;
+    assert_ne!(after.eye, before.eye);
+    assert_eq!(after.target, before.target);
+    assert!(window.app().document().is_modified());
+    assert_eq!(window.app().view(), View::Preview);
+    window.drag(
+        PointerButton::Middle,
+        middle,
+        middle + Vec2::new(-20.0, 10.0),
+    );
+    assert_ne!(window.scene().camera.target, after.target);
+
+    // A long render streams in and stops when told to.
+    set_samples(&mut window, 100_000);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture()
+            .is_some_and(|p| p.first_tile.is_some() || p.progress.samples.fraction() > 0.0)
+    });
+    assert!(window.has("Cancel"));
+    assert_eq!(window.app().view(), View::Picture);
+    window.click("Cancel");
+    assert_eq!(window.app().picture().unwrap().outcome, Outcome::Cancelled);
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+
+    // The finished picture is the library's, bit for bit.
+    set_samples(&mut window, 3);
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    let share = window.app().picture().unwrap().progress.samples.fraction();
+    assert!((share - 1.0).abs() < 1e-12);
+
+    // It is saved by shortcut and a typed path, and holds what the window shows.
+    let png = files.path("out.png");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&png);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    let saved = image::open(&png).unwrap().to_rgb8();
+    assert_eq!(saved.dimensions(), (160, 120));
+
+    // The scene is saved with the new camera, and opens again to the same picture.
+    let toml = files.path("changed.toml");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&toml);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    assert_eq!(window.app().document().name(), "changed");
+    let hash = window.hash();
+    assert_eq!(library_hash(&load(&toml)), hash);
+    let mut again = Window::open(&toml);
+    again.render();
+    assert_eq!(again.hash(), hash);
+}
+
+#[test]
+fn a_broken_file_gets_a_banner_and_the_scene_stays() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let before = window.scene().clone();
+    let broken = files.write("broken.toml", "[camera]\neye = [0, 0\n");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&broken);
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    let banner = window.app().messages().banners()[0].clone();
+    assert_eq!(banner.severity, Severity::Error);
+    assert!(banner.text.contains("broken.toml:"), "{}", banner.text);
+    assert_eq!(window.scene(), &before);
+    assert_eq!(window.app().document().name(), "room");
+    window.click("Dismiss");
+    assert!(window.app().messages().banners().is_empty());
+    window.render();
+    assert_eq!(window.hash(), library_hash(&before));
+}
+
+#[test]
+fn lights_are_added_and_removed() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Add light");
+    assert_eq!(window.scene().lights.len(), 2);
+    assert!(window.has("Select Light 2"));
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    window.click("Remove light");
+    window.click("Remove light");
+    assert!(window.scene().lights.is_empty());
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+#[test]
+fn a_light_becomes_a_disk_and_occlusion_darkens() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Select Light 1");
+    window.click("Kind: Disk");
+    assert!(matches!(window.scene().lights[0], Light::Disk { .. }));
+    window.operate("Occlusion");
+    window.operate("Shadows: Hard");
+    window.render();
+    assert!(window.scene().render.ambient_occlusion.enabled);
+    assert_eq!(window.scene().render.shadows, Shadows::Hard);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    window.click("Kind: Point");
+    assert!(matches!(window.scene().lights[0], Light::Point { .. }));
+}
+
+/// Geometry edits are prepared in the background, and a render asked for meanwhile waits for the newest state.
+#[test]
+fn a_render_uses_the_newest_edits() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Select pyramid");
+    window.click("Smooth");
+    window.render();
+    assert!(window.scene().objects[0].smooth);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+/// The picture's rays from the eye are those before wherever only lights differ; the panel says what else is left out.
+#[test]
+fn the_plan_is_shown_and_another_light_keeps_the_rays_from_the_eye() {
+    let files = Files::new();
+    let path = files.write("room.toml", &format!("{SCENE}antialiasing = false\n"));
+    let mut window = Window::open(&path);
+    window.operate("Plan");
+    for line in [
+        "left out: render.antialiasing is off",
+        "lights: 1 of 1 shine",
+        "materials: 1 of 1 are worn, lobes: diffuse, specular",
+        "structure: wide, over 10 triangles",
+    ] {
+        assert!(window.says(line), "{line}");
+    }
+    window.render();
+    let camera_rays = |window: &Window| window.finished().1.rays.camera;
+    assert_eq!(camera_rays(&window), 160 * 120);
+    window.click("Add light");
+    window.render();
+    assert_eq!(window.scene().lights.len(), 2);
+    assert_eq!(camera_rays(&window), 0);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+/// Costs are measured beside the window, given up for a render, and told to be old when the scene has changed.
+#[test]
+fn costs_are_measured_and_give_way_to_a_render() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.operate("Plan");
+    window.operate("Measure costs");
+    assert!(matches!(window.app().costs(), CostState::Measuring(_)));
+    assert!(window.has("Cancel measuring"));
+    window.render();
+    assert!(matches!(window.app().costs(), CostState::Unknown));
+    window.press(Modifiers::NONE, Key::F7);
+    window.operate("Cancel measuring");
+    assert!(matches!(window.app().costs(), CostState::Unknown));
+
+    window.operate("Measure costs");
+    window.until("costs are known", |app| {
+        matches!(app.costs(), CostState::Known { .. })
+    });
+    let CostState::Known { costs, .. } = window.app().costs() else {
+        unreachable!("as was waited for");
+    };
+    let mut effects = costs.effects.iter();
+    assert!(effects.any(|(effect, _)| effect.name() == "shadows"));
+    assert!(window.says("Part of the time") && window.says("What is left out would add"));
+    assert!(!window.says("before the last changes"));
+    window.operate("Anti-aliasing");
+    assert!(window.says("before the last changes"));
+
+    // Another scene has costs of its own.
+    window.operate("Anti-aliasing");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    window.settle();
+    assert_eq!(window.scene().objects.len(), 1);
+    assert!(matches!(window.app().costs(), CostState::Unknown));
+}
+
+/// Exposure changes what is shown and saved, at once and without rendering again.
+#[test]
+fn display_settings_need_no_new_render() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    window.click("Tone curve: ACES");
+    window.harness.run_steps(5);
+    assert_eq!(window.hash(), hash);
+    let png = files.path("aces.png");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&png);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    let saved = image::open(&png).unwrap().to_rgb8();
+    let prepared = PreparedScene::prepare(window.scene(), None, &CancelToken::new());
+    let outcome = render(
+        &prepared.unwrap().unwrap(),
+        None,
+        &RunConfig::default(),
+        &RenderProgress::default(),
+        None,
+    );
+    let display = window.scene().display;
+    let expected: Vec<u8> = outcome
+        .unwrap()
+        .image
+        .pixels
+        .iter()
+        .flat_map(|&rgb| raymini::render::display::encode_8(rgb, &display))
+        .collect();
+    assert_eq!(saved.into_raw(), expected);
+}
+
+#[test]
+fn unsaved_work_is_asked_about_before_it_is_replaced() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Add light");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
+    window.click("Cancel");
+    assert!(window.app().dialog().is_none());
+    assert_eq!(window.scene().lights.len(), 2);
+
+    // Adding keeps what is there.
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    window.click("Add to scene");
+    window.until("the mesh is added", |app| {
+        app.document().scene.objects.len() == 2
+    });
+    assert_eq!(window.scene().objects[1].name, "pyramid 2");
+    assert_eq!(window.scene().lights.len(), 2);
+    window.settle();
+
+    // Saving first writes the scene, then opens the other.
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    window.click("Save first");
+    window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
+    assert_eq!(load(&files.path("room.toml")).objects.len(), 2);
+}
+
+#[test]
+fn several_meshes_open_as_one_scene() {
+    let files = Files::new();
+    let other = files.write("other.off", MESH);
+    let window = Window::start(vec![files.path("pyramid.off"), other], true);
+    assert_eq!(window.scene().objects.len(), 2);
+    assert!(!window.scene().lights.is_empty());
+    assert!(!window.app().document().is_modified());
+}
+
+#[test]
+fn a_mesh_of_several_materials_opens_and_is_added_in_parts() {
+    let files = Files::new();
+    let materials = "newmtl wood\nKd 0.6 0.4 0.2\nnewmtl chrome\nKd 0\nKs 0.9\nillum 3\n";
+    files.write("chair.mtl", materials);
+    let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let faces = "usemtl wood\nf 1 2 3\nusemtl chrome\nf 1 3 4\n";
+    let chair = files.write("chair.obj", &format!("mtllib chair.mtl\n{vertices}{faces}"));
+    let parts = |window: &Window| -> Vec<(String, Option<String>)> {
+        let objects = window.scene().objects.iter();
+        objects
+            .map(|object| (object.name.clone(), object.material.clone()))
+            .collect()
+    };
+    let expected = ["wood", "chrome"].map(|name| (name.to_owned(), Some(name.to_owned())));
+    assert_eq!(parts(&Window::open(&chair)), expected);
+
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Add light");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&chair);
+    window.click("Add to scene");
+    window.until("the parts are added", |app| {
+        app.document().scene.objects.len() == 3
+    });
+    assert_eq!(parts(&window)[1..], expected);
+    assert_eq!(window.scene().materials["chrome"].kind(), "mirror");
+    // It stands in a scene with Z up.
+    assert_eq!(window.scene().objects[1].rotate.x, 90.0);
+    window.settle();
+}
+
+#[test]
+fn framing_and_resetting_the_camera() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let home = window.scene().camera;
+    window.press(Modifiers::NONE, Key::F);
+    let framed = window.scene().camera;
+    assert_ne!(framed, home);
+    window.press(Modifiers::NONE, Key::Home);
+    assert_eq!(window.scene().camera, home);
+    window.click("Select pyramid");
+    window.press(Modifiers::SHIFT, Key::F);
+    assert_eq!(window.scene().camera, framed, "the only object is all");
+}
+
+/// A click selects what is under it, scrolling comes nearer to it, a double click turns the camera to it.
+#[test]
+fn the_mouse_selects_zooms_and_aims() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let on_the_pyramid = window.on_screen(DVec3::new(0.0, -0.6, 0.6));
+    window.click_at(on_the_pyramid);
+    assert!(window.has("Scale"), "the object's properties show");
+    assert_eq!(window.scene().camera, load(&files.path("room.toml")).camera);
+
+    let before = window.scene().camera;
+    window.harness.hover_at(on_the_pyramid);
+    window.harness.event(Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: Vec2::new(0.0, 3.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    window.harness.run_steps(30);
+    let nearer = window.scene().camera;
+    assert!(nearer.eye.length() < before.eye.length() * 0.95);
+    let still_there = window.on_screen(DVec3::new(0.0, -0.6, 0.6));
+    assert!(still_there.distance(on_the_pyramid) < 8.0);
+
+    window.clicks_at(still_there, 2);
+    let aimed = window.scene().camera;
+    assert_eq!(aimed.eye, nearer.eye);
+    let target = aimed.target;
+    assert!(
+        target.distance(DVec3::new(0.0, -0.6, 0.6)) < 0.3,
+        "{target}, before {}",
+        nearer.target
+    );
+}
+
+#[test]
+fn a_lights_marker_moves_the_light() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.press(Modifiers::NONE, Key::F);
+    let scene = window.scene();
+    let camera = scene.camera;
+    let position = scene.lights[0].position();
+    // Where the marker is not in view, the camera steps back first.
+    let eye = camera.target + (camera.eye - camera.target) * 3.0;
+    window.harness.state_mut().document_mut().scene.camera.eye = eye;
+    window.harness.run_steps(2);
+    let marker = window.on_screen(position);
+    window.drag(
+        PointerButton::Primary,
+        marker,
+        marker + Vec2::new(40.0, 0.0),
+    );
+    let moved = window.scene().lights[0].position();
+    assert_ne!(moved, position);
+    assert_eq!(window.scene().camera.eye, eye, "the camera stays");
+    assert!(
+        window
+            .on_screen(moved)
+            .distance(marker + Vec2::new(40.0, 0.0))
+            < 3.0
+    );
+}
+
+/// A small image of all directions.
+fn write_image(path: &Path) {
+    let pixel = |i: u8| image::Rgb([f32::from(i), 2.0, 30.0 - f32::from(i)]);
+    let pixels: Vec<_> = (0..32).map(pixel).collect();
+    image::codecs::hdr::HdrEncoder::new(std::fs::File::create(path).unwrap())
+        .encode(&pixels, 8, 4)
+        .unwrap();
+}
+
+/// An image dropped on the window lights the scene, turns in the panel, and is saved with it.
+#[test]
+fn a_dropped_image_becomes_the_background() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let sky = files.path("sky.hdr");
+    write_image(&sky);
+    window.drop_file(sky);
+    window.until("the image is there", |app| {
+        matches!(app.document().scene.background, Background::Image { .. })
+    });
+    window.settle();
+    assert_eq!(
+        window.app().messages().last_news(),
+        "The background is sky.hdr"
+    );
+    assert!(window.app().document().is_modified());
+    assert!(window.has("Rotation"), "its properties show");
+    window.render();
+    let hash = window.hash();
+    assert_eq!(hash, library_hash(window.scene()));
+
+    if let Background::Image { rotation, .. } =
+        &mut window.harness.state_mut().document_mut().scene.background
+    {
+        rotation.0 = 75.0;
+    }
+    window.harness.run_steps(2);
+    window.render();
+    assert_ne!(window.hash(), hash);
+
+    let toml = files.path("lit.toml");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&toml);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    assert_eq!(library_hash(&load(&toml)), window.hash());
+}
+
+#[test]
+fn an_image_that_cannot_be_read_gets_a_banner_and_the_background_stays() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let before = window.scene().clone();
+    let broken = files.write("sky.exr", "no image");
+    window.press(Modifiers::COMMAND, Key::B);
+    window.enter_path(&broken);
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    let banner = window.app().messages().banners()[0].clone();
+    assert_eq!(banner.title, "Cannot use sky.exr as the background");
+    assert!(banner.text.contains("expected OpenEXR"), "{}", banner.text);
+    assert_eq!(window.scene(), &before);
+}
+
+#[test]
+fn dropped_files_open() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.drop_file(files.path("pyramid.off"));
+    window.harness.step();
+    window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    window.settle();
+    assert_eq!(window.scene().objects.len(), 1);
+}
+
+#[test]
+fn closing_asks_about_unsaved_work() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Add light");
+    let viewport = window
+        .harness
+        .input_mut()
+        .viewports
+        .entry(egui::ViewportId::ROOT);
+    viewport
+        .or_default()
+        .events
+        .push(egui::ViewportEvent::Close);
+    window.harness.step();
+    window
+        .harness
+        .input_mut()
+        .viewports
+        .entry(egui::ViewportId::ROOT)
+        .or_default()
+        .events
+        .clear();
+    window.harness.run_steps(2);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
+    window.click("Save first");
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
+}
+
+#[test]
+fn every_command_is_on_the_sheet() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.press(Modifiers::NONE, Key::F1);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Shortcuts)));
+    for command in raymini::gui::commands::Command::ALL {
+        assert!(window.has(command.description()), "{command:?}");
+    }
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(window.app().dialog().is_none());
+}
+
+/// Without a GPU the window builds, says what is missing, and renders.
+#[test]
+fn without_a_gpu_everything_but_the_preview_works() {
+    let files = Files::new();
+    let mut window = Window::start(vec![files.path("room.toml")], false);
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+/// From the click to the first tile in the window, the window's own time per frame while all cores render, and from
+/// Switching an effect while the picture is looked at renders it anew; the figure is printed.
+#[test]
+fn switching_an_effect_restarts_a_running_render() {
+    let mut window = Window::start(Vec::new(), true);
+    set_samples(&mut window, 4096);
+    window.harness.get_by_label("Render").click();
+    window.until("the first tile shows", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    assert_ne!(window.scene().render.shadows, Shadows::Off);
+    window.operate("Shadows: Off");
+    window.until("tiles of the new picture show", |app| {
+        app.picture().is_some_and(|p| {
+            p.is_running() && p.first_tile.is_some() && p.scene.render.shadows == Shadows::Off
+        })
+    });
+    let restarted = window.app().picture().unwrap().first_tile.unwrap();
+    println!("first tile {restarted:.1?} after the switch");
+
+    // In the preview, editing goes on beside the render.
+    window.click("Preview");
+    window.operate("Shadows: Hard");
+    window.harness.run_steps(3);
+    assert_eq!(
+        window.app().picture().unwrap().scene.render.shadows,
+        Shadows::Off
+    );
+    assert!(window.app().picture().unwrap().is_running());
+    window.click("Cancel");
+}
+
+/// Layers are kept, looked at, and left out when not wanted.
+#[test]
+fn a_layer_of_the_picture_is_shown() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let buffer = std::sync::Arc::clone(&window.app().picture().unwrap().buffer);
+    assert!(buffer.layers().contains(&Layer::Shadow));
+    let layers = buffer.layer_images();
+    let shadow = &layers.iter().find(|(l, _)| *l == Layer::Shadow).unwrap().1;
+    assert!(shadow.pixels.contains(&[1.0; 3]));
+    window.operate("Layer");
+    window.operate("Shadow factor");
+    window.harness.run_steps(5);
+    assert!(window.has("Layer"));
+    window.operate("Keep layers");
+    window.render();
+    assert!(window.app().picture().unwrap().buffer.layers().is_empty());
+    assert!(!window.has("Layer"));
+}
+
+/// A render ends at the noise that is asked for, and the plot shows how it came there, beside the renders before.
+#[test]
+fn a_render_stops_at_a_noise_and_its_course_is_plotted() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Error plot");
+    assert!(window.has("Render, and see the error fall"));
+    set_samples(&mut window, 64);
+    window.render();
+    assert_eq!(window.finished().1.ending, Ending::Samples);
+    assert!(window.says("all samples taken"));
+    assert!(window.says("64 samples per pixel"));
+
+    window.operate("Stop at noise");
+    assert_eq!(window.scene().render.stop.noise, Some(0.03));
+    assert!(window.says("at most: allow more"));
+    set_samples(&mut window, 4096);
+    assert!(!window.says("at most: allow more"));
+    set_number(&mut window, "Noise to stop at", "1.5");
+    assert_eq!(window.scene().render.stop.noise, Some(0.015));
+    window.click("Select Light 1");
+    window.click("Kind: Disk");
+    window.render();
+    let (_, stats) = window.finished();
+    assert_eq!(stats.ending, Ending::Noise);
+    assert!(stats.error.unwrap().noise().value <= 0.015);
+    assert!(window.says("down to 1.5 %"));
+    assert!(window.has("1.5 % is reached"));
+    let share = window.app().picture().unwrap().progress.samples.fraction();
+    assert!((share - 1.0).abs() < 1e-12);
+
+    // Both renders are in the plot, each with its points and its name.
+    let plot = window.app().error_plot();
+    let past: Vec<_> = plot.past().collect();
+    assert_eq!(past.len(), 1);
+    assert_eq!(past[0].name, "room, direct");
+    assert!(past[0].points.len() >= 5);
+    let picture = window.app().picture().unwrap();
+    assert!(picture.errors().len() >= 3);
+    assert_eq!(picture.name, "4,096 samples, stop at 1.5 %, other lights");
+    assert!(window.says("1  room, direct"));
+    assert!(window.says("2  4,096 samples"));
+    window.press(Modifiers::NONE, Key::F8);
+    window.harness.run_steps(30);
+    assert!(!window.says("1  room, direct"));
+
+    // The scene's file keeps when to stop.
+    let toml = files.path("stops.toml");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&toml);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&toml).render, window.scene().render);
+}
+
+/// Opens the window of the report by its menu entry, and has it written to `folder`.
+fn ask_for_report(window: &mut Window, folder: &Path) {
+    window.click("Render menu");
+    window.harness.get_by_label_contains("Report…").click();
+    window.harness.run_steps(3);
+    assert!(window.app().report().open);
+    window.enter("Folder", folder.to_str().unwrap());
+}
+
+fn wait_for_report(window: &mut Window) {
+    window.until("the report is done", |app| !app.report().is_running());
+}
+
+fn json_of(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("report.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// Keys without values: what a reader of a file can rely on. Whether a time is foreseen is up to the clock.
+fn keys_of(value: &Value) -> Value {
+    match value {
+        Value::Object(fields) => {
+            let keys = fields.iter().map(|(key, value)| {
+                let keys = match key.as_str() {
+                    "time_to" => Value::Null,
+                    _ => keys_of(value),
+                };
+                (key.clone(), keys)
+            });
+            keys.collect()
+        }
+        Value::Array(items) => items.iter().map(keys_of).collect(),
+        _ => Value::Null,
+    }
+}
+
+/// The report of what the window shows, not of what is on disk, is the one the command makes once the scene is saved.
+#[test]
+fn a_report_is_the_commands_of_the_scene_as_it_is() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Select Light 1");
+    window.click("Kind: Disk");
+    assert!(window.app().document().is_modified());
+    let folder = files.path("new/report");
+    ask_for_report(&mut window, &folder);
+    assert!(window.says("changes that are not saved included"));
+    set_number(&mut window, "Seeds", "2");
+    set_number(&mut window, "Picture width", "32");
+    set_number(&mut window, "Picture height", "24");
+    window.click("Compare with");
+    window
+        .harness
+        .get_by_label_contains("4 shadow rays")
+        .click();
+    window.harness.run_steps(3);
+    assert!(window.says("4 renders, after one of 256 samples"));
+    window.click("Start");
+    assert!(window.app().report().is_running());
+    wait_for_report(&mut window);
+
+    let run = window.app().report().run().expect("its result shows");
+    assert_eq!(run.outcome, ReportOutcome::Finished);
+    assert_eq!(run.folder, folder);
+    let findings = run.findings().expect("there are some");
+    assert_eq!(findings.variants.len(), 2);
+    assert_eq!(findings.variants[0].1.points.len(), 5);
+    assert!(findings.chart.curves.iter().all(|c| !c.points.is_empty()));
+    assert!(window.says("noise after"));
+    assert!(window.says("render.shadow_samples=4"));
+    assert!(window.says(folder.to_str().unwrap()));
+    // The scene keeps its size, and its changes are still not saved.
+    assert_eq!(window.scene().render.width, 160);
+    assert!(window.app().document().is_modified());
+
+    let toml = files.path("saved.toml");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&toml);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    let by_command = files.path("by-command");
+    let status = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .arg("report")
+        .arg(&toml)
+        .args(["--seeds", "2", "--size", "32x24", "--compare"])
+        .args(["render.shadow_samples=4", "-o"])
+        .arg(&by_command)
+        .stdout(Stdio::null())
+        .status();
+    assert!(status.unwrap().success());
+    let (ours, commands) = (json_of(&folder), json_of(&by_command));
+    assert_eq!(keys_of(&ours), keys_of(&commands));
+    assert_eq!(ours["finished"], true);
+    assert_eq!(ours["settings"], commands["settings"]);
+    assert_eq!(ours["reference"]["rmse"], commands["reference"]["rmse"]);
+    for points in ["/points", "/variants/0/points"] {
+        for (point, expected) in std::iter::zip(
+            ours.pointer(points).unwrap().as_array().unwrap(),
+            commands.pointer(points).unwrap().as_array().unwrap(),
+        ) {
+            for key in ["samples_per_pixel", "true_relmse", "estimated_relmse"] {
+                assert_eq!(point[key], expected[key], "{key} in {points}");
+            }
+        }
+    }
+    for name in ["report.md", "report.svg", "report.csv"] {
+        let lines = |folder: &Path| {
+            let text = std::fs::read_to_string(folder.join(name)).unwrap();
+            text.lines().next().unwrap().to_owned()
+        };
+        let same = lines(&folder) == lines(&by_command) || name == "report.md";
+        assert!(same, "{name}");
+    }
+
+    // The next report starts from the same wishes.
+    window.click("New report");
+    assert!(window.says("4 renders, after one of 256 samples"));
+}
+
+/// A report stops a render, refuses others, lets the scene be edited, and stops at once when told to.
+#[test]
+fn a_report_has_the_processor_to_itself_until_it_is_cancelled() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 100_000);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    let folder = files.path("report");
+    ask_for_report(&mut window, &folder);
+    assert!(window.says("The render that is going on is stopped first"));
+    window.click("Start");
+    assert_eq!(window.app().picture().unwrap().outcome, Outcome::Cancelled);
+    window.until("the reference is rendered", |app| {
+        let run = app.report().run();
+        run.is_some_and(|run| run.progress.how_far().0 > 0.0)
+    });
+
+    window.click("Hide");
+    assert!(!window.app().report().open);
+    assert!(window.says("Report: reference"));
+    window.press(Modifiers::NONE, Key::F5);
+    assert_eq!(window.app().picture().unwrap().outcome, Outcome::Cancelled);
+    window.click("Add light");
+    assert_eq!(window.scene().lights.len(), 2);
+    assert!(window.app().report().is_running());
+
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
+    window.click("Cancel report");
+    assert!(!window.app().report().is_running());
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+    assert!(!folder.join("report.json").exists());
+    assert_eq!(window.app().messages().last_news(), "Report cancelled");
+    // What was typed is still there, and rendering is possible again.
+    let field = window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Folder");
+    assert_eq!(field.value().as_deref(), folder.to_str());
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.app().report().open);
+    set_samples(&mut window, 2);
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+/// Reports that are stopped in the middle keep what was measured, on the screen and on disk.
+#[test]
+fn a_cancelled_report_keeps_what_it_has_measured() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let folder = files.path("report");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
+    window.click("Choose the folder");
+    window.enter_path(&folder);
+    set_number(&mut window, "Seeds", "1000");
+    window.click("Start");
+    window.until("a render is measured", |app| {
+        app.report()
+            .run()
+            .is_some_and(|run| run.findings().is_some())
+    });
+    window.press(Modifiers::NONE, Key::Escape);
+    let run = window.app().report().run().expect("what is known shows");
+    assert_eq!(run.outcome, ReportOutcome::Cancelled);
+    assert!(window.says("this is what was measured until then"));
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+    let facts = json_of(&folder);
+    assert_eq!(facts["finished"], false);
+    assert_eq!(facts["points"].as_array().unwrap().len(), 5);
+}
+
+#[test]
+fn mistakes_in_a_report_are_told_where_they_are_made() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let folder = files.path("report");
+    ask_for_report(&mut window, &files.path("pyramid.off/report"));
+    set_number(&mut window, "Seeds", "1");
+    window.click("Start");
+    wait_for_report(&mut window);
+    assert!(window.says("the folder cannot be made"));
+
+    window.enter("Folder", folder.to_str().unwrap());
+    window.click("Compare with");
+    window.click("Other settings");
+    for (wrong, expected) in [
+        ("", "expected KEY=VALUE"),
+        ("render.filtre=tent", "filtre"),
+        ("render.filter=tentt", "tentt"),
+        ("render.width=25", "all pictures must be of one size"),
+    ] {
+        window.enter("Comparison 1", wrong);
+        window.click("Start");
+        wait_for_report(&mut window);
+        assert!(window.says(expected), "{expected}");
+        assert!(!window.says("--"), "options are the command's");
+    }
+    window.click("Remove comparison 1");
+    assert!(!window.says("all pictures must be of one size"));
+
+    window.click("Reference: Exact");
+    window.enter("Its radiance", "1,1");
+    window.click("Start");
+    assert!(!window.app().report().is_running());
+    assert!(window.says("expected red, green, blue"));
+    window.click("Reference: File");
+    window.click("Choose the reference");
+    window.enter_path(&files.path("none.exr"));
+    window.click("Start");
+    wait_for_report(&mut window);
+    assert!(window.says("none.exr: "));
+    assert!(!folder.exists(), "nothing is made before all is right");
+
+    // Nothing of it has changed the scene, and all put right it goes through.
+    assert!(!window.app().document().is_modified());
+    window.click("Reference: Exact");
+    window.enter("Its radiance", "1, 1, 1");
+    window.click("Start");
+    wait_for_report(&mut window);
+    assert_eq!(json_of(&folder)["reference"]["kind"], "exact");
+}
+
+/// What cannot be rendered cannot be set.
+#[test]
+fn a_stop_at_a_noise_needs_the_estimate() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    assert!(!window.has("Adaptive"));
+    window.operate("Estimate error");
+    assert!(!window.scene().render.error_estimate);
+    window.operate("Stop after");
+    assert_eq!(window.scene().render.stop.seconds, Some(10.0));
+    assert!(!window.has("Adaptive"), "it takes an estimate");
+    window.operate("Stop at noise");
+    assert!(window.scene().render.error_estimate, "it is switched on");
+    window.operate("Estimate error");
+    assert!(window.scene().render.error_estimate, "it cannot go");
+    window.operate("Adaptive");
+    assert!(!window.scene().render.adaptive);
+    assert!(window.scene().validate().is_ok());
+    window.operate("Stop at noise");
+    window.operate("Stop after");
+    assert_eq!(window.scene().render.stop, raymini::scene::Stop::default());
+    window.operate("Estimate error");
+    assert!(!window.scene().render.error_estimate);
+    window.click("Error plot");
+    window.render();
+    assert!(window.says("is not estimated"));
+}
+
+#[test]
+fn a_render_stops_when_its_time_is_up() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 100_000);
+    window.operate("Stop after");
+    set_number(&mut window, "Time to stop after", "0.5");
+    window.render();
+    assert_eq!(window.finished().1.ending, Ending::Time);
+    assert!(window.says("time is up"));
+}
+
+/// The error of each pixel is a layer to look at and to save.
+#[test]
+fn the_error_of_each_pixel_is_shown_and_saved() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 64);
+    window.render();
+    let buffer = std::sync::Arc::clone(&window.app().picture().unwrap().buffer);
+    assert_eq!(buffer.layers().last(), Some(&Layer::Error));
+    assert_eq!(buffer.shown_error_scale(), None);
+    window.operate("Layer");
+    window.operate("Error of each pixel");
+    window.harness.run_steps(5);
+    let scale = buffer.shown_error_scale().unwrap();
+    assert!(scale > 0.0 && scale < 1.0, "{scale}");
+    assert!(window.says("W/m²/sr or more"));
+    let (_, errors) = buffer.layer_images().pop().unwrap();
+    assert!(errors.pixels.iter().any(|rgb| rgb[1] > 0.0));
+
+    // A render that is looked at in this way shows its own errors.
+    window.render();
+    let again = window.app().picture().unwrap();
+    assert!(again.buffer.shown_error_scale().is_some());
+    assert!(again.first_tile.is_some());
+
+    let exr = files.path("layers.exr");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&exr);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    let file = exr::meta::MetaData::read_from_file(&exr, false).unwrap();
+    let channels = &file.headers[0].channels.list;
+    assert!(
+        channels
+            .iter()
+            .any(|c| c.name.to_string().starts_with("error.")),
+        "{channels:?}"
+    );
+}
+
+/// The window says what rays look for triangles in, and the picture does not depend on it.
+#[test]
+fn another_structure_gives_the_same_picture() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    let in_use = |window: &Window, name: &str| {
+        let start = format!("{name}, ");
+        window.harness.query_by_label_contains(&start).is_some()
+    };
+    assert!(in_use(&window, "wide"));
+    assert!(window.has("Tree"));
+    for (choice, name) in [("kd-tree", "kd-tree"), ("Every triangle", "brute-force")] {
+        window.operate("Structure");
+        window.operate(choice);
+        window.settle();
+        window.render();
+        assert!(in_use(&window, name), "{name} is not shown");
+        assert!(!window.has("Tree"));
+        assert_eq!(window.hash(), hash, "{name}");
+    }
+}
+
+/// Cancel to idle threads, on a scene of 100,000 triangles. The figures are printed, not judged: machines differ.
+#[test]
+fn the_first_tile_comes_at_once_and_cancel_is_obeyed() {
+    let mut window = Window::start(Vec::new(), true);
+    assert!(window.scene().triangle_count() > 100_000);
+    set_samples(&mut window, 4096);
+    window.harness.get_by_label("Render").click();
+    window.until("the first tile shows", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    let first_tile = window.app().picture().unwrap().first_tile.unwrap();
+
+    let mut frames: Vec<Duration> = (0..100)
+        .map(|_| {
+            let started = Instant::now();
+            window.harness.step();
+            started.elapsed()
+        })
+        .collect();
+    frames.sort();
+
+    window.harness.get_by_label("Cancel").click();
+    let asked = Instant::now();
+    window.harness.step();
+    while window.app().render_threads() > 0 {
+        assert!(asked.elapsed() < DEADLINE, "the render does not stop");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let cancelled = asked.elapsed();
+    println!(
+        "first tile after {first_tile:.1?}; frames of {:.1?} (median) and {:.1?} (99 of 100); idle {cancelled:.1?} after Cancel",
+        frames[50], frames[98]
+    );
+}

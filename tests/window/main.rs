@@ -1,0 +1,20 @@
+//! The window, driven by the names on its controls, by keys and by the mouse: the parts of it one by one, and the real program.
+//!
+//! Tests that draw run on software Vulkan without a display, and fail without an adapter.
+#![cfg(feature = "gui")]
+
+mod compare;
+mod driver;
+mod edit;
+mod everyday;
+mod keeping;
+mod live;
+mod materials;
+mod preview;
+mod real;
+mod region;
+mod reload;
+mod renders;
+mod seeing;
+mod start;
+mod tools;

@@ -1,0 +1,296 @@
+//! The real program in a real window: started under a virtual display, driven by the keyboard, it renders and saves a PNG
+//! whose pixels are those of the command line.
+//!
+//! It needs a virtual X server, a tool that presses keys and a software Vulkan driver, and fails without them. On Debian:
+//! `apt install xvfb xdotool mesa-vulkan-drivers libxkbcommon-x11-0 libx11-xcb1 libxcursor1 libxi6`.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const DEADLINE: Duration = Duration::from_secs(90);
+
+/// A process that ends with the test.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A virtual display of its own, at a number that is free.
+struct Display {
+    _server: Process,
+    name: String,
+}
+
+impl Display {
+    fn start() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args([
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1280x800x24",
+                "-nolisten",
+                "tcp",
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts; on Debian: apt install xvfb");
+        let mut line = String::new();
+        BufReader::new(server.stdout.take().unwrap())
+            .read_line(&mut line)
+            .unwrap();
+        let number: u32 = line.trim().parse().expect("Xvfb says its display");
+        Self {
+            _server: Process(server),
+            name: format!(":{number}"),
+        }
+    }
+
+    fn xdotool(&self, arguments: &[&str]) -> String {
+        let output = Command::new("xdotool")
+            .args(arguments)
+            .env("DISPLAY", &self.name)
+            .output()
+            .expect("xdotool runs; on Debian: apt install xdotool");
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+}
+
+/// Asks again and again until there is an answer.
+fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + DEADLINE;
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(Instant::now() < deadline, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(30));
+    }
+}
+
+/// [`wait_for`], but `None` when it takes longer than `seconds`.
+fn wait_briefly<T>(seconds: u64, mut ask: impl FnMut() -> Option<T>) -> Option<T> {
+    let deadline = Instant::now() + Duration::from_secs(seconds);
+    while Instant::now() < deadline {
+        if let Some(answer) = ask() {
+            return Some(answer);
+        }
+        std::thread::sleep(Duration::from_millis(30));
+    }
+    None
+}
+
+fn pixels(path: &Path) -> Option<image::RgbImage> {
+    Some(image::open(path).ok()?.to_rgb8())
+}
+
+/// A scene of a ram in `folder`, with `samples` samples per pixel.
+fn write_scene(folder: &Path, samples: u32) -> PathBuf {
+    let ram = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/ram.off");
+    let scene = folder.join("room.toml");
+    let text = format!(
+        "[camera]\neye = [1.0, -4.0, 1.5]\ntarget = [0.0, 0.0, 0.6]\n\
+         [background]\nradiance = [0.2, 0.25, 0.3]\n\
+         [[objects]]\nmesh = {:?}\nsmooth = true\n\
+         [[lights]]\nkind = \"point\"\nposition = [3.0, -3.0, 4.0]\nintensity = [40.0, 40.0, 40.0]\n\
+         [render]\nwidth = 320\nheight = 240\nsamples_per_pixel = {samples}\n",
+        ram.to_str().unwrap()
+    );
+    std::fs::write(&scene, text).unwrap();
+    scene
+}
+
+/// The program with a window.
+struct Window<'a> {
+    process: Process,
+    id: String,
+    display: &'a Display,
+}
+
+impl<'a> Window<'a> {
+    /// Opens `scene`, with `folder` as home of all that is kept, and waits until its title names the scene.
+    fn open(display: &'a Display, folder: &Path, scene: &Path) -> Self {
+        let log = std::fs::File::create(folder.join("log")).unwrap();
+        let mut process = Process(
+            Command::new(env!("CARGO_BIN_EXE_raymini"))
+                .arg(scene)
+                .current_dir(folder)
+                .env("DISPLAY", &display.name)
+                .env("XDG_RUNTIME_DIR", folder)
+                .env("XDG_DATA_HOME", folder.join("data"))
+                .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
+                .env_remove("WAYLAND_DISPLAY")
+                .stderr(log)
+                .spawn()
+                .expect("the program starts"),
+        );
+        let id = wait_for("the window", || {
+            assert!(
+                process.0.try_wait().unwrap().is_none(),
+                "the program ended: {}",
+                std::fs::read_to_string(folder.join("log")).unwrap_or_default()
+            );
+            let found = display.xdotool(&["search", "--onlyvisible", "--name", "room.*RayMini"]);
+            found.lines().next().map(str::to_owned)
+        });
+        display.xdotool(&["windowfocus", "--sync", &id]);
+        Self {
+            process,
+            id,
+            display,
+        }
+    }
+
+    fn title(&self) -> String {
+        self.display.xdotool(&["getwindowname", &self.id])
+    }
+
+    fn press(&self, keys: &str) {
+        self.display.xdotool(&["key", keys]);
+    }
+
+    /// Presses `keys` until the title says that a render runs.
+    fn start_render(&self) {
+        wait_for("the render to start", || {
+            self.press("F5");
+            wait_briefly(5, || self.title().contains('%').then_some(()))
+        });
+    }
+
+    /// Closes it, as nothing is unsaved.
+    fn quit(mut self) {
+        self.press("ctrl+q");
+        let status = wait_for("the program to end", || self.process.0.try_wait().unwrap());
+        assert!(status.success(), "{status}");
+    }
+}
+
+#[test]
+fn the_real_window_renders_and_saves_what_the_command_line_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 64);
+    let display = Display::start();
+    let window = Window::open(&display, folder.path(), &scene);
+
+    // F5 renders; the title says how far.
+    window.start_render();
+    wait_for("the render to end", || {
+        (!window.title().contains('%')).then_some(())
+    });
+
+    // Ctrl+E asks for a path; it is typed.
+    let saved = folder.path().join("window.png");
+    wait_for("the picture to be saved", || {
+        window.press("ctrl+e");
+        std::thread::sleep(Duration::from_millis(1500));
+        window.press("ctrl+a");
+        display.xdotool(&["type", "--delay", "20", saved.to_str().unwrap()]);
+        window.press("Return");
+        let picture = wait_briefly(5, || pixels(&saved));
+        if picture.is_none() {
+            window.press("Escape");
+        }
+        picture
+    });
+
+    let by_command = folder.path().join("command.png");
+    let status = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .args(["render", scene.to_str().unwrap(), "-o"])
+        .arg(&by_command)
+        .stderr(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let (window_picture, command_picture) = (pixels(&saved).unwrap(), pixels(&by_command).unwrap());
+    assert_eq!(window_picture.dimensions(), (320, 240));
+    assert!(window_picture == command_picture, "the pictures differ");
+    window.quit();
+}
+
+/// Killed with SIGKILL in the middle of a render, after an edit: the next start offers the work, and saving writes it.
+#[cfg(unix)]
+#[test]
+fn what_was_edited_before_a_kill_is_restored() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 1_000_000);
+    let before = std::fs::read_to_string(&scene).unwrap();
+    let display = Display::start();
+    let mut window = Window::open(&display, folder.path(), &scene);
+
+    // F frames all, which moves the camera; a second later that is on disk.
+    wait_for("the camera to move", || {
+        window.press("f");
+        wait_briefly(3, || window.title().contains('•').then_some(()))
+    });
+    window.start_render();
+    std::thread::sleep(Duration::from_secs(1));
+    window.process.0.kill().unwrap();
+    let status = window.process.0.wait().unwrap();
+    assert_eq!(
+        std::os::unix::process::ExitStatusExt::signal(&status),
+        Some(9)
+    );
+    assert_eq!(std::fs::read_to_string(&scene).unwrap(), before);
+
+    let window = Window::open(&display, folder.path(), &scene);
+    assert!(!window.title().contains('•'));
+    wait_for("the work to be restored", || {
+        window.press("Return");
+        wait_briefly(3, || window.title().contains('•').then_some(()))
+    });
+    wait_for("the work to be saved", || {
+        window.press("ctrl+s");
+        wait_briefly(3, || (!window.title().contains('•')).then_some(()))
+    });
+    let after = std::fs::read_to_string(&scene).unwrap();
+    assert!(!after.contains("eye = [1.0, -4.0, 1.5]"), "{after}");
+    assert!(after.contains("samples_per_pixel = 1000000"), "{after}");
+    window.quit();
+}
+
+/// How often threads of the process have run so far, but for those of the crate `blocking`, by which the desktop's accessibility bus
+/// is listened to: they look twice a second whether there is anything to do.
+#[cfg(target_os = "linux")]
+fn turns(process: u32) -> u64 {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).unwrap();
+    let turns_of = |thread: std::io::Result<std::fs::DirEntry>| {
+        let status = std::fs::read_to_string(thread.ok()?.path().join("status")).ok()?;
+        let numbers = |key: &str| {
+            let lines = status.lines().filter(|line| line.contains(key));
+            let numbers =
+                lines.filter_map(|line| line.split_whitespace().last()?.parse::<u64>().ok());
+            numbers.sum::<u64>()
+        };
+        let is_of_bus = status.starts_with("Name:\tblocking-");
+        (!is_of_bus).then(|| numbers("ctxt_switches"))
+    };
+    threads.filter_map(turns_of).sum()
+}
+
+/// With a mesh open and nobody at the mouse, one thread of the program's wakes, once a second, to look whether files have changed: no frame
+/// is drawn, which would take dozens of turns.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_idle_window_uses_no_processor() {
+    const SECONDS: u64 = 5;
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 4);
+    let display = Display::start();
+    let window = Window::open(&display, folder.path(), &scene);
+    let process = window.process.0.id();
+    wait_for("the window to be idle", || {
+        let before = turns(process);
+        std::thread::sleep(Duration::from_secs(SECONDS));
+        // A look may be cut in two by another program.
+        (turns(process) <= before + 2 * SECONDS).then_some(())
+    });
+    window.quit();
+}

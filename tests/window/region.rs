@@ -1,0 +1,301 @@
+//! Renders that rest, and renders of a part of the picture, in the window.
+
+use std::time::{Duration, Instant};
+
+use crate::driver::{Files, Window, library_hash, set_number, set_samples};
+use egui::{Key, Modifiers, PointerButton, Pos2};
+use raymini::control::CancelToken;
+use raymini::gui::App;
+use raymini::gui::picture::{Outcome, Picture};
+use raymini::gui::top_bar::View;
+use raymini::render::{Image, PreparedScene, Region, RenderProgress, RunConfig, render};
+use raymini::scene::Scene;
+
+fn picture(window: &Window) -> &Picture {
+    window.app().picture().expect("a picture")
+}
+
+/// What the library makes of `region` of `scene`.
+fn library_picture(scene: &Scene, region: Option<Region>) -> Image {
+    let prepared = PreparedScene::prepare(scene, None, &CancelToken::new());
+    let prepared = prepared.unwrap().unwrap();
+    let (run, progress) = (RunConfig::default(), RenderProgress::default());
+    let outcome = render(&prepared, region, &run, &progress, None);
+    outcome.unwrap().image
+}
+
+fn start_long_render(window: &mut Window, samples: u32) {
+    set_samples(window, samples);
+    window.click("Render");
+    window.until("the render goes on", |app| {
+        app.picture()
+            .is_some_and(|p| p.first_tile.is_some() && p.progress.samples.done() > 0)
+    });
+}
+
+/// Starts a render that has something to show and pauses it before it ends, however fast the machine is.
+fn start_and_pause(window: &mut Window) {
+    for samples in [200, 800, 3_200, 12_800, 51_200] {
+        start_long_render(window, samples);
+        window.press(Modifiers::NONE, Key::P);
+        if picture(window).is_paused() {
+            return;
+        }
+    }
+    panic!("every render ended before it could be paused");
+}
+
+fn is_over(app: &App) -> bool {
+    app.picture().is_some_and(|picture| !picture.is_running())
+}
+
+#[test]
+fn a_render_rests_goes_on_and_ends_with_the_same_bits() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_and_pause(&mut window);
+    assert!(window.says("Paused: 160 × 120") && window.has("Resume"));
+    std::thread::sleep(Duration::from_millis(60));
+    let elapsed = picture(&window).elapsed();
+    let (done, share) = {
+        let samples = &picture(&window).progress.samples;
+        (samples.done(), samples.fraction())
+    };
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_millis(300) {
+        window.harness.step();
+    }
+    assert_eq!(picture(&window).progress.samples.done(), done);
+    assert_eq!(picture(&window).elapsed(), elapsed, "the time stands still");
+    assert!(share > 0.0 && share < 1.0);
+    window.click("Resume");
+    assert!(!picture(&window).is_paused());
+    window.until("the render ends", is_over);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    assert!(picture(&window).elapsed() >= elapsed);
+}
+
+/// A paused render goes on as it was when it was started; what was edited meanwhile shows with the next.
+#[test]
+fn edits_in_a_pause_change_nothing_about_the_render_that_goes_on() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_and_pause(&mut window);
+    let scene = window.scene().clone();
+    window.operate("Add light");
+    window.harness.run_steps(5);
+    assert!(picture(&window).is_paused(), "it is not started anew");
+    assert!(window.says("Resume goes on without, Render restarts"));
+    window.click("Resume");
+    window.until("the render ends", is_over);
+    assert_eq!(window.hash(), library_hash(&scene));
+    let as_it_was = window.hash();
+    window.render();
+    assert_ne!(window.hash(), as_it_was);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+
+    // An edit after the pause starts it anew, as ever.
+    start_long_render(&mut window, 100_000);
+    window.click("Pause");
+    window.click("Resume");
+    window.operate("Remove light");
+    window.harness.run_steps(5);
+    assert_eq!(picture(&window).scene.lights.len(), 1);
+}
+
+#[test]
+fn a_paused_render_is_cancelled_and_replaced() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window, 100_000);
+    window.click("Pause");
+    window.press(Modifiers::NONE, Key::Escape);
+    assert_eq!(picture(&window).outcome, Outcome::Cancelled);
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+
+    start_long_render(&mut window, 100_000);
+    window.click("Pause");
+    set_samples(&mut window, 2);
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("the render ends", is_over);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+
+    // Another scene takes the place of one that rests.
+    start_long_render(&mut window, 100_000);
+    window.click("Pause");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    window.click("Replace");
+    window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+}
+
+/// The region is drawn over the preview, shows in its place, is saved alone, and has the pixels of the whole.
+#[test]
+fn a_region_has_the_pixels_of_the_whole_picture() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let whole = library_picture(window.scene(), None);
+    let frame = window.rect("Viewport");
+    let at =
+        |x: f32, y: f32| -> Pos2 { frame.min + egui::vec2(x / 160.0, y / 120.0) * frame.size() };
+    window.press(Modifiers::NONE, Key::B);
+    assert!(window.app().region().is_drawing);
+    let before = window.scene().camera;
+    window.drag(PointerButton::Primary, at(100.0, 90.0), at(40.0, 30.0));
+    assert_eq!(window.scene().camera, before, "the mouse drew");
+    assert!(!window.app().region().is_drawing, "and is free again");
+    let region = Region {
+        x: 40,
+        y: 30,
+        width: 60,
+        height: 60,
+    };
+    assert_eq!(window.app().region().part([160, 120]).region, region);
+
+    window.render();
+    assert_eq!(window.app().view(), View::Picture);
+    let made = picture(&window).buffer.image();
+    assert_eq!((made.width, made.height), (60, 60));
+    for y in 0..60 {
+        for x in 0..60 {
+            assert_eq!(made.pixel(x, y), whole.pixel(x + 40, y + 30));
+        }
+    }
+    assert_eq!(
+        window.hash(),
+        library_picture(window.scene(), Some(region)).hash(),
+        "that of `raymini render --region`"
+    );
+    let samples = &picture(&window).progress.samples;
+    assert_eq!(samples.total(), 60 * 60 * 4, "what is left is the region's");
+    assert!(window.says("60 × 60 of 160 × 120"));
+
+    // Saving writes the region.
+    let png = files.path("region.png");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&png);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    assert_eq!(image::open(&png).unwrap().to_rgb8().dimensions(), (60, 60));
+
+    // It keeps what it shows at another size, can be typed, and is cleared.
+    window.operate("Scene");
+    // On the way there it may be a single pixel.
+    for (width, height) in [("1", "1"), ("320", "240")] {
+        set_number(&mut window, "Width", width);
+        set_number(&mut window, "Height", height);
+    }
+    let part = window.app().region().part([320, 240]);
+    assert_eq!((part.region.x, part.region.width), (80, 120));
+    set_number(&mut window, "Region width", "1000");
+    let part = window.app().region().part([320, 240]);
+    assert_eq!((part.region.x, part.region.width), (80, 240));
+    window.click("Clear region");
+    assert!(!window.app().region().is_chosen());
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+
+    // Nothing of it was an edit of the scene but the size.
+    for _ in 0..4 {
+        window.press(Modifiers::COMMAND, Key::Z);
+    }
+    assert!(!window.app().document().is_modified());
+}
+
+/// Its size and place are part of what an earlier render is gone back to, and pictures of different parts are not compared.
+#[test]
+fn a_region_is_restored_and_not_compared_with_another() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let frame = window.rect("Viewport");
+    window.press(Modifiers::NONE, Key::B);
+    let quarter = frame.min + frame.size() / 4.0;
+    window.drag(PointerButton::Primary, quarter, frame.center());
+    window.render();
+    assert!(picture(&window).name.ends_with(", region"));
+    let part = picture(&window).buffer.part();
+    assert!(!part.is_whole());
+    window.press(Modifiers::NONE, Key::C);
+    window.until("the distance is known", |app| {
+        app.comparison().is_some_and(|c| c.distance().is_some())
+    });
+    assert!(window.says("different parts of the picture"));
+    window.press(Modifiers::NONE, Key::C);
+    window.press(Modifiers::SHIFT, Key::B);
+    assert!(!window.app().region().is_chosen());
+    window.press(Modifiers::NONE, Key::F6);
+    window.click("Restore settings");
+    assert_eq!(window.app().region().part([160, 120]), part);
+
+    // Esc in the middle of drawing leaves what was there, and nothing is drawn when the tool is taken again.
+    let at = |x: f32, y: f32| frame.min + frame.size() * egui::vec2(x, y);
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.press(Modifiers::NONE, Key::B);
+    window.harness.hover_at(at(0.6, 0.6));
+    window.harness.run_steps(1);
+    window.harness.event(button(at(0.6, 0.6), true));
+    window.harness.run_steps(1);
+    window.harness.hover_at(at(0.9, 0.9));
+    window.harness.run_steps(2);
+    assert_ne!(window.app().region().part([160, 120]), part);
+    window.press(Modifiers::NONE, Key::Escape);
+    assert_eq!(window.app().region().part([160, 120]), part);
+    window.press(Modifiers::NONE, Key::B);
+    window.harness.hover_at(at(0.8, 0.7));
+    window.harness.run_steps(2);
+    assert_eq!(window.app().region().part([160, 120]), part);
+    window.harness.event(button(at(0.8, 0.7), false));
+    window.harness.run_steps(2);
+    window.press(Modifiers::NONE, Key::Escape);
+
+    // Esc puts the tool away, and a click with it takes all of the picture.
+    window.press(Modifiers::NONE, Key::B);
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.app().region().is_drawing && window.app().region().is_chosen());
+    window.press(Modifiers::NONE, Key::B);
+    let center = window.rect("Region to render").center();
+    window.click_at(center);
+    assert!(!window.app().region().is_chosen());
+}
+
+/// The time of a render is told when it is asked for, by name or by the mouse that rests on Render, and only of the scene as it is.
+#[test]
+fn the_time_of_a_render_is_told_when_asked_for() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    assert!(window.has("time?"));
+    assert_eq!(window.app().estimated_time(), None);
+    window.click("time?");
+    window.until("the time is known", |app| app.estimated_time().is_some());
+    let short = window.app().estimated_time().unwrap();
+    assert!(!short.is_bound && short.seconds.value > 0.0);
+    assert!(short.seconds.contains(short.seconds.value) && !window.has("time?"));
+
+    // A thousand times the samples take longer, and that is another question.
+    set_samples(&mut window, 4_000);
+    assert_eq!(window.app().estimated_time(), None);
+    let render = window.rect("Render").center();
+    window.harness.hover_at(render);
+    window.until("the time is known", |app| app.estimated_time().is_some());
+    let long = window.app().estimated_time().unwrap();
+    assert!(long.seconds.value > 20.0 * short.seconds.value);
+
+    // What was rendered is known without asking.
+    set_samples(&mut window, 2);
+    window.render();
+    let known = window.app().estimated_time().unwrap().seconds;
+    let elapsed = picture(&window).elapsed().as_secs_f64();
+    assert_eq!(
+        (known.low, known.value, known.high),
+        (elapsed, elapsed, elapsed)
+    );
+}

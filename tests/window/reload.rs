@@ -1,0 +1,178 @@
+//! Files that change on disk while the window shows them.
+
+use crate::driver::{Files, MESH, SCENE, Window, library_hash, load};
+use egui::{Key, Modifiers};
+use raymini::gui::jobs::Lane;
+use raymini::math::DVec3;
+use raymini::scene::{Light, Scene};
+
+/// A mesh of one triangle.
+const TRIANGLE: &str = "OFF\n3 1 0\n0 0 0\n2 0 0\n0 0 2\n3 0 1 2\n";
+
+fn triangles(scene: &Scene) -> u64 {
+    scene.triangle_count()
+}
+
+/// Waits until the files have been looked at once, so that what is written from now on is a change.
+fn watched(files: &Files, name: &str) -> Window {
+    let mut window = Window::open(&files.path(name));
+    window.harness.run_steps(3);
+    std::thread::sleep(std::time::Duration::from_millis(1200));
+    window
+}
+
+#[test]
+fn a_mesh_that_changes_is_read_again_and_one_that_is_broken_is_not() {
+    let files = Files::new();
+    let mut window = watched(&files, "room.toml");
+    window.operate("Add light");
+    let scene = window.scene().clone();
+    assert_eq!(triangles(&scene), 10);
+    files.write("pyramid.off", TRIANGLE);
+    window.until("the triangle is there", |app| {
+        triangles(&app.document().scene) == 1
+    });
+    window.settle();
+    assert!(
+        window
+            .app()
+            .messages()
+            .last_news()
+            .contains("pyramid.off has changed")
+    );
+    assert_eq!(window.scene().camera, scene.camera);
+    assert_eq!(window.scene().lights, scene.lights);
+    window.render();
+    assert_eq!(window.hash(), library_hash(window.scene()));
+
+    // Half a file leaves all as it is, and says so until it is whole.
+    files.write("pyramid.off", &MESH[..40]);
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    let banner = window.app().messages().banners()[0].clone();
+    assert_eq!(banner.title, "pyramid.off has changed and cannot be read");
+    assert!(banner.text.contains("pyramid.off:"), "{}", banner.text);
+    assert_eq!(triangles(window.scene()), 1);
+    files.write("pyramid.off", MESH);
+    window.until("the mesh is back", |app| {
+        triangles(&app.document().scene) == 10
+    });
+    assert!(window.app().messages().banners().is_empty());
+
+    // What was edited can be undone, and the mesh stays the file's.
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.scene().lights.len(), 1);
+    assert_eq!(triangles(window.scene()), 10);
+    assert!(!window.app().document().is_modified());
+    window.settle();
+    window.render();
+    assert_eq!(window.hash(), library_hash(&load(&files.path("room.toml"))));
+}
+
+#[test]
+fn a_scene_file_that_changes_is_read_again_where_nothing_is_lost_and_asked_about_else() {
+    let files = Files::new();
+    let mut window = watched(&files, "room.toml");
+    let brighter = |emission: u32| SCENE.replace("60.0, 60.0, 60.0", &format!("{emission}, 9, 9"));
+    files.write("room.toml", &brighter(7));
+    let red = |scene: &Scene| scene.lights[0].emission().x;
+    window.until("the light is another", |app| {
+        red(&app.document().scene) == 7.0
+    });
+    assert!(!window.app().document().is_modified());
+
+    // A mistake in it leaves the scene as it is.
+    files.write("room.toml", "[camera]\neye = [0, 0\n");
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    assert_eq!(red(window.scene()), 7.0);
+
+    // With unsaved work it is a question.
+    window.operate("Add light");
+    files.write("room.toml", &brighter(8));
+    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    assert!(window.says("room has changed on disk"));
+    assert_eq!((red(window.scene()), window.scene().lights.len()), (7.0, 2));
+    window.click("Keep mine");
+    assert!(!window.has("Read it again"));
+    assert_eq!(window.scene().lights.len(), 2);
+
+    files.write("room.toml", &brighter(19));
+    window.until("it is asked again", raymini::gui::App::asks_to_reload);
+    window.click("Read it again");
+    window.until("the file's light is there", |app| {
+        red(&app.document().scene) == 19.0
+    });
+    assert!(!window.app().document().is_modified());
+    assert!(window.app().messages().banners().is_empty());
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!((red(window.scene()), window.scene().lights.len()), (7.0, 2));
+
+    // Saving is not a change from elsewhere.
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    window.operate("Add light");
+    for _ in 0..150 {
+        window.harness.run_steps(1);
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert!(!window.app().asks_to_reload());
+    assert_eq!(window.scene().lights.len(), 3);
+}
+
+/// What is edited while a changed scene file is being read is not lost without a question.
+#[test]
+fn an_edit_made_while_the_scene_file_is_read_is_asked_about() {
+    let files = Files::new();
+    let mut window = watched(&files, "room.toml");
+    files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "7, 9, 9"));
+    while !window.app().works_in(Lane::Reload) {
+        window.harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let scene = &mut window.harness.state_mut().document_mut().scene;
+    scene.lights.push(Light::Point {
+        position: DVec3::ONE,
+        intensity: DVec3::ONE,
+    });
+    let edited = scene.clone();
+    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    assert_eq!(window.scene(), &edited);
+    window.click("Read it again");
+    window.until("the file's light is there", |app| {
+        app.document().scene.lights[0].emission().x == 7.0
+    });
+    assert_eq!(window.scene(), &load(&files.path("room.toml")));
+    assert!(!window.app().asks_to_reload());
+}
+
+/// Images of materials are read again as meshes are, in every step to undo.
+#[test]
+fn an_image_of_a_material_that_changes_is_read_again() {
+    let files = Files::new();
+    let paint = |color: [u8; 3]| {
+        let image = image::RgbImage::from_pixel(2, 2, image::Rgb(color));
+        image.save(files.path("paint.png")).unwrap();
+    };
+    paint([200, 10, 10]);
+    let painted = SCENE.replace(
+        "[[objects]]",
+        "diffuse_image = \"paint.png\"\n\n[[objects]]",
+    );
+    files.write("room.toml", &painted);
+    let mut window = watched(&files, "room.toml");
+    window.operate("Add light");
+    let texels = |scene: &Scene| {
+        let image = scene.textures.values().next().expect("an image");
+        image.texels().clone()
+    };
+    let before = texels(window.scene());
+    paint([10, 200, 10]);
+    window.until("the paint is another", |app| {
+        texels(&app.document().scene) != before
+    });
+    let expected = load(&files.path("room.toml"));
+    assert_eq!(texels(window.scene()), texels(&expected));
+    assert_eq!(window.scene().lights.len(), 2, "the edit is still there");
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(texels(window.scene()), texels(&expected));
+    assert!(!window.app().document().is_modified());
+}

@@ -1,0 +1,205 @@
+//! The renders of a session: looked at again, saved, restored.
+
+use crate::driver::{Files, Window, library_hash, set_samples};
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use raymini::gui::picture::Picture;
+use raymini::gui::top_bar::View;
+use raymini::render::display::encode_8;
+use raymini::scene::Shadows;
+
+/// The numbers of the renders before the present one.
+fn past(window: &Window) -> Vec<usize> {
+    let entries = window.app().renders().entries().iter();
+    entries.map(|entry| entry.facts.number).collect()
+}
+
+fn number_on_screen(window: &Window) -> Option<usize> {
+    window
+        .app()
+        .picture_on_screen()
+        .map(|picture| picture.number)
+}
+
+/// Three renders: with shadows, without, and one that is cancelled. The strip is open.
+fn three_renders(files: &Files) -> Window {
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Renders");
+    assert!(window.says("the picture is kept here"));
+    window.render();
+    window.operate("Shadows: Off");
+    set_samples(&mut window, 5);
+    window.render();
+    set_samples(&mut window, 1_000_000);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+    window.harness.run_steps(5);
+    window
+}
+
+#[test]
+fn renders_are_looked_at_again_and_saved() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    assert_eq!(past(&window), [1, 2]);
+    let entries = window.app().renders().entries();
+    let hashes: Vec<_> = entries
+        .iter()
+        .map(|e| e.facts.hash().unwrap().to_owned())
+        .collect();
+    assert_ne!(hashes[0], hashes[1]);
+    assert_eq!(window.app().picture().unwrap().number, 3);
+    assert!(window.says("cancelled"));
+
+    window.click("Show render 1");
+    assert_eq!(number_on_screen(&window), Some(1));
+    window.until("it is on the screen", |app| {
+        app.picture_on_screen()
+            .is_some_and(|p| p.texture().is_some())
+    });
+    assert!(window.says(&hashes[0][..16]));
+    assert!(window.says("direct, 160 × 120, 4 samples"));
+
+    // What is saved is what is looked at.
+    let png = files.path("first.png");
+    window.click("Save shown picture");
+    window.enter_path(&png);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    let picture: &Picture = window.app().picture_on_screen().unwrap();
+    let display = picture.scene.display;
+    let pixels = picture.buffer.image().pixels;
+    assert_eq!(picture.buffer.image().hash(), hashes[0]);
+    let expected: Vec<u8> = pixels
+        .iter()
+        .flat_map(|&rgb| encode_8(rgb, &display))
+        .collect();
+    assert_eq!(image::open(&png).unwrap().to_rgb8().into_raw(), expected);
+
+    // Keys go from one to the next.
+    window.press(Modifiers::NONE, Key::PageDown);
+    assert_eq!(number_on_screen(&window), Some(2));
+    window.press(Modifiers::NONE, Key::PageDown);
+    assert_eq!(number_on_screen(&window), Some(3));
+    window.press(Modifiers::NONE, Key::PageDown);
+    assert_eq!(number_on_screen(&window), Some(3));
+    window.press(Modifiers::NONE, Key::PageUp);
+    assert_eq!(number_on_screen(&window), Some(2));
+
+    // A new exposure holds for whatever is looked at.
+    window
+        .harness
+        .state_mut()
+        .document_mut()
+        .scene
+        .display
+        .exposure = 1.5;
+    window.harness.run_steps(3);
+    window.press(Modifiers::NONE, Key::PageUp);
+    window.until("it is on the screen", |app| {
+        app.picture_on_screen()
+            .is_some_and(|p| p.texture().is_some())
+    });
+    let shown = window.app().picture_on_screen().unwrap();
+    assert!((shown.scene.display.exposure - 1.5).abs() < 1e-12);
+}
+
+#[test]
+fn settings_are_restored_in_one_step_that_can_be_undone() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    let before = window.scene().clone();
+    assert_eq!(before.render.shadows, Shadows::Off);
+    window.click("Show render 1");
+    let hash = window
+        .app()
+        .renders()
+        .entry(1)
+        .unwrap()
+        .facts
+        .hash()
+        .unwrap()
+        .to_owned();
+    window.click("Restore settings");
+    assert_ne!(window.scene(), &before);
+    assert_eq!(window.scene().render.shadows, Shadows::Soft);
+    let next = window.app().document().undo_history().next_undo();
+    assert_eq!(next, Some("restoring the settings of render 1"));
+    window.render();
+    assert_eq!(window.hash(), hash);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.scene(), &before);
+}
+
+#[test]
+fn renders_are_forgotten_and_outlive_their_scene() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    window.click("Show render 2");
+    window.click("Forget");
+    assert_eq!(past(&window), [1]);
+    assert_eq!(number_on_screen(&window), Some(3));
+    window
+        .harness
+        .get_by_label("Show render 1")
+        .click_secondary();
+    window.harness.run_steps(3);
+    let restore = window.harness.query_all_by_label("Restore settings");
+    assert_eq!(restore.count(), 2, "beside the strip, and in the menu");
+    window.press(Modifiers::NONE, Key::Escape);
+
+    // The scene is unsaved; another one takes its place, and the renders stay.
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("pyramid.off"));
+    window.click("Replace");
+    window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    window.settle();
+    assert_eq!(past(&window), [1, 3]);
+    assert_eq!(window.app().view(), View::Preview);
+    window.click("Show render 1");
+    assert_eq!(number_on_screen(&window), Some(1));
+    window.press(Modifiers::NONE, Key::Num1);
+    assert_eq!(number_on_screen(&window), None);
+
+    // A render of the new scene goes on with the numbers.
+    let render = &mut window.harness.state_mut().document_mut().scene.render;
+    (render.width, render.height) = (64, 48);
+    window.render();
+    assert_eq!(number_on_screen(&window), Some(4));
+}
+
+/// Looking at an old picture does not disturb the running render, which edits of the scene then do not restart.
+#[test]
+fn a_running_render_goes_on_while_another_is_looked_at() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture()
+            .is_some_and(|p| p.is_running() && p.first_tile.is_some())
+    });
+    window.click("Show render 1");
+    window.operate("Shadows: Soft");
+    window.harness.run_steps(5);
+    let running = window.app().picture().unwrap();
+    assert!(running.is_running());
+    assert_eq!(running.scene.render.shadows, Shadows::Off);
+    assert_eq!(number_on_screen(&window), Some(1));
+
+    // Looked at again, it starts anew with the edit; what was replaced is not kept.
+    window.click("Show render 4");
+    window.until("it starts anew", |app| {
+        app.picture()
+            .is_some_and(|p| p.is_running() && p.scene.render.shadows == Shadows::Soft)
+    });
+    assert_eq!(past(&window), [1, 2, 3]);
+    assert_eq!(window.app().picture().unwrap().name, "shadows soft");
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+}
