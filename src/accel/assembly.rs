@@ -194,11 +194,11 @@ impl Assembly {
 
     /// The nearest hit of each ray of `packet`, in their order: [`Self::intersect`] of each, but faster.
     #[must_use]
-    pub fn intersect_packet(&self, packet: &Packet<'_>) -> PacketHits {
+    pub fn intersect_packet(&self, packet: &Packet) -> PacketHits {
         let mut hits = self.flat.intersect_packet(packet);
         if !self.copies.is_empty() {
-            for ((ray, t_max), hit) in packet.rays().iter().zip(&mut hits) {
-                *hit = self.intersect_copies(ray, *t_max, *hit);
+            for ((ray, t_max), hit) in packet.rays().zip(&mut hits) {
+                *hit = self.intersect_copies(&ray, t_max, *hit);
             }
         }
         hits

@@ -1,6 +1,6 @@
 //! Eight triangles side by side, and the `f32` filter that spares most of them the full test.
 
-use super::simd::{Half, LANES, LaneSet, Lanes, Simd, splat_all};
+use super::simd::{Floats, LANES, LaneSet, Lanes, Simd, splat_all};
 use crate::geometry::{RayKernel, Triangle};
 use crate::math::{Ray, Vec3};
 
@@ -59,47 +59,30 @@ impl TriangleBlock {
         corners
     }
 
-    /// Half of [`Self::eight`], in `f64`.
+    /// Four of [`Self::eight`], in `f64`, by the index of the four.
     #[inline(always)]
-    pub fn four<S: Simd>(&self, simd: S, axes: [usize; 3], half: Half) -> [[S::F64x4; 3]; 3] {
+    pub fn four<S: Simd>(&self, simd: S, axes: [usize; 3], index: usize) -> [[S::F64x4; 3]; 3] {
         let mut corners = [[simd.splat_double(0.0); 3]; 3];
         for (corner, from) in corners.iter_mut().zip(&self.corners) {
             for (coordinates, axis) in corner.iter_mut().zip(axes) {
-                *coordinates = simd.load_half(&from[axis], half);
+                *coordinates = simd.load_doubles(from[axis].four(index));
             }
         }
         corners
     }
 
-    /// The corners of the triangle in `lane`, eight times, their coordinates in the order of `axes`.
+    /// The corners of the triangle in `lane`, sixteen times, their coordinates in the order of `axes`.
     #[inline(always)]
-    pub fn one_in_eight<S: Simd>(
+    pub fn one_in_sixteen<S: Simd>(
         &self,
         simd: S,
         axes: [usize; 3],
         lane: usize,
-    ) -> [[S::F32x8; 3]; 3] {
+    ) -> [[S::F32x16; 3]; 3] {
         let mut corners = [[simd.splat(0.0); 3]; 3];
         for (corner, from) in corners.iter_mut().zip(&self.corners) {
             for (coordinates, axis) in corner.iter_mut().zip(axes) {
                 *coordinates = simd.splat(from[axis].0[lane]);
-            }
-        }
-        corners
-    }
-
-    /// Half of [`Self::one_in_eight`], in `f64`.
-    #[inline(always)]
-    pub fn one_in_four<S: Simd>(
-        &self,
-        simd: S,
-        axes: [usize; 3],
-        lane: usize,
-    ) -> [[S::F64x4; 3]; 3] {
-        let mut corners = [[simd.splat_double(0.0); 3]; 3];
-        for (corner, from) in corners.iter_mut().zip(&self.corners) {
-            for (coordinates, axis) in corner.iter_mut().zip(axes) {
-                *coordinates = simd.splat_double(from[axis].0[lane].into());
             }
         }
         corners
@@ -123,7 +106,7 @@ impl TriangleBlock {
 pub(super) struct BlockFilter<S: Simd> {
     /// As the ray's [`RayKernel`] renames them.
     pub axes: [usize; 3],
-    filter: Filter<S>,
+    filter: Filter<S, S::F32x8>,
 }
 
 impl<S: Simd> BlockFilter<S> {
@@ -166,31 +149,31 @@ impl<S: Simd> BlockFilter<S> {
     }
 }
 
-/// [`RayKernel`] in `f32`, for eight pairs of a ray and a triangle at once. It may pass a triangle the ray misses, but never
+/// [`RayKernel`] in `f32`, for as many pairs of a ray and a triangle at once as a register has lanes. It may pass a triangle the ray misses, but never
 /// rejects a hit before its limit.
 ///
 /// A pair per lane: one ray may be in all of them, or one triangle. Coordinates are in the order of the rays' axes.
 #[derive(Clone, Copy)]
-pub(super) struct Filter<S: Simd> {
+pub(super) struct Filter<S, R> {
     pub simd: S,
-    pub origin: [S::F32x8; 3],
+    pub origin: [R; 3],
     /// The negative of the shear, so that shearing is one multiplication with addition.
-    pub unshear: [S::F32x8; 2],
-    pub direction_z: S::F32x8,
+    pub unshear: [R; 2],
+    pub direction_z: R,
 }
 
 /// What the filter computes of eight pairs, and bounds on its errors.
-struct Edges<S: Simd> {
+struct Edges<R> {
     /// Edge functions.
-    u: S::F32x8,
-    v: S::F32x8,
-    w: S::F32x8,
+    u: R,
+    v: R,
+    w: R,
     /// Bounds the distance of each from its exact value.
-    error: S::F32x8,
+    error: R,
     /// Of the corners, from the origin along the axis called z.
-    z: [S::F32x8; 3],
+    z: [R; 3],
     /// The largest magnitude of those.
-    depth: S::F32x8,
+    depth: R,
 }
 
 /// `h / (P + Z)` of the bound derived at [`RayKernel::EDGE_ERROR_PER_ROUNDOFF`] for `f32` arithmetic. Products that are not
@@ -198,18 +181,13 @@ struct Edges<S: Simd> {
 #[expect(clippy::cast_possible_truncation, reason = "a constant")]
 const EDGE_ERROR: f32 = RayKernel::EDGE_ERROR_PER_ROUNDOFF as f32 * (f32::EPSILON * 0.5);
 
-impl<S: Simd> Filter<S> {
+impl<R: Copy, S: Floats<R>> Filter<S, R> {
     /// Which of `pairs` may be a hit before the ray's `limit`, a distance moved outwards by [`later`](super::slabs::later).
     ///
     /// Most rays pass beside all triangles, so only where one does not is asked how far away it is: in a room, a line through a
     /// point meets walls on both sides.
     #[inline(always)]
-    pub fn may_hit(
-        &self,
-        pairs: LaneSet,
-        corners: &[[S::F32x8; 3]; 3],
-        limit: S::F32x8,
-    ) -> LaneSet {
+    pub fn may_hit(&self, pairs: LaneSet, corners: &[[R; 3]; 3], limit: R) -> LaneSet {
         let edges = self.edges(corners);
         let met = pairs.and_not(self.is_beside(&edges));
         if met.is_empty() {
@@ -219,7 +197,7 @@ impl<S: Simd> Filter<S> {
     }
 
     #[inline(always)]
-    fn edges(&self, corners: &[[S::F32x8; 3]; 3]) -> Edges<S> {
+    fn edges(&self, corners: &[[R; 3]; 3]) -> Edges<R> {
         let simd = self.simd;
         let [ax, ay, az] = self.sheared(corners[0]);
         let [bx, by, bz] = self.sheared(corners[1]);
@@ -249,7 +227,7 @@ impl<S: Simd> Filter<S> {
     /// least as large as every product in the edge functions, so they cannot overflow unless it does. The smallest normal number
     /// covers underflow.
     #[inline(always)]
-    fn is_beside(&self, edges: &Edges<S>) -> LaneSet {
+    fn is_beside(&self, edges: &Edges<R>) -> LaneSet {
         let simd = self.simd;
         let &Edges { u, v, w, error, .. } = edges;
         let lowest = simd.smaller(simd.smaller(u, v), w);
@@ -268,7 +246,7 @@ impl<S: Simd> Filter<S> {
     /// Where numbers are too large for `f32`, z along the ray or its bound is infinite or NaN, and nothing is certain. The
     /// smallest normal number covers underflow again.
     #[inline(always)]
-    fn is_out_of_reach(&self, edges: &Edges<S>, limit: S::F32x8) -> LaneSet {
+    fn is_out_of_reach(&self, edges: &Edges<R>, limit: R) -> LaneSet {
         let simd = self.simd;
         let &Edges { u, v, w, error, .. } = edges;
         let [az, bz, cz] = edges.z;
@@ -301,12 +279,12 @@ impl<S: Simd> Filter<S> {
 
     /// The larger magnitude.
     #[inline(always)]
-    fn largest(&self, a: S::F32x8, b: S::F32x8) -> S::F32x8 {
+    fn largest(&self, a: R, b: R) -> R {
         self.simd.larger(self.simd.abs(a), self.simd.abs(b))
     }
 
     #[inline(always)]
-    fn sheared(&self, [x, y, z]: [S::F32x8; 3]) -> [S::F32x8; 3] {
+    fn sheared(&self, [x, y, z]: [R; 3]) -> [R; 3] {
         let simd = self.simd;
         let z = simd.sub(z, self.origin[2]);
         [

@@ -1,8 +1,8 @@
 //! What rays do with the leaves of a tree: look for the nearest hit, or for any.
 
 use super::block::{BlockFilter, TriangleBlock};
-use super::four::{FourRays, FourTests};
-use super::simd::{Half, LaneSet, Simd};
+use super::full::{FullTests, KernelRays};
+use super::simd::{Four, LaneSet, Simd};
 use super::slabs::later;
 use super::{Hit, Visits};
 use crate::geometry::{RayKernel, TriangleHit};
@@ -50,28 +50,29 @@ impl<'a, S: Simd> LeafTest<'a, S> {
         }
     }
 
-    /// Tests half of a block, of which `lanes` count.
+    /// Tests four triangles of a block.
     #[inline(always)]
-    fn four(&mut self, block: &TriangleBlock, half: Half, lanes: LaneSet) -> FourTests<S> {
+    fn four(&mut self, block: &TriangleBlock, four: Four) -> FullTests<S, S::F64x4> {
         let kernel = match self.kernel {
             Some(kernel) => kernel,
             None => RayKernel::with_axes(self.ray, self.filter.axes),
         };
         self.kernel = Some(kernel);
-        let corners = block.four(self.simd, kernel.axes, half);
-        FourTests::new(
+        let corners = block.four(self.simd, kernel.axes, four.index);
+        FullTests::new(
             self.simd,
-            &FourRays::one(self.simd, &kernel),
+            &KernelRays::one(self.simd, &kernel),
             &corners,
-            lanes,
+            four.lanes,
         )
     }
 
     /// Whether one of the triangles in these lanes is hit.
     #[inline(always)]
     pub fn is_hit(&mut self, block: &TriangleBlock, lanes: LaneSet) -> bool {
-        for (half, lanes) in lanes.halves() {
-            let four = self.four(block, half, lanes);
+        for four in lanes.fours() {
+            let first = four.first();
+            let four = self.four(block, four);
             let hits = four.hits();
             for lane in four.met {
                 if hits.get(lane).is_some_and(|hit| hit.t < self.t_max) {
@@ -79,7 +80,7 @@ impl<'a, S: Simd> LeafTest<'a, S> {
                 }
             }
             for lane in four.undecided {
-                if decide(self.ray, self.t_max, block, half.first() + lane).is_some() {
+                if decide(self.ray, self.t_max, block, first + lane).is_some() {
                     return true;
                 }
             }
@@ -88,7 +89,7 @@ impl<'a, S: Simd> LeafTest<'a, S> {
     }
 }
 
-/// The test of a triangle that [`FourTests`] do not decide.
+/// The test of a triangle that [`FullTests`] do not decide.
 #[cold]
 pub(super) fn decide(
     ray: &Ray,
@@ -135,14 +136,15 @@ impl<S: Simd> Visitor for Nearest<'_, S> {
     #[inline(always)]
     fn visit(&mut self, blocks: &[TriangleBlock]) -> Option<f32> {
         for block in blocks {
-            for (half, lanes) in self.test.filter.may_hit(block, self.limit()).halves() {
-                let four = self.test.four(block, half, lanes);
+            for four in self.test.filter.may_hit(block, self.limit()).fours() {
+                let first = four.first();
+                let four = self.test.four(block, four);
                 let hits = four.hits();
                 for lane in four.met {
-                    self.consider(block.ids[half.first() + lane], hits.get(lane));
+                    self.consider(block.ids[first + lane], hits.get(lane));
                 }
                 for lane in four.undecided {
-                    let lane = half.first() + lane;
+                    let lane = first + lane;
                     let hit = decide(self.test.ray, self.test.t_max, block, lane);
                     self.consider(block.ids[lane], hit);
                 }

@@ -17,7 +17,7 @@ mod brute_force;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod fan;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
-mod four;
+mod full;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
 mod kd;
 #[expect(clippy::inline_always, reason = "`simd` says why")]
@@ -101,7 +101,7 @@ impl Accelerator {
     /// The nearest hit of each ray of `packet`, in their order: [`Self::intersect`] of each, but faster.
     #[must_use]
     #[inline]
-    pub fn intersect_packet(&self, packet: &Packet<'_>) -> PacketHits {
+    pub fn intersect_packet(&self, packet: &Packet) -> PacketHits {
         match self {
             Self::Wide(tree) => tree.intersect_packet(packet),
             Self::KdTree(tree) => packet.each(|ray, t_max| tree.intersect(ray, t_max)),

@@ -1,42 +1,100 @@
 //! Rays that go almost the same way, as those of neighbouring pixels do.
 
 use super::Hit;
-use crate::math::Ray;
+use super::simd::{WIDE_LANES, WideLanes};
+use crate::math::{Ray, Vec3};
 
-/// Up to sixteen rays and how far each is looked along: its `t_max`.
-#[derive(Clone, Copy, Debug)]
-pub struct Packet<'a> {
-    rays: &'a [(Ray, f32)],
+/// Up to sixteen rays and how far each is looked along: its `t_max`. That they go almost the same way saves time and changes no
+/// hit.
+#[derive(Clone, Debug)]
+pub struct Packet {
+    /// By axis. Lanes without a ray hold a copy of the first.
+    pub(super) origins: [WideLanes; 3],
+    /// By axis, likewise.
+    pub(super) directions: [WideLanes; 3],
+    /// −∞ in lanes without a ray.
+    pub(super) t_max: WideLanes,
+    count: usize,
 }
 
 /// The hits of a packet's rays, in their order; `None` beyond the last ray.
 pub type PacketHits = [Option<Hit>; Packet::MOST_RAYS];
 
-impl<'a> Packet<'a> {
+impl Packet {
     /// The most rays of a packet: those of 4 × 4 pixels.
-    pub const MOST_RAYS: usize = 16;
+    pub const MOST_RAYS: usize = WIDE_LANES;
 
-    /// These rays, each with its `t_max`. That they go almost the same way saves time and changes no hit.
+    /// A packet without rays.
+    #[must_use]
+    pub fn empty() -> Self {
+        const NOTHING: WideLanes = WideLanes([0.0; WIDE_LANES]);
+        Self {
+            origins: [NOTHING; 3],
+            directions: [NOTHING; 3],
+            t_max: WideLanes([f32::NEG_INFINITY; WIDE_LANES]),
+            count: 0,
+        }
+    }
+
+    /// These rays, each with its `t_max`.
     ///
     /// # Panics
     /// When there are more than [`Packet::MOST_RAYS`].
     #[must_use]
-    pub fn new(rays: &'a [(Ray, f32)]) -> Self {
-        assert!(rays.len() <= Self::MOST_RAYS, "too many rays");
-        Self { rays }
+    pub fn new(rays: &[(Ray, f32)]) -> Self {
+        let mut packet = Self::empty();
+        for (ray, t_max) in rays {
+            packet.push(ray, *t_max);
+        }
+        packet
+    }
+
+    /// Adds a ray, to be looked along up to `t_max`.
+    ///
+    /// # Panics
+    /// When there are [`Packet::MOST_RAYS`] already.
+    #[inline]
+    pub fn push(&mut self, ray: &Ray, t_max: f32) {
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        if self.count == 0 {
+            self.origins = origin.map(|x| WideLanes([x; WIDE_LANES]));
+            self.directions = direction.map(|x| WideLanes([x; WIDE_LANES]));
+        }
+        for axis in 0..3 {
+            self.origins[axis].0[self.count] = origin[axis];
+            self.directions[axis].0[self.count] = direction[axis];
+        }
+        self.t_max.0[self.count] = t_max;
+        self.count += 1;
+    }
+
+    /// How many rays there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
     }
 
     /// The rays, each with its `t_max`.
-    #[must_use]
-    pub fn rays(&self) -> &'a [(Ray, f32)] {
-        self.rays
+    pub fn rays(&self) -> impl Iterator<Item = (Ray, f32)> {
+        (0..self.count).map(|index| self.ray(index))
+    }
+
+    /// The ray in a lane, with its `t_max`.
+    #[inline]
+    pub(super) fn ray(&self, lane: usize) -> (Ray, f32) {
+        let of_lane = |numbers: &[WideLanes; 3]| {
+            let [x, y, z] = numbers;
+            Vec3::new(x.0[lane], y.0[lane], z.0[lane])
+        };
+        let ray = Ray::new(of_lane(&self.origins), of_lane(&self.directions));
+        (ray, self.t_max.0[lane])
     }
 
     /// What `intersect` says of each ray.
     pub(super) fn each(&self, intersect: impl Fn(&Ray, f32) -> Option<Hit>) -> PacketHits {
         let mut hits = [None; Self::MOST_RAYS];
-        for ((ray, t_max), hit) in self.rays.iter().zip(&mut hits) {
-            *hit = intersect(ray, *t_max);
+        for ((ray, t_max), hit) in self.rays().zip(&mut hits) {
+            *hit = intersect(&ray, t_max);
         }
         hits
     }
@@ -48,7 +106,6 @@ pub(super) mod tests {
     use crate::accel::BruteForce;
     use crate::accel::tests::{bits, narrowed, rays, scenes, trees, whole};
     use crate::geometry::shapes::Random;
-    use crate::math::Vec3;
 
     /// Up to sixteen rays: almost parallel from one point or from a lens, along axes, or anywhere.
     pub(in crate::accel) fn packet_rays(
@@ -77,6 +134,16 @@ pub(super) mod tests {
             })
             .filter(|(ray, _)| ray.direction != Vec3::ZERO)
             .collect()
+    }
+
+    #[test]
+    fn packets_hold_the_rays_they_are_given() {
+        let ray = |x: f32| Ray::new(Vec3::new(x, 1.0, 2.0), Vec3::new(3.0, -x, 0.5));
+        let rays = [(ray(4.0), 7.0), (ray(-5.0), f32::INFINITY), (ray(6.0), 0.0)];
+        let packet = Packet::new(&rays);
+        assert_eq!(packet.count(), 3);
+        assert!(packet.rays().eq(rays));
+        assert_eq!(Packet::empty().rays().count(), 0);
     }
 
     #[test]

@@ -78,7 +78,7 @@ impl<T: Tree> Query for CountVisits<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::simd::{self, Portable};
+    use crate::accel::simd;
     use crate::accel::tests::{kd_tree, rays, scenes, wide_tree};
 
     /// On machines without wide instructions, the same code twice.
@@ -99,11 +99,13 @@ mod tests {
                     let weights = hit.barycentrics.map(f32::to_bits);
                     (hit.triangle, hit.t.to_bits(), weights)
                 };
-                let (portable, wide) = (nearest.answer(Portable), simd::answer(&nearest));
-                assert_eq!(portable.map(bits), wide.map(bits), "{name}: {ray:?}");
-                let any = AnyHit { tree, ray, t_max };
-                assert_eq!(any.answer(Portable), wide.is_some(), "{name}: {ray:?}");
-                assert_eq!(simd::answer(&any), wide.is_some(), "{name}: {ray:?}");
+                let hits = simd::answers(&nearest);
+                for hit in &hits[1..] {
+                    assert_eq!(hit.map(bits), hits[0].map(bits), "{name}: {ray:?}");
+                }
+                for is_hit in simd::answers(&AnyHit { tree, ray, t_max }) {
+                    assert_eq!(is_hit, hits[0].is_some(), "{name}: {ray:?}");
+                }
             }
         }
     }

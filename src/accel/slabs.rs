@@ -1,6 +1,6 @@
 //! Bounds on distances along rays, moved outwards so that rounding loses no hit.
 
-use super::simd::{LaneSet, Simd};
+use super::simd::{Floats, LaneSet};
 use crate::math::Vec3;
 use crate::math::robust::gamma;
 
@@ -24,7 +24,7 @@ pub(super) fn later(t: f32) -> f32 {
 ///
 /// A distance below 0 is moved in the wrong direction, but its sign is right, and no more is asked of it.
 #[inline(always)]
-pub(super) fn may_hold_hits<S: Simd>(simd: S, start: S::F32x8, end: S::F32x8) -> LaneSet {
+pub(super) fn may_hold_hits<R, S: Floats<R>>(simd: S, start: R, end: R) -> LaneSet {
     // The products may have lost digits below the smallest normal number.
     let end = simd.mul_add(end, simd.splat(1.0 + MARGIN), simd.splat(f32::MIN_POSITIVE));
     simd.less_or_equal(start, end)
@@ -50,7 +50,7 @@ pub(super) fn are_ordinary(direction: Vec3) -> bool {
 
 /// Which of the numbers, as in [`are_ordinary`], are.
 #[inline(always)]
-pub(super) fn ordinary<S: Simd>(simd: S, numbers: S::F32x8) -> LaneSet {
+pub(super) fn ordinary<R: Copy, S: Floats<R>>(simd: S, numbers: R) -> LaneSet {
     let [least, most] = ORDINARY;
     let size = simd.abs(numbers);
     let large = simd.less_or_equal(simd.splat(least), size);

@@ -314,13 +314,11 @@ impl PreparedScene {
             return samples;
         }
         let mut samples = [None; Packet::MOST_RAYS];
-        let mut rays = [(Ray::new(Vec3::ZERO, Vec3::X), f32::INFINITY); Packet::MOST_RAYS];
-        let mut count = 0;
+        let mut packet = Packet::empty();
         for (sample, &pixel) in samples.iter_mut().zip(pixels) {
             let begun = self.begun(pixel, index, tally);
             if let Some(CameraRay { ray, .. }) = begun.ray {
-                rays[count].0 = ray;
-                count += 1;
+                packet.push(&ray, f32::INFINITY);
             }
             *sample = Some(begun);
         }
@@ -332,9 +330,7 @@ impl PreparedScene {
             }
             return samples;
         }
-        let hits = self
-            .accelerator()
-            .intersect_packet(&Packet::new(&rays[..count]));
+        let hits = self.accelerator().intersect_packet(&packet);
         for (sample, hit) in begun.filter(|sample| sample.ray.is_some()).zip(hits) {
             sample.hit = hit;
         }

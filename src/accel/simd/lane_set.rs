@@ -1,6 +1,6 @@
-use super::{Half, LANES};
+use super::{DOUBLES, LANES};
 
-/// Some of up to sixteen lanes, in ascending order, a bit each: those of one register, or of the two that hold a packet.
+/// Some of up to sixteen lanes, in ascending order, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LaneSet(pub(super) u32);
 
@@ -39,10 +39,10 @@ impl LaneSet {
         Self(self.0 & !other.0)
     }
 
-    /// The same lanes after so many others.
+    /// These of eight lanes, and those of the eight after them.
     #[inline(always)]
-    pub fn beyond(self, others: usize) -> Self {
-        Self(self.0 << others)
+    pub fn followed_by(self, others: Self) -> Self {
+        Self(self.0 | others.0 << LANES)
     }
 
     /// How many lanes it holds.
@@ -51,10 +51,19 @@ impl LaneSet {
         self.0.count_ones() as usize
     }
 
-    /// The lanes of the register with that number, counted from its first.
+    /// Takes the first of the lanes out of the set.
     #[inline(always)]
-    pub fn of_register(self, index: usize) -> Self {
-        Self(self.0 >> (index * LANES) & ((1 << LANES) - 1))
+    pub fn take_first(&mut self) -> Option<usize> {
+        let Self(bits) = *self;
+        (bits != 0).then(|| {
+            self.0 = bits & (bits - 1);
+            bits.trailing_zeros() as usize
+        })
+    }
+
+    #[cfg(test)]
+    pub fn contains(self, lane: usize) -> bool {
+        self.0 >> lane & 1 != 0
     }
 
     #[inline(always)]
@@ -62,10 +71,10 @@ impl LaneSet {
         self.0 |= 1 << lane;
     }
 
-    /// The halves that hold any of these lanes, with them, counted from the half's first.
+    /// The lanes four by four, as many as `f64` stand side by side: the fours that hold any of these, by their index.
     #[inline(always)]
-    pub fn halves(self) -> Halves {
-        Halves(self)
+    pub fn fours(self) -> Fours {
+        Fours(self)
     }
 }
 
@@ -95,33 +104,44 @@ impl Iterator for LaneIndices {
 
     #[inline(always)]
     fn next(&mut self) -> Option<usize> {
-        let LaneSet(bits) = self.0;
-        (bits != 0).then(|| {
-            self.0 = LaneSet(bits & (bits - 1));
-            bits.trailing_zeros() as usize
-        })
+        self.0.take_first()
     }
 }
 
-/// The halves of a set that are left to visit.
-#[derive(Debug)]
-pub struct Halves(LaneSet);
+/// The lanes of a set that are in one four of lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Four {
+    /// How many fours come before.
+    pub index: usize,
+    /// Counted from the first of the four.
+    pub lanes: LaneSet,
+}
 
-impl Iterator for Halves {
-    type Item = (Half, LaneSet);
+impl Four {
+    /// The first lane of the four.
+    #[inline(always)]
+    pub fn first(self) -> usize {
+        self.index * DOUBLES
+    }
+}
+
+/// The fours of a set that are left to visit.
+#[derive(Debug)]
+pub struct Fours(LaneSet);
+
+impl Iterator for Fours {
+    type Item = Four;
 
     #[inline(always)]
-    fn next(&mut self) -> Option<(Half, LaneSet)> {
-        const LOWER: u32 = (1 << (LANES / 2)) - 1;
+    fn next(&mut self) -> Option<Four> {
+        const FOUR: u32 = (1 << DOUBLES) - 1;
         let LaneSet(bits) = self.0;
-        if bits & LOWER != 0 {
-            self.0 = LaneSet(bits & !LOWER);
-            Some((Half::Lower, LaneSet(bits & LOWER)))
-        } else if bits != 0 {
-            self.0 = LaneSet::NONE;
-            Some((Half::Upper, LaneSet(bits >> (LANES / 2))))
-        } else {
-            None
-        }
+        (bits != 0).then(|| {
+            let index = bits.trailing_zeros() as usize / DOUBLES;
+            let first = index * DOUBLES;
+            self.0 = LaneSet(bits & !(FOUR << first));
+            let lanes = LaneSet(bits >> first & FOUR);
+            Four { index, lanes }
+        })
     }
 }

@@ -198,7 +198,7 @@ impl WideTree {
 
     /// The nearest hit of each ray of `packet`, in their order.
     #[must_use]
-    pub fn intersect_packet(&self, packet: &Packet<'_>) -> PacketHits {
+    pub fn intersect_packet(&self, packet: &Packet) -> PacketHits {
         simd::answer(&packet::NearestHits { tree: self, packet })
     }
 

@@ -18,7 +18,7 @@ const FEWEST_RAYS: usize = 4;
 /// The nearest hit of each ray.
 pub(super) struct NearestHits<'a> {
     pub tree: &'a WideTree,
-    pub packet: &'a Packet<'a>,
+    pub packet: &'a Packet,
 }
 
 impl Query for NearestHits<'_> {
@@ -27,16 +27,15 @@ impl Query for NearestHits<'_> {
     #[inline(always)]
     fn answer<S: Simd>(&self, simd: S) -> PacketHits {
         let Self { tree, packet } = *self;
-        let rays = packet.rays();
-        if rays.len() >= FEWEST_RAYS
+        if packet.count() >= FEWEST_RAYS
             && let Some(mut walk) = PacketWalk::new(simd, tree, packet)
         {
             walk.run();
             return walk.rays.hits;
         }
         let mut hits = [None; Packet::MOST_RAYS];
-        for ((ray, t_max), hit) in rays.iter().zip(&mut hits) {
-            let t_max = *t_max;
+        for ((ray, t_max), hit) in packet.rays().zip(&mut hits) {
+            let ray = &ray;
             *hit = NearestHit { tree, ray, t_max }.answer(simd);
         }
         hits
@@ -53,7 +52,7 @@ struct PacketWalk<'a, S: Simd> {
 impl<'a, S: Simd> PacketWalk<'a, S> {
     /// `None` where the rays differ in the sign of a direction, or are out of the ordinary.
     #[inline(always)]
-    fn new(simd: S, tree: &'a WideTree, packet: &Packet<'a>) -> Option<Self> {
+    fn new(simd: S, tree: &'a WideTree, packet: &'a Packet) -> Option<Self> {
         let rays = PacketRays::new(simd, packet, tree.reach)?;
         Some(Self { simd, tree, rays })
     }
@@ -121,7 +120,7 @@ impl<'a, S: Simd> PacketWalk<'a, S> {
 mod tests {
     use super::*;
     use crate::accel::packet::tests::packet_rays;
-    use crate::accel::simd::{self, Portable};
+    use crate::accel::simd;
     use crate::accel::tests::{rays, scenes, wide_tree};
     use crate::geometry::shapes::Random;
 
@@ -135,11 +134,10 @@ mod tests {
                 let rays = packet_rays(&mut random, 1, ray);
                 let packet = &Packet::new(&rays);
                 let query = NearestHits { tree, packet };
-                assert_eq!(
-                    simd::answer(&query),
-                    query.answer(Portable),
-                    "{name}: {packet:?}"
-                );
+                let answers = simd::answers(&query);
+                for answer in &answers[1..] {
+                    assert_eq!(*answer, answers[0], "{name}: {packet:?}");
+                }
             }
         }
     }

@@ -7,42 +7,31 @@ use super::node::Node;
 use super::span::Span;
 use crate::accel::Hit;
 use crate::accel::block::{Filter, TriangleBlock};
-use crate::accel::four::{FourRays, FourTests};
+use crate::accel::full::{FullTests, KernelRays};
 use crate::accel::leaf::decide;
 use crate::accel::packet::{Packet, PacketHits};
-use crate::accel::simd::{Half, LANES, LaneSet, Lanes, Simd, splat_all};
-use crate::accel::slabs::{later, may_hold_hits, ordinary};
+use crate::accel::simd::{LANES, LaneSet, Places, Simd, WIDE_LANES, WideLanes, splat_all};
+use crate::accel::slabs::{MARGIN, later, may_hold_hits, ordinary};
 use crate::geometry::{RayKernel, TriangleHit};
-use crate::math::Ray;
 
-/// Registers that hold a number of each ray.
-const REGISTERS: usize = Packet::MOST_RAYS / LANES;
-
-/// A number of each ray.
-type PerRay = [Lanes; REGISTERS];
-
-const NOTHING: PerRay = [Lanes([0.0; LANES]); REGISTERS];
+const NOTHING: WideLanes = WideLanes([0.0; WIDE_LANES]);
 
 /// For fewer rays it is not asked which triangles of a block they can meet together.
 const MANY_RAYS: usize = 4;
 
-/// The rays of a packet side by side. Lanes without a ray hold a copy of the last one that ends before its start.
+/// What is known of a packet's rays, side by side.
 pub(super) struct PacketRays<'a, S: Simd> {
     simd: S,
-    rays: &'a [(Ray, f32)],
+    packet: &'a Packet,
     pub span: Span<S>,
-    /// By axis.
-    origins: [PerRay; 3],
-    /// By axis.
-    directions: [PerRay; 3],
     /// By axis, reciprocals of the directions.
-    inverses: [PerRay; 3],
-    /// Where each ray ends so far, moved outwards. No NaN.
-    limits: PerRay,
+    inverses: [WideLanes; 3],
+    /// Where each ray ends so far, moved outwards; before its start in lanes without a ray. No NaN.
+    limits: WideLanes,
     /// By axis, the rays whose [`RayKernel`] calls it z: rays of one such axis are tested together.
     longest: [LaneSet; 3],
     /// By that axis, the [`Filter::unshear`] of its rays.
-    unshears: [[PerRay; 2]; 3],
+    unshears: [[WideLanes; 2]; 3],
     pub hits: PacketHits,
 }
 
@@ -50,35 +39,21 @@ impl<'a, S: Simd> PacketRays<'a, S> {
     /// For boxes whose coordinates are at most `reach` in magnitude. `None` where the rays differ in the sign of a direction, where
     /// one is out of the ordinary, and where there is none.
     #[inline(always)]
-    pub fn new(simd: S, packet: &Packet<'a>, reach: f32) -> Option<Self> {
-        let rays = packet.rays();
-        let (last, _) = rays.last()?;
-        let [mut origins, mut directions] = [[NOTHING; 3]; 2];
-        let mut limits = [Lanes([-1.0; LANES]); REGISTERS];
-        for index in 0..Packet::MOST_RAYS {
-            let (register, lane) = (index / LANES, index % LANES);
-            let ray = match rays.get(index) {
-                Some((ray, t_max)) => {
-                    limits[register].0[lane] = later(*t_max).max(-1.0);
-                    ray
-                }
-                None => last,
-            };
-            let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-            for axis in 0..3 {
-                origins[axis][register].0[lane] = origin[axis];
-                directions[axis][register].0[lane] = direction[axis];
-            }
+    pub fn new(simd: S, packet: &'a Packet, reach: f32) -> Option<Self> {
+        if packet.count() == 0 {
+            return None;
         }
-
+        let Packet {
+            origins,
+            directions,
+            ..
+        } = packet;
         let mut inverses = [NOTHING; 3];
-        let mut all_ordinary = LaneSet::first(LANES);
-        for (directions, inverses) in directions.iter().zip(&mut inverses) {
-            for (direction, inverse) in directions.iter().zip(inverses) {
-                let direction = simd.load(direction);
-                all_ordinary = all_ordinary.and(ordinary(simd, direction));
-                *inverse = simd.store(simd.div(simd.splat(1.0), direction));
-            }
+        let mut all_ordinary = LaneSet::first(WIDE_LANES);
+        for (direction, inverse) in directions.iter().zip(&mut inverses) {
+            let direction = simd.load_wide(direction);
+            all_ordinary = all_ordinary.and(ordinary(simd, direction));
+            *inverse = simd.store_wide(simd.div(simd.splat(1.0), direction));
         }
         let mut farthest = reach;
         let [mut origin_range, mut inverse_range] = [[[0.0; 2]; 3]; 2];
@@ -89,33 +64,33 @@ impl<'a, S: Simd> PacketRays<'a, S> {
             inverse_range[axis] = range(simd, &inverses[axis]);
         }
         // Where the difference between a plane and the origin may overflow, no distance can be trusted.
-        if all_ordinary != LaneSet::first(LANES) || !farthest.is_finite() {
+        if all_ordinary != LaneSet::first(WIDE_LANES) || !farthest.is_finite() {
             return None;
         }
 
+        // As `later` computes it.
+        let limits = simd.mul(simd.load_wide(&packet.t_max), simd.splat(1.0 + MARGIN));
+        let limits = simd.add(limits, simd.splat(f32::MIN_POSITIVE));
+        let limits = simd.larger(limits, simd.splat(-1.0));
         let mut rays = Self {
             simd,
-            rays,
+            packet,
             span: Span::new(simd, origin_range, inverse_range)?,
-            origins,
-            directions,
             inverses,
-            limits,
+            limits: simd.store_wide(limits),
             longest: [LaneSet::NONE; 3],
             unshears: [[NOTHING; 2]; 3],
             hits: [None; Packet::MOST_RAYS],
         };
-        for register in 0..REGISTERS {
-            rays.name_axes(register);
-        }
+        rays.name_axes();
         Some(rays)
     }
 
-    /// Renames the axes of the rays in a register as [`RayKernel::axes_of`] does, and shears them.
+    /// Renames the axes of the rays as [`RayKernel::axes_of`] does, and shears them.
     #[inline(always)]
-    fn name_axes(&mut self, register: usize) {
+    fn name_axes(&mut self) {
         let simd = self.simd;
-        let direction = self.of_register(&self.directions, [0, 1, 2], register);
+        let direction = self.in_order(&self.packet.directions, [0, 1, 2]);
         let [x, y, z] = [
             simd.abs(direction[0]),
             simd.abs(direction[1]),
@@ -123,24 +98,24 @@ impl<'a, S: Simd> PacketRays<'a, S> {
         ];
         let along_z = simd.less(simd.larger(y, x), z);
         let along_y = simd.less(x, y).and_not(along_z);
-        let along_x = LaneSet::first(LANES).and_not(along_y).and_not(along_z);
+        let along_x = LaneSet::first(WIDE_LANES).and_not(along_y).and_not(along_z);
         for (longest, lanes) in [along_x, along_y, along_z].into_iter().enumerate() {
             if lanes.is_empty() {
                 continue;
             }
-            self.longest[longest] = self.longest[longest].or(lanes.beyond(register * LANES));
+            self.longest[longest] = lanes;
             let [x, y, z] = RayKernel::axes_along(longest);
             let minus_z = simd.sub(simd.splat(0.0), direction[z]);
             let [unshear_x, unshear_y] = &mut self.unshears[longest];
-            unshear_x[register] = simd.store(simd.div(direction[x], minus_z));
-            unshear_y[register] = simd.store(simd.div(direction[y], minus_z));
+            *unshear_x = simd.store_wide(simd.div(direction[x], minus_z));
+            *unshear_y = simd.store_wide(simd.div(direction[y], minus_z));
         }
     }
 
     /// All rays.
     #[inline(always)]
     pub fn all(&self) -> LaneSet {
-        LaneSet::first(self.rays.len())
+        LaneSet::first(self.packet.count())
     }
 
     /// The greatest of the rays' limits.
@@ -150,59 +125,29 @@ impl<'a, S: Simd> PacketRays<'a, S> {
         last
     }
 
-    /// Numbers of the rays in a register, in the order of `axes`.
+    /// Numbers of the rays, in the order of `axes`.
     #[inline(always)]
-    fn of_register(
-        &self,
-        numbers: &[PerRay; 3],
-        axes: [usize; 3],
-        register: usize,
-    ) -> [S::F32x8; 3] {
+    fn in_order(&self, numbers: &[WideLanes; 3], axes: [usize; 3]) -> [S::F32x16; 3] {
         let simd = self.simd;
         let [x, y, z] = axes;
         [
-            simd.load(&numbers[x][register]),
-            simd.load(&numbers[y][register]),
-            simd.load(&numbers[z][register]),
-        ]
-    }
-
-    /// [`Self::of_register`] of half a register, in `f64`.
-    #[inline(always)]
-    fn of_half(
-        &self,
-        numbers: &[PerRay; 3],
-        axes: [usize; 3],
-        register: usize,
-        half: Half,
-    ) -> [S::F64x4; 3] {
-        let simd = self.simd;
-        let [x, y, z] = axes;
-        [
-            simd.load_half(&numbers[x][register], half),
-            simd.load_half(&numbers[y][register], half),
-            simd.load_half(&numbers[z][register], half),
+            simd.load_wide(&numbers[x]),
+            simd.load_wide(&numbers[y]),
+            simd.load_wide(&numbers[z]),
         ]
     }
 
     /// Which rays meet the box in a lane of a node before their limits: what a ray by itself would say of it.
     #[inline(always)]
     pub fn meeting(&self, node: &Node, lane: usize) -> LaneSet {
-        let lower = self.meeting_half(node, lane, 0);
-        let upper = self.meeting_half(node, lane, 1);
-        lower.or(upper.beyond(LANES))
-    }
-
-    #[inline(always)]
-    fn meeting_half(&self, node: &Node, lane: usize, half: usize) -> LaneSet {
         let simd = self.simd;
         let mut start = simd.splat(0.0);
-        let mut end = simd.load(&self.limits[half]);
+        let mut end = simd.load_wide(&self.limits);
         for axis in 0..3 {
             let planes = &node.planes[axis];
             let backward = self.span.backward[axis] & 1;
-            let origin = simd.load(&self.origins[axis][half]);
-            let inverse = simd.load(&self.inverses[axis][half]);
+            let origin = simd.load_wide(&self.packet.origins[axis]);
+            let inverse = simd.load_wide(&self.inverses[axis]);
             let nearer = simd.sub(simd.splat(planes[backward].0[lane]), origin);
             let farther = simd.sub(simd.splat(planes[1 - backward].0[lane]), origin);
             start = simd.larger(simd.mul(nearer, inverse), start);
@@ -220,11 +165,14 @@ impl<'a, S: Simd> PacketRays<'a, S> {
                 continue;
             }
             for block in blocks {
-                let passed = self.passed(longest, rays, block);
-                for (lane, rays) in passed.into_iter().enumerate() {
-                    if !rays.is_empty() {
-                        self.test(longest, rays, block, lane);
+                let mut left = self.passed(longest, rays, block);
+                let mut lane = 0;
+                loop {
+                    let pairs = Pairs::take(&mut left, &mut lane, S::DOUBLES_PER_REGISTER);
+                    if pairs.count == 0 {
+                        break;
                     }
+                    self.test(longest, block, pairs);
                 }
             }
         }
@@ -235,9 +183,7 @@ impl<'a, S: Simd> PacketRays<'a, S> {
     fn passed(&self, longest: usize, rays: LaneSet, block: &TriangleBlock) -> [LaneSet; LANES] {
         if rays.count() >= MANY_RAYS {
             let met = self.span.may_meet(block, self.last_limit());
-            let [lower, upper] = [rays.of_register(0), rays.of_register(1)];
-            let registers = usize::from(!lower.is_empty()) + usize::from(!upper.is_empty());
-            if met.count() * registers < rays.count() {
+            if met.count() * S::REGISTERS_PER_PACKET < rays.count() {
                 return self.passed_by_triangle(longest, rays, block, met);
             }
         }
@@ -256,27 +202,17 @@ impl<'a, S: Simd> PacketRays<'a, S> {
         let simd = self.simd;
         let axes = RayKernel::axes_along(longest);
         let [unshear_x, unshear_y] = &self.unshears[longest];
+        let filter = Filter {
+            simd,
+            origin: self.in_order(&self.packet.origins, axes),
+            unshear: [simd.load_wide(unshear_x), simd.load_wide(unshear_y)],
+            direction_z: simd.load_wide(&self.packet.directions[longest]),
+        };
+        let limits = simd.load_wide(&self.limits);
         let mut passed = [LaneSet::NONE; LANES];
         for lane in lanes {
-            let corners = block.one_in_eight(simd, axes, lane);
-            for register in 0..REGISTERS {
-                let rays = rays.of_register(register);
-                if rays.is_empty() {
-                    continue;
-                }
-                let filter = Filter {
-                    simd,
-                    origin: self.of_register(&self.origins, axes, register),
-                    unshear: [
-                        simd.load(&unshear_x[register]),
-                        simd.load(&unshear_y[register]),
-                    ],
-                    direction_z: simd.load(&self.directions[longest][register]),
-                };
-                let limits = simd.load(&self.limits[register]);
-                let hit = filter.may_hit(rays, &corners, limits);
-                passed[lane] = passed[lane].or(hit.beyond(register * LANES));
-            }
+            let corners = block.one_in_sixteen(simd, axes, lane);
+            passed[lane] = filter.may_hit(rays, &corners, limits);
         }
         passed
     }
@@ -296,22 +232,18 @@ impl<'a, S: Simd> PacketRays<'a, S> {
         let [unshear_x, unshear_y] = &self.unshears[longest];
         let mut passed = [LaneSet::NONE; LANES];
         for ray in rays {
-            let (register, lane) = (ray / LANES, ray % LANES);
             let origin = [
-                self.origins[x][register].0[lane],
-                self.origins[y][register].0[lane],
-                self.origins[z][register].0[lane],
+                self.packet.origins[x].0[ray],
+                self.packet.origins[y].0[ray],
+                self.packet.origins[z].0[ray],
             ];
             let filter = Filter {
                 simd,
                 origin: splat_all(simd, origin),
-                unshear: [
-                    simd.splat(unshear_x[register].0[lane]),
-                    simd.splat(unshear_y[register].0[lane]),
-                ],
-                direction_z: simd.splat(self.directions[z][register].0[lane]),
+                unshear: [simd.splat(unshear_x.0[ray]), simd.splat(unshear_y.0[ray])],
+                direction_z: simd.splat(self.packet.directions[z].0[ray]),
             };
-            let limit = simd.splat(self.limits[register].0[lane]);
+            let limit = simd.splat(self.limits.0[ray]);
             for triangle in filter.may_hit(occupied, &corners, limit) {
                 passed[triangle].insert(ray);
             }
@@ -319,77 +251,107 @@ impl<'a, S: Simd> PacketRays<'a, S> {
         passed
     }
 
-    /// The full test of these rays against the triangle in a lane.
+    /// The full test of pairs of rays and triangles of a block.
     #[inline(always)]
-    fn test(&mut self, longest: usize, rays: LaneSet, block: &TriangleBlock, lane: usize) {
+    fn test(&mut self, longest: usize, block: &TriangleBlock, pairs: Pairs) {
         let simd = self.simd;
-        let corners = block.one_in_four(simd, RayKernel::axes_along(longest), lane);
-        let id = block.ids[lane];
-        for register in 0..REGISTERS {
-            for (half, rays) in rays.of_register(register).halves() {
-                let first = register * LANES + half.first();
-                let four = self.four(longest, register, half);
-                let tests = FourTests::new(simd, &four, &corners, rays);
-                let hits = tests.hits();
-                for ray in tests.met {
-                    self.consider(first + ray, id, hits.get(ray));
-                }
-                for ray in tests.undecided {
-                    let index = first + ray;
-                    let (ray, t_max) = &self.rays[index];
-                    self.consider(index, id, decide(ray, *t_max, block, lane));
-                }
+        let [x, y, z] = RayKernel::axes_along(longest);
+        let Packet {
+            origins,
+            directions,
+            ..
+        } = self.packet;
+        // Few rays ever come to a full test, so their shears are computed when they do.
+        let direction_z = simd.pick_wide(&directions[z], pairs.rays);
+        let rays = KernelRays {
+            origin: [
+                simd.pick_wide(&origins[x], pairs.rays),
+                simd.pick_wide(&origins[y], pairs.rays),
+                simd.pick_wide(&origins[z], pairs.rays),
+            ],
+            shear: [
+                simd.div(simd.pick_wide(&directions[x], pairs.rays), direction_z),
+                simd.div(simd.pick_wide(&directions[y], pairs.rays), direction_z),
+            ],
+            direction_z,
+        };
+        let mut corners = [[direction_z; 3]; 3];
+        for (corner, from) in corners.iter_mut().zip(&block.corners) {
+            for (coordinates, axis) in corner.iter_mut().zip([x, y, z]) {
+                *coordinates = simd.pick(&from[axis], pairs.lanes);
             }
         }
-    }
-
-    /// Half of the rays in a register. Few ever come to a full test, so their shears are computed when they do.
-    #[inline(always)]
-    fn four(&self, longest: usize, register: usize, half: Half) -> FourRays<S> {
-        let simd = self.simd;
-        let axes = RayKernel::axes_along(longest);
-        let [x, y, z] = self.of_half(&self.directions, axes, register, half);
-        FourRays {
-            origin: self.of_half(&self.origins, axes, register, half),
-            shear: [simd.div(x, z), simd.div(y, z)],
-            direction_z: z,
+        let tests = FullTests::new(simd, &rays, &corners, LaneSet::first(pairs.count));
+        let hits = tests.hits();
+        for pair in tests.met {
+            let id = block.ids[pairs.lanes.get(pair) % LANES];
+            self.consider(pairs.rays.get(pair), id, hits.get(pair));
+        }
+        for pair in tests.undecided {
+            let (index, lane) = (pairs.rays.get(pair), pairs.lanes.get(pair) % LANES);
+            let (ray, t_max) = self.packet.ray(index);
+            self.consider(index, block.ids[lane], decide(&ray, t_max, block, lane));
         }
     }
 
     #[inline(always)]
     fn consider(&mut self, ray: usize, id: u32, new: Option<TriangleHit>) {
-        let (_, t_max) = self.rays[ray];
+        let t_max = self.packet.t_max.0[ray];
         if let Some(new) = new.filter(|new| new.t < t_max) {
             let nearest = Hit::nearer(self.hits[ray], id, new);
             self.hits[ray] = Some(nearest);
-            self.limits[ray / LANES].0[ray % LANES] = later(nearest.t);
+            self.limits.0[ray] = later(nearest.t);
         }
+    }
+}
+
+/// Pairs of a ray and a triangle of a block that are tested side by side.
+#[derive(Clone, Copy, Default)]
+struct Pairs {
+    rays: Places,
+    /// Of the triangles.
+    lanes: Places,
+    count: usize,
+}
+
+impl Pairs {
+    /// Takes up to `most` pairs out of the rays that are left by triangle, from `lane` on.
+    #[inline(always)]
+    fn take(left: &mut [LaneSet; LANES], lane: &mut usize, most: usize) -> Self {
+        let mut pairs = Self::default();
+        while pairs.count < most && *lane < LANES {
+            if let Some(ray) = left[*lane].take_first() {
+                pairs.rays.put(pairs.count, ray);
+                pairs.lanes.put(pairs.count, *lane);
+                pairs.count += 1;
+            } else {
+                *lane += 1;
+            }
+        }
+        pairs
     }
 }
 
 /// The least and the greatest of the numbers.
 #[inline(always)]
-fn range<S: Simd>(simd: S, numbers: &PerRay) -> [f32; 2] {
-    let (a, b) = (simd.load(&numbers[0]), simd.load(&numbers[1]));
-    [
-        simd.least(simd.smaller(a, b)),
-        simd.greatest(simd.larger(a, b)),
-    ]
+fn range<S: Simd>(simd: S, numbers: &WideLanes) -> [f32; 2] {
+    let numbers = simd.load_wide(numbers);
+    [simd.least(numbers), simd.greatest(numbers)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::accel::packet::tests::packet_rays;
-    use crate::accel::simd::{self, Portable, Query};
+    use crate::accel::simd::{self, Query};
     use crate::accel::tests::{rays, scenes};
     use crate::geometry::Triangle;
     use crate::geometry::shapes::Random;
-    use crate::math::Bounds;
+    use crate::math::{Bounds, Ray};
 
     /// What a packet finds in a block, and by triangle, which rays each of the filters lets pass.
     struct InBlock<'a> {
-        packet: &'a Packet<'a>,
+        packet: &'a Packet,
         block: &'a TriangleBlock,
         reach: f32,
     }
@@ -439,16 +401,10 @@ mod tests {
                     block,
                     reach,
                 };
-                let found = simd::answer(&query);
-                let portable = query.answer(Portable);
-                assert_eq!(
-                    found.as_ref().map(|(hits, _)| hits),
-                    portable.as_ref().map(|(hits, _)| hits)
-                );
-                let Some((found, passed)) = found else {
-                    continue;
-                };
-                packets += 1;
+                let answers = simd::answers(&query);
+                let is_packet = |found: &Option<_>| found.is_some() == answers[0].is_some();
+                assert!(answers.iter().all(is_packet), "{name}: {packet:?}");
+                packets += usize::from(answers[0].is_some());
                 for (index, (ray, t_max)) in rays.iter().enumerate() {
                     let kernel = RayKernel::new(ray);
                     let mut nearest = None;
@@ -457,13 +413,15 @@ mod tests {
                             continue;
                         };
                         nearest = Some(Hit::nearer(nearest, id, hit));
-                        for passed in &passed {
-                            let passes = passed[lane].into_iter().any(|ray| ray == index);
+                        for passed in answers.iter().flatten().flat_map(|(_, passed)| passed) {
+                            let passes = passed[lane].contains(index);
                             assert!(passes, "{name}: {ray:?} misses triangle {id}");
                         }
                         hits += 1;
                     }
-                    assert_eq!(found[index], nearest, "{name}: {ray:?}");
+                    for (found, _) in answers.iter().flatten() {
+                        assert_eq!(found[index], nearest, "{name}: {ray:?}");
+                    }
                 }
             }
         }
@@ -486,9 +444,10 @@ mod tests {
                 block,
                 reach: 3.0,
             };
-            let (hits, _) = simd::answer(&query).unwrap();
-            for (index, hit) in hits.iter().enumerate() {
-                assert_eq!(hit.is_some(), index != nowhere);
+            for (hits, _) in simd::answers(&query).into_iter().flatten() {
+                for (index, hit) in hits.iter().enumerate() {
+                    assert_eq!(hit.is_some(), index != nowhere);
+                }
             }
         }
     }

@@ -1,20 +1,20 @@
-//! The full test of four pairs of a ray and a triangle side by side.
+//! The full test of pairs of a ray and a triangle side by side.
 
-use super::simd::{LANES, LaneSet, Simd};
+use super::simd::{Doubles, LaneSet, Lanes};
 use crate::geometry::{RayKernel, TriangleHit};
 
-/// What [`RayKernel`] holds of four rays, a ray per lane.
+/// What [`RayKernel`] holds of the rays of pairs, a ray per lane.
 #[derive(Clone, Copy)]
-pub(super) struct FourRays<S: Simd> {
-    pub origin: [S::F64x4; 3],
-    pub shear: [S::F64x4; 2],
-    pub direction_z: S::F64x4,
+pub(super) struct KernelRays<R> {
+    pub origin: [R; 3],
+    pub shear: [R; 2],
+    pub direction_z: R,
 }
 
-impl<S: Simd> FourRays<S> {
-    /// One ray four times.
+impl<R: Copy> KernelRays<R> {
+    /// One ray in all lanes.
     #[inline(always)]
-    pub fn one(simd: S, kernel: &RayKernel) -> Self {
+    pub fn one<S: Doubles<R>>(simd: S, kernel: &RayKernel) -> Self {
         let [x, y, z] = kernel.origin;
         let [shear_x, shear_y] = kernel.shear;
         Self {
@@ -30,7 +30,7 @@ impl<S: Simd> FourRays<S> {
 
     /// Corners, an axis each as renamed, as [`RayKernel`] sees them: moved and sheared.
     #[inline(always)]
-    fn sheared(&self, simd: S, [x, y, z]: [S::F64x4; 3]) -> [S::F64x4; 3] {
+    fn sheared<S: Doubles<R>>(&self, simd: S, [x, y, z]: [R; 3]) -> [R; 3] {
         let x = simd.sub(x, self.origin[0]);
         let y = simd.sub(y, self.origin[1]);
         let z = simd.sub(z, self.origin[2]);
@@ -42,24 +42,24 @@ impl<S: Simd> FourRays<S> {
     }
 }
 
-/// What [`RayKernel::intersect`] says of four pairs, for any `t_max`.
+/// What [`RayKernel::intersect`] says of pairs, for any `t_max`.
 ///
 /// Lane by lane the same arithmetic, so the same bits, but for pairs that need exact sums: those are told to ask the kernel.
-pub(super) struct FourTests<S: Simd> {
+pub(super) struct FullTests<S, R> {
     simd: S,
     /// Lanes where the ray, or the line it is part of, meets the triangle for certain.
     pub met: LaneSet,
     /// Lanes where it may.
     pub undecided: LaneSet,
-    t: S::F64x4,
-    edges: [S::F64x4; 3],
-    determinant: S::F64x4,
+    t: R,
+    edges: [R; 3],
+    determinant: R,
 }
 
-impl<S: Simd> FourTests<S> {
-    /// Tests four pairs, of which `lanes` count. `corners`: their coordinates in the order of the rays' axes.
+impl<R: Copy, S: Doubles<R>> FullTests<S, R> {
+    /// Tests pairs, of which those in `lanes` count. `corners`: their coordinates in the order of the rays' axes.
     #[inline(always)]
-    pub fn new(simd: S, rays: &FourRays<S>, corners: &[[S::F64x4; 3]; 3], lanes: LaneSet) -> Self {
+    pub fn new(simd: S, rays: &KernelRays<R>, corners: &[[R; 3]; 3], lanes: LaneSet) -> Self {
         let [ax, ay, az] = rays.sheared(simd, corners[0]);
         let [bx, by, bz] = rays.sheared(simd, corners[1]);
         let [cx, cy, cz] = rays.sheared(simd, corners[2]);
@@ -123,11 +123,11 @@ impl<S: Simd> FourTests<S> {
 
     /// The hits in the lanes of [`Self::met`], by lane.
     #[inline(always)]
-    pub fn hits(&self) -> FourHits {
+    pub fn hits(&self) -> FullHits {
         let simd = self.simd;
         let share = simd.div(simd.splat_double(1.0), self.determinant);
         let [u, v, w] = self.edges;
-        FourHits {
+        FullHits {
             t: simd.store_rounded(self.t),
             weights: [
                 simd.store_rounded(simd.mul(u, share)),
@@ -138,24 +138,24 @@ impl<S: Simd> FourTests<S> {
     }
 }
 
-/// The hits of four pairs, every number rounded once.
-pub(super) struct FourHits {
-    t: [f32; LANES / 2],
-    weights: [[f32; LANES / 2]; 3],
+/// The hits of pairs, every number rounded once.
+pub(super) struct FullHits {
+    t: Lanes,
+    weights: [Lanes; 3],
 }
 
-impl FourHits {
+impl FullHits {
     /// The hit in a lane, if it lies on the ray.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Option<TriangleHit> {
         let [u, v, w] = &self.weights;
-        TriangleHit::on_ray(self.t[lane], [u[lane], v[lane], w[lane]])
+        TriangleHit::on_ray(self.t.0[lane], [u.0[lane], v.0[lane], w.0[lane]])
     }
 }
 
 /// The larger magnitude.
 #[inline(always)]
-fn larger<S: Simd>(simd: S, a: S::F64x4, b: S::F64x4) -> S::F64x4 {
+fn larger<R, S: Doubles<R>>(simd: S, a: R, b: R) -> R {
     simd.larger(simd.abs(a), simd.abs(b))
 }
 
@@ -163,7 +163,7 @@ fn larger<S: Simd>(simd: S, a: S::F64x4, b: S::F64x4) -> S::F64x4 {
 mod tests {
     use super::*;
     use crate::accel::block::TriangleBlock;
-    use crate::accel::simd::{self, Query};
+    use crate::accel::simd::{self, LANES, Query, Simd};
     use crate::accel::tests::{rays, scenes};
     use crate::geometry::Triangle;
     use crate::math::Ray;
@@ -183,15 +183,17 @@ mod tests {
             let kernel = RayKernel::new(self.ray);
             let mut hits = vec![None; LANES];
             let mut decided = 0;
-            for (half, lanes) in self.block.occupied(simd).halves() {
-                let corners = self.block.four(simd, kernel.axes, half);
-                let four = FourTests::new(simd, &FourRays::one(simd, &kernel), &corners, lanes);
+            for four in self.block.occupied(simd).fours() {
+                let (first, lanes) = (four.first(), four.lanes);
+                let corners = self.block.four(simd, kernel.axes, four.index);
+                let rays = KernelRays::one(simd, &kernel);
+                let four = FullTests::new(simd, &rays, &corners, lanes);
                 let four_hits = four.hits();
                 for lane in four.met {
-                    hits[half.first() + lane] = four_hits.get(lane);
+                    hits[first + lane] = four_hits.get(lane);
                 }
                 for lane in four.undecided {
-                    let lane = half.first() + lane;
+                    let lane = first + lane;
                     hits[lane] = kernel.intersect(&self.triangles[lane], f32::INFINITY);
                 }
                 decided += lanes.and_not(four.undecided).into_iter().count();
@@ -201,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn four_tests_are_the_kernels() {
+    fn full_tests_are_the_kernels() {
         let (mut met, mut decided, mut all) = (0, 0, 0);
         for (name, triangles) in scenes() {
             for (chunk, rays) in triangles.chunks(LANES).zip(rays(&triangles, 21).chunks(50)) {
@@ -210,18 +212,20 @@ mod tests {
                 for ray in rays {
                     let triangles = chunk;
                     let kernel = RayKernel::new(ray);
-                    let (hits, by_lanes) = simd::answer(&EachHit {
+                    let query = EachHit {
                         ray,
                         triangles,
                         block,
-                    });
-                    for (triangle, hit) in chunk.iter().zip(hits) {
-                        let expected = kernel.intersect(triangle, f32::INFINITY);
-                        assert_eq!(hit, expected, "{name}: {ray:?} {triangle:?}");
-                        met += usize::from(hit.is_some());
+                    };
+                    for (hits, by_lanes) in simd::answers(&query) {
+                        for (triangle, hit) in chunk.iter().zip(hits) {
+                            let expected = kernel.intersect(triangle, f32::INFINITY);
+                            assert_eq!(hit, expected, "{name}: {ray:?} {triangle:?}");
+                            met += usize::from(hit.is_some());
+                        }
+                        decided += by_lanes;
+                        all += chunk.len();
                     }
-                    decided += by_lanes;
-                    all += chunk.len();
                 }
             }
         }
