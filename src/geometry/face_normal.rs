@@ -16,6 +16,25 @@ pub fn face_normal(corners: [DVec3; 3]) -> Option<DVec3> {
     Some(cross / cross.length())
 }
 
+/// Whether [`face_normal`] finds one: most triangles are far from having none, which takes less to tell.
+#[must_use]
+pub fn has_area(corners: [DVec3; 3]) -> bool {
+    is_clear(corners) || significant_cross(corners).is_some()
+}
+
+/// Whether a triangle has so much area that [`significant_cross`] needs not be asked.
+///
+/// Edges are at most twice the largest coordinate m long, so that what rounding may account for there is at most 48 u·m², and as much
+/// may lie between two ways to compute the cross product (u: the unit roundoff, half an epsilon).
+fn is_clear([a, b, c]: [DVec3; 3]) -> bool {
+    const CLEAR: f64 = 128.0 * f64::EPSILON;
+    /// Squares of these neither overflow nor vanish.
+    const USUAL: std::ops::Range<f64> = 1e-100..1e100;
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+    let cross = (b - a).cross(c - a).abs().max_element();
+    USUAL.contains(&largest) && cross > CLEAR * largest * largest
+}
+
 /// A positive multiple of the face normal, `None` when rounding may account for all of it.
 fn significant_cross(corners: [DVec3; 3]) -> Option<DVec3> {
     const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
@@ -86,4 +105,37 @@ pub(super) fn scale_to_one(magnitude: f64) -> f64 {
 /// `vector` with its largest coordinate brought near 1.
 pub(super) fn near_one(vector: DVec3) -> DVec3 {
     vector * scale_to_one(vector.abs().max_element())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::Random;
+
+    /// Triangles from well shaped to none at all, of every size and far from the origin.
+    #[test]
+    fn area_is_told_as_normals_are() {
+        let mut random = Random::new(3);
+        let mut clear = 0;
+        for round in 0..200_000 {
+            let mut point = || DVec3::new(random.unit(), random.unit(), random.unit()) - 0.5;
+            let (a, b, aside) = (point(), point(), point());
+            let thinness = 10_f64.powi(-(round % 20));
+            let along = random.unit() * 3.0 - 1.0;
+            let c = a + (b - a) * along + aside * thinness;
+            let scale = 10_f64.powi(round % 37 * 12 - 216);
+            let offset = DVec3::splat(if round % 3 == 0 { 1e6 } else { 0.0 });
+            let corners = [a, b, c].map(|corner| (corner + offset) * scale);
+            assert_eq!(
+                has_area(corners),
+                face_normal(corners).is_some(),
+                "{corners:?}"
+            );
+            clear += u32::from(is_clear(corners));
+        }
+        assert!((20_000..180_000).contains(&clear), "{clear}");
+        for corners in [[DVec3::ZERO; 3], [DVec3::MAX, DVec3::MIN, DVec3::X]] {
+            assert_eq!(has_area(corners), face_normal(corners).is_some());
+        }
+    }
 }

@@ -9,7 +9,7 @@ pub mod tetrahedra;
 mod triangle;
 mod welded;
 
-pub use face_normal::face_normal;
+pub use face_normal::{face_normal, has_area};
 pub use mesh::TriangleMesh;
 pub use normals::{CornerNormals, corner_normals};
 pub use triangle::{RayKernel, Triangle, TriangleHit};

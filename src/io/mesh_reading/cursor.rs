@@ -126,21 +126,103 @@ impl<'a> Cursor<'a> {
     }
 }
 
+/// What a byte is, looked up: this is asked of every byte of a text.
+const KINDS: [Kind; 256] = {
+    let mut kinds = [Kind::InWord; 256];
+    let mut byte = 0_u8;
+    loop {
+        kinds[byte as usize] = match byte {
+            b'\n' | b'\r' => Kind::LineEnd,
+            b' ' | b'\t' | 0x0B | 0x0C => Kind::Blank,
+            b'#' => Kind::Comment,
+            _ => Kind::InWord,
+        };
+        if byte == u8::MAX {
+            break kinds;
+        }
+        byte += 1;
+    }
+};
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    InWord,
+    Blank,
+    LineEnd,
+    Comment,
+}
+
+fn kind_of(byte: u8) -> Kind {
+    KINDS[usize::from(byte)]
+}
+
 fn is_line_end(byte: u8) -> bool {
-    matches!(byte, b'\n' | b'\r')
+    kind_of(byte) == Kind::LineEnd
 }
 
 fn is_blank(byte: u8) -> bool {
-    matches!(byte, b' ' | b'\t' | 0x0B | 0x0C)
+    kind_of(byte) == Kind::Blank
 }
 
 fn ends_word(byte: u8) -> bool {
-    is_blank(byte) || is_line_end(byte) || byte == b'#'
+    kind_of(byte) != Kind::InWord
 }
 
-/// The value of a decimal number; infinite where it is too large, NaN where it says so.
+/// The value of a decimal number; infinite where it is too large, NaN where it says so. Its exponent may begin with a `d`, as Fortran
+/// writes it.
 pub fn number(word: &[u8]) -> Option<f64> {
-    str::from_utf8(word).ok()?.parse().ok()
+    plain_number(word).or_else(|| any_number(word))
+}
+
+/// The value of digits with a point or without, as most numbers are; `None` for others, and for those of many digits.
+///
+/// Both the digits as a whole number and the power of ten fit into a `f64`, so that their quotient is rounded once, as it has to be.
+/// Source: Clinger, How to Read Floating Point Numbers Accurately, 1990.
+#[inline]
+fn plain_number(word: &[u8]) -> Option<f64> {
+    const MOST_DIGITS: usize = 19;
+    const WHOLE: u64 = 1 << f64::MANTISSA_DIGITS;
+    const POWERS_OF_TEN: [f64; MOST_DIGITS + 1] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+        1e17, 1e18, 1e19,
+    ];
+    let is_negative = word.first() == Some(&b'-');
+    let digits = match word {
+        [b'-' | b'+', digits @ ..] | digits => digits,
+    };
+    if digits.len() > MOST_DIGITS {
+        return None;
+    }
+    let mut whole = 0_u64;
+    let mut point = None;
+    for (at, &byte) in digits.iter().enumerate() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit <= 9 {
+            whole = whole * 10 + u64::from(digit);
+        } else if byte == b'.' && point.is_none() {
+            point = Some(at);
+        } else {
+            return None;
+        }
+    }
+    let has_digits = digits.len() > usize::from(point.is_some());
+    if !has_digits || whole >= WHOLE {
+        return None;
+    }
+    let decimals = point.map_or(0, |at| digits.len() - at - 1);
+    let value = whole as f64 / POWERS_OF_TEN[decimals];
+    Some(if is_negative { -value } else { value })
+}
+
+fn any_number(word: &[u8]) -> Option<f64> {
+    let text = str::from_utf8(word).ok()?;
+    text.parse().ok().or_else(|| of_fortran(text))
+}
+
+#[cold]
+fn of_fortran(text: &str) -> Option<f64> {
+    let (mantissa, exponent) = text.split_once(['d', 'D'])?;
+    format!("{mantissa}e{exponent}").parse().ok()
 }
 
 /// The value of an unsigned decimal integer that fits.
@@ -169,6 +251,7 @@ pub fn quoted(word: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::shapes::Random;
 
     fn words(text: &str) -> Vec<(u64, String)> {
         let mut cursor = Cursor::new(text.as_bytes());
@@ -196,6 +279,63 @@ mod tests {
             [(1, "a".to_owned()), (3, "\u{FEFF}".to_owned())]
         );
         assert_eq!(words("\u{FEFF}a"), [(1, "a".to_owned())]);
+    }
+
+    /// Against the standard library, bit for bit.
+    #[test]
+    fn numbers_are_rounded_as_they_have_to_be() {
+        let mut random = Random::new(11);
+        let mut below = |bound: u64| random.bits() % bound;
+        let signs = ["", "-", "+"];
+        for _ in 0..100_000 {
+            let length = u32::try_from(below(20)).expect("is small");
+            let digits = below(10_u64.pow(length));
+            let mut text = format!("{digits}");
+            let point = usize::try_from(below(25)).expect("is small");
+            if point <= text.len() {
+                text.insert(point, '.');
+            }
+            let sign = signs[usize::try_from(below(3)).expect("is small")];
+            let text = format!("{sign}{text}");
+            let expected: f64 = text.parse().expect("is a number");
+            let found = number(text.as_bytes()).expect("is a number");
+            assert_eq!(found.to_bits(), expected.to_bits(), "{text}");
+        }
+        for text in [
+            "-0",
+            "0.",
+            ".5",
+            "9007199254740993",
+            "0.1",
+            "123456789012345678901",
+        ] {
+            let expected: f64 = text.parse().expect("is a number");
+            assert_eq!(
+                number(text.as_bytes()).map(f64::to_bits),
+                Some(expected.to_bits())
+            );
+        }
+        for text in [
+            "", ".", "-", "+.", "1.2.3", "1-", "--1", "0x1", "1_0", "1,5",
+        ] {
+            assert_eq!(number(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn exponents_may_be_those_of_fortran() {
+        for (word, value) in [
+            ("1.d+3", Some(1000.0)),
+            ("-2.5D-1", Some(-0.25)),
+            (".5d0", Some(0.5)),
+            ("1e3", Some(1000.0)),
+            ("d3", None),
+            ("1d", None),
+            ("1d1d1", None),
+            ("infd1", None),
+        ] {
+            assert_eq!(number(word.as_bytes()), value, "{word}");
+        }
     }
 
     #[test]

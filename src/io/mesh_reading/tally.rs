@@ -1,6 +1,6 @@
 use super::malformed::Place;
 use super::notes::Seen;
-use crate::geometry::{TriangleMesh, face_normal, polygon};
+use crate::geometry::{self, TriangleMesh, polygon};
 use crate::io::mesh_file::{Dropped, MeshFile};
 use crate::io::mesh_parts::MeshParts;
 use crate::math::DVec3;
@@ -139,5 +139,5 @@ impl Tally {
 }
 
 fn has_area<C: Corner>(triangle: [C; 3], positions: &[DVec3]) -> bool {
-    face_normal(triangle.map(|corner| positions[corner.position()])).is_some()
+    geometry::has_area(triangle.map(|corner| positions[corner.position()]))
 }

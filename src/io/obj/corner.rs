@@ -147,21 +147,30 @@ impl Parts {
     }
 }
 
+/// No number of as many digits is too large.
+const DIGITS_THAT_FIT: usize = 18;
+
 /// The whole number at the front, if there is one, and what follows it; too large ones are the largest. `None` for a sign alone.
 fn split_number(text: &[u8]) -> Option<(Option<i64>, &[u8])> {
     let (is_negative, digits) = match text {
         [b'-', rest @ ..] => (true, rest),
         _ => (false, text),
     };
-    let length = digits.iter().position(|byte| !byte.is_ascii_digit());
-    let (digits, rest) = digits.split_at(length.unwrap_or(digits.len()));
-    if digits.is_empty() {
+    let mut value = 0_i64;
+    let mut length = 0;
+    while let Some(digit) = digits.get(length).map(|byte| byte.wrapping_sub(b'0'))
+        && digit <= 9
+    {
+        value = if length < DIGITS_THAT_FIT {
+            value * 10 + i64::from(digit)
+        } else {
+            value.saturating_mul(10).saturating_add(i64::from(digit))
+        };
+        length += 1;
+    }
+    let rest = &digits[length..];
+    if length == 0 {
         return (!is_negative).then_some((None, rest));
     }
-    let value = digits.iter().fold(0_i64, |value, digit| {
-        value
-            .saturating_mul(10)
-            .saturating_add(i64::from(digit - b'0'))
-    });
     Some((Some(if is_negative { -value } else { value }), rest))
 }
