@@ -146,19 +146,15 @@ impl MeshFormat {
     /// What of the mesh [`MeshFormat::write`] leaves out, in sentences.
     #[must_use]
     pub fn losses(self, mesh: &TriangleMesh) -> Vec<String> {
-        let holds_attributes = matches!(self, Self::Obj | Self::Ply);
+        let holds_attributes = matches!(self, Self::Off | Self::Obj | Self::Ply);
         let attributes = [
-            (
-                "normals",
-                mesh.normals.is_some() && !holds_attributes && self != Self::Off,
-            ),
-            (
-                "texture coordinates",
-                mesh.texture_coordinates.is_some() && !holds_attributes,
-            ),
-            ("colours", mesh.colors.is_some() && !holds_attributes),
+            ("normals", mesh.normals.is_some()),
+            ("texture coordinates", mesh.texture_coordinates.is_some()),
+            ("colours", mesh.colors.is_some()),
         ];
-        let attributes = attributes.into_iter().filter(|(_, is_lost)| *is_lost);
+        let attributes = attributes
+            .into_iter()
+            .filter(|&(_, is_there)| is_there && !holds_attributes);
         let attributes = attributes.map(|(what, _)| format!("{what} are"));
         let unused = if self == Self::Stl {
             unused_vertices(mesh)
@@ -302,7 +298,7 @@ mod tests {
         mesh.colors = Some((0..mesh.positions.len()).map(linear).collect());
         for has_normals in [false, true] {
             mesh.normals = has_normals.then(|| mesh.positions.clone());
-            for format in [MeshFormat::Obj, MeshFormat::Ply] {
+            for format in [MeshFormat::Off, MeshFormat::Obj, MeshFormat::Ply] {
                 let mut bytes = Vec::new();
                 format.write(&mesh, &mut bytes).expect("a vector takes all");
                 let read = format.parse(&bytes, &CancelToken::new(), &Progress::new());
@@ -335,11 +331,12 @@ mod tests {
         mesh.texture_coordinates = Some(vec![DVec2::ZERO; mesh.positions.len()]);
         mesh.colors = Some(vec![Vec3::ONE; mesh.positions.len()]);
         let expected = [
-            "texture coordinates are left out: OFF files are written without them",
-            "colours are left out: OFF files are written without them",
+            "normals are left out: Medit files are written without them",
+            "texture coordinates are left out: Medit files are written without them",
+            "colours are left out: Medit files are written without them",
         ];
-        assert_eq!(MeshFormat::Off.losses(&mesh), expected);
-        for format in [MeshFormat::Obj, MeshFormat::Ply] {
+        assert_eq!(MeshFormat::Medit.losses(&mesh), expected);
+        for format in [MeshFormat::Off, MeshFormat::Obj, MeshFormat::Ply] {
             assert_eq!(format.losses(&mesh), Vec::<String>::new());
         }
     }

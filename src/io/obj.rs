@@ -28,9 +28,8 @@
 //!
 //! Source: Wavefront, Advanced Visualizer Manual, appendix B1, 1993.
 
-mod colors;
 mod corner;
-mod split;
+mod lists;
 mod write;
 
 #[cfg(test)]
@@ -40,14 +39,14 @@ pub use write::{write, write_parts};
 
 use super::mesh_file::{MaterialLibrary, MeshFile};
 use super::mesh_parts::PartsInOrder;
-use super::mesh_reading::{Cursor, Malformed, Place, Seen, Tally, Watch, number, numbers};
+use super::mesh_reading::{
+    Colors, Cursor, Malformed, Place, Seen, Tally, TooMany, Watch, number, numbers,
+};
 use super::mtl;
 use crate::control::{CancelToken, Progress};
-use crate::geometry::TriangleMesh;
 use crate::math::{DVec2, DVec3};
-use colors::Colors;
 use corner::{Corner, Counts, Word};
-use split::Lists;
+use lists::Lists;
 
 /// Most files of materials that are looked for.
 const MOST_LIBRARIES: usize = 100;
@@ -236,12 +235,9 @@ impl<'a> Reader<'a> {
             more += 1;
         }
         match more {
-            0 | 1 => self.colors.skip(),
-            3 | 4 => self.colors.push(rest, self.positions.len()),
-            _ => {
-                self.notes.colors.at(Place::Line(line));
-                self.colors.skip();
-            }
+            0 | 1 => {}
+            3 | 4 => self.colors.push(self.positions.len(), rest),
+            _ => self.notes.colors.at(Place::Line(line)),
         }
         Ok(())
     }
@@ -411,29 +407,19 @@ impl<'a> Reader<'a> {
         } else {
             0
         };
-        let colors = self.colors.into_linear();
-        let mesh = if all_have || are_mapped {
-            let lists = Lists {
-                positions: self.positions,
-                colors,
-                normals: all_have.then_some(self.normals),
-                texture_coordinates: are_mapped.then_some(self.textures),
-            };
-            let (watch, last_line) = (&mut self.watch, self.cursor.line());
-            let go_on = |index| watch.report_item(index, end);
-            let split = split::by_attributes(lists, &self.triangles, last_line, go_on)?;
-            let Some(mesh) = split else {
-                return Ok(None);
-            };
-            mesh
-        } else {
-            let plain = |triangle: &[Corner; 3]| triangle.map(|corner| corner.position);
-            TriangleMesh {
-                positions: self.positions,
-                triangles: self.triangles.iter().map(plain).collect(),
-                colors,
-                ..TriangleMesh::default()
-            }
+        let mesh = Lists {
+            colors: self.colors.into_linear(self.positions.len()),
+            positions: self.positions,
+            normals: all_have.then_some(self.normals),
+            texture_coordinates: are_mapped.then_some(self.textures),
+        };
+        let (watch, last_line) = (&mut self.watch, self.cursor.line());
+        let mesh = mesh.into_mesh(&self.triangles, |index| watch.report_item(index, end));
+        let mesh = mesh.map_err(|TooMany| {
+            Malformed::in_line(last_line, "fewer than 2^32 vertices", "another")
+        })?;
+        let Some(mesh) = mesh else {
+            return Ok(None);
         };
         // Cancelling comes too late here: the work is done.
         let _ = self.watch.report(end);

@@ -19,17 +19,24 @@
 //! - Numbers left on a face's line are a colour: none to four.
 //! - Numbers left on a vertex's line are a colour if they are at most four; more are further vertices, which must all be
 //!   whole. Under `COFF`, `STOFF` and their like each vertex stands on a line of its own, with a colour of one, three
-//!   or four numbers and a texture coordinate of two, as the keyword says.
+//!   or four numbers and a texture coordinate of two, as the keyword says. Normals come before colours, but behind them under `NCOFF`.
+//! - Colours are sRGB, and go to 255 where a number of any is more than 1.5, else to 1; the fourth number means nothing. Those of
+//!   faces count where vertices have none: a vertex becomes several where its faces differ. Without colour among some is white.
 //! - The counts stand on one line, also that of the keyword, also glued to it (`OFF8 6 0`); alone on its line the first
 //!   count may be followed by both others on lines of their own.
-//! - Letters of the keyword may be small, except that `N` (normals) and `n` (dimension) differ. `nOFF` is read if
-//!   its dimension is 3; `4nOFF` and `OFF BINARY` are refused. `4OFF` is divided by its fourth coordinate.
+//! - Letters of the keyword may be small, except that `N` (normals) and `n` (dimension) differ, and stand in any order. `nOFF` is read
+//!   if its dimension is 3; `4nOFF` and `OFF BINARY` are refused. `4OFF` is divided by its fourth coordinate; with a fourth count, that
+//!   of the cells of a polytope in four dimensions, it is refused.
 //! - Numbers after the last declared face are an error, since a count is wrong then; other text there is a warning.
 //!
-//! Colours and texture coordinates are checked to be numbers and then ignored, with a warning. Faces of fewer than three
+//! Colours of one or two numbers, which name one of a list that is elsewhere, are ignored, with a warning. Faces of fewer than three
 //! corners or without area are dropped and counted. A polygon's repeated corner is taken once; its larger remainder
 //! is cut into triangles, of which those without area are left out. Counts are never trusted: memory grows with the text.
+//!
+//! Source: Geomview manual, section on OFF; the order of `NCOFF` as `MeshLab` writes it.
 
+mod finish;
+mod header;
 mod write;
 
 #[cfg(test)]
@@ -39,11 +46,12 @@ pub use write::write;
 
 use super::mesh_file::MeshFile;
 use super::mesh_reading::{
-    Cursor, Malformed, Place, Seen, Tally, Watch, capacity, number, numbers, whole,
+    Colors, Cursor, Malformed, Place, Seen, Tally, Watch, capacity, number, numbers, whole,
 };
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
-use crate::math::DVec3;
+use crate::math::{DVec2, DVec3};
+use header::{Header, Keyword, at_end, expect_end_of_line};
 
 /// Reads an OFF file from its bytes.
 ///
@@ -57,12 +65,12 @@ pub fn parse(
     progress: &Progress,
 ) -> Result<Option<MeshFile>, Malformed> {
     let mut reader = Reader::new(bytes, cancel, progress);
-    let header = reader.header()?;
+    let header = Header::read(&mut reader.cursor)?;
     if reader.vertices(&header)?.is_none() || reader.faces(&header)?.is_none() {
         return Ok(None);
     }
     reader.end(&header)?;
-    Ok(Some(reader.finish()))
+    reader.finish()
 }
 
 /// Whether the text begins as an OFF file with keyword does.
@@ -73,69 +81,12 @@ pub fn has_keyword(bytes: &[u8]) -> bool {
     first.and_then(Keyword::of).is_some()
 }
 
-/// The keyword's prefixes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "five prefixes, each there or not"
-)]
-struct Keyword {
-    /// `ST`: texture coordinates follow the vertices.
-    texture: bool,
-    /// `C`: colours do.
-    color: bool,
-    /// `N`: normals do.
-    normal: bool,
-    /// `4`: positions are homogeneous.
-    homogeneous: bool,
-    /// `n`: the dimension is given.
-    dimension: bool,
-}
-
-impl Keyword {
-    /// The keyword at the start of `word`, and what is glued to it.
-    fn of(word: &[u8]) -> Option<(Self, &[u8])> {
-        let mut rest = word;
-        let mut take = |prefix: &[u8], any_case: bool| {
-            let (head, tail) = rest.split_at_checked(prefix.len())?;
-            let found = head == prefix || any_case && head.eq_ignore_ascii_case(prefix);
-            found.then(|| rest = tail)
-        };
-        let keyword = Self {
-            texture: take(b"ST", true).is_some(),
-            color: take(b"C", true).is_some(),
-            normal: take(b"N", false).is_some(),
-            homogeneous: take(b"4", true).is_some(),
-            dimension: take(b"n", false).is_some(),
-        };
-        take(b"OFF", true)?;
-        let is_whole = rest.is_empty() || rest[0].is_ascii_digit();
-        is_whole.then_some((keyword, rest))
-    }
-}
-
-/// What the beginning of the file says about the rest.
-#[derive(Clone, Copy, Debug)]
-struct Header {
-    keyword: Keyword,
-    vertices: u64,
-    faces: u64,
-}
-
-impl Header {
-    /// Numbers of a vertex that are read: its position and its normal.
-    fn numbers_per_vertex(&self) -> usize {
-        let position = if self.keyword.homogeneous { 4 } else { 3 };
-        let normal = if self.keyword.normal { 3 } else { 0 };
-        position + normal
-    }
-}
-
 /// What the file holds and the mesh will not.
 #[derive(Debug, Default)]
 struct Notes {
     colors: Seen,
-    textures: Seen,
+    face_colors: Seen,
+    textures_not_finite: Seen,
     trailing: Seen,
 }
 
@@ -145,6 +96,9 @@ struct Reader<'a> {
     watch: Watch<'a>,
     notes: Notes,
     mesh: TriangleMesh,
+    vertex_colors: Colors,
+    /// Of the triangles.
+    face_colors: Colors,
     tally: Tally,
 }
 
@@ -155,90 +109,10 @@ impl<'a> Reader<'a> {
             watch: Watch::new(cancel, progress),
             notes: Notes::default(),
             mesh: TriangleMesh::default(),
+            vertex_colors: Colors::default(),
+            face_colors: Colors::default(),
             tally: Tally::default(),
         }
-    }
-
-    /// Reads the keyword, if there is one, and the counts.
-    fn header(&mut self) -> Result<Header, Malformed> {
-        const EXPECTED: &str =
-            "OFF (or COFF, NOFF, STOFF, 4OFF) or the numbers of vertices and faces";
-        let mut keyword = Keyword::default();
-        let mut glued: &[u8] = &[];
-        let mut ahead = self.cursor.clone();
-        let Some(first) = ahead.find_word().then(|| ahead.word()).flatten() else {
-            return Err(self.at_end(EXPECTED));
-        };
-        let line = ahead.line();
-        if let Some((found, rest)) = Keyword::of(first) {
-            (keyword, glued) = (found, rest);
-            self.cursor = ahead;
-        } else if whole(first).is_none() {
-            return Err(Malformed::at_token(line, EXPECTED, first));
-        }
-        self.dimension(keyword, &mut glued)?;
-        self.counts(keyword, glued)
-    }
-
-    /// Reads the dimension where the keyword announces it, and refuses what cannot be shown.
-    fn dimension(&mut self, keyword: Keyword, glued: &mut &'a [u8]) -> Result<(), Malformed> {
-        const EXPECTED: &str = "the dimension 3 after nOFF";
-        if !keyword.dimension {
-            return Ok(());
-        }
-        if keyword.homogeneous {
-            let line = self.cursor.line();
-            return Err(Malformed::in_line(line, "OFF of three dimensions", "4nOFF"));
-        }
-        let word = if glued.is_empty() {
-            self.next_word(EXPECTED)?
-        } else {
-            std::mem::take(glued)
-        };
-        match whole(word) {
-            Some(3) => Ok(()),
-            _ => Err(Malformed::at_token(self.cursor.line(), EXPECTED, word)),
-        }
-    }
-
-    /// Reads the counts; `glued` is the first if it stuck to the keyword.
-    fn counts(&mut self, keyword: Keyword, glued: &'a [u8]) -> Result<Header, Malformed> {
-        const VERTICES: &str = "the number of vertices";
-        const FACES: &str = "the number of faces";
-        const EDGES: &str = "the number of edges";
-        let word = if glued.is_empty() {
-            self.next_word(VERTICES)?
-        } else {
-            glued
-        };
-        if word.eq_ignore_ascii_case(b"BINARY") {
-            let line = self.cursor.line();
-            return Err(Malformed::at_token(line, "OFF as text", word));
-        }
-        let vertices = self.count(word, VERTICES)?;
-        if vertices > u64::from(u32::MAX) {
-            let line = self.cursor.line();
-            return Err(Malformed::at_token(line, "fewer than 2^32 vertices", word));
-        }
-        let on_one_line = self.cursor.line_has_word();
-        let word = self.next_word(FACES)?;
-        let faces = self.count(word, FACES)?;
-        if !on_one_line || self.cursor.line_has_word() {
-            let word = self.next_word(EDGES)?;
-            if number(word).is_none() {
-                return Err(Malformed::at_token(self.cursor.line(), EDGES, word));
-            }
-        }
-        self.expect_end_of_line("the end of the line after the counts")?;
-        Ok(Header {
-            keyword,
-            vertices,
-            faces,
-        })
-    }
-
-    fn count(&self, word: &[u8], expected: &str) -> Result<u64, Malformed> {
-        whole(word).ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
     }
 
     /// Reads all vertices; `None` when cancelled.
@@ -249,6 +123,9 @@ impl<'a> Reader<'a> {
         if header.keyword.normal {
             self.mesh.normals = Some(Vec::with_capacity(capacity));
         }
+        if header.keyword.texture {
+            self.mesh.texture_coordinates = Some(Vec::with_capacity(capacity));
+        }
         // The line that holds several vertices, once there is one.
         let mut shared_line = 0;
         for index in 0..header.vertices {
@@ -258,7 +135,10 @@ impl<'a> Reader<'a> {
             }
             self.vertex(header, index, &mut shared_line)?;
         }
-        self.expect_end_of_line("the end of the line after the last vertex")?;
+        expect_end_of_line(
+            &mut self.cursor,
+            "the end of the line after the last vertex",
+        )?;
         Ok(Some(()))
     }
 
@@ -270,7 +150,8 @@ impl<'a> Reader<'a> {
         shared_line: &mut u64,
     ) -> Result<(), Malformed> {
         if !self.cursor.find_word() {
-            return Err(self.at_end(format!("vertex {} of {}", index + 1, header.vertices)));
+            let expected = format!("vertex {} of {}", index + 1, header.vertices);
+            return Err(at_end(&self.cursor, expected));
         }
         let line = self.cursor.line();
         let mut values = [0.0; 7];
@@ -322,7 +203,7 @@ impl<'a> Reader<'a> {
             rest = &rest[1..];
         }
         self.mesh.positions.push(position);
-        if let Some(normals) = &mut self.mesh.normals {
+        if let (Some(normals), false) = (&mut self.mesh.normals, rest.is_empty()) {
             normals.push(DVec3::from_slice(rest));
         }
         Ok(())
@@ -334,42 +215,68 @@ impl<'a> Reader<'a> {
         header: &Header,
         shared_line: &mut u64,
     ) -> Result<(), Malformed> {
+        const EXPECTED: &str = "a number";
+        let keyword = header.keyword;
         let line = self.cursor.line();
         let count = self.cursor.words_on_line();
-        let texture = if header.keyword.texture { 2 } else { 0 };
-        let color = count.checked_sub(texture);
-        let declared = header.keyword.color || header.keyword.texture;
-        match color {
-            Some(1..=4) if !declared => self.notes.colors.at(Place::Line(line)),
-            Some(1 | 3 | 4) if header.keyword.color => self.notes.colors.at(Place::Line(line)),
-            Some(0) if !header.keyword.color => {}
+        let color = count.checked_sub(header.numbers_behind_color());
+        let declared = keyword.color || keyword.texture;
+        let of_color = match color {
+            Some(numbers @ 1..=4) if !declared => numbers,
+            Some(numbers @ (1 | 3 | 4)) if keyword.color => numbers,
+            Some(0) if !keyword.color => 0,
             _ if !declared && count.is_multiple_of(header.numbers_per_vertex()) => {
                 *shared_line = line;
                 return Ok(());
             }
             _ => {
                 let expected = if declared {
-                    format!("{} after the vertex", declared_extras(header.keyword))
+                    format!("{} after the vertex", declared_extras(keyword))
                 } else {
                     "a colour of at most four numbers after the vertex".to_owned()
                 };
                 return Err(Malformed::in_line(line, expected, numbers(count, "number")));
             }
+        };
+        if let Some((color, alpha)) = self.color(of_color, EXPECTED)? {
+            self.vertex_colors.push(self.mesh.positions.len(), color);
+            self.vertex_colors.measure(alpha);
         }
-        if texture > 0 {
-            self.notes.textures.at(Place::Line(line));
+        if keyword.normal_is_late {
+            let normal = [self.coordinate()?, self.coordinate()?, self.coordinate()?];
+            let normals = self.mesh.normals.get_or_insert_default();
+            normals.push(DVec3::from_array(normal));
         }
-        self.skip_numbers("a number")
-    }
-
-    /// Reads the rest of the line as numbers nobody needs.
-    fn skip_numbers(&mut self, expected: &str) -> Result<(), Malformed> {
-        while let Some(word) = self.cursor.word() {
-            if number(word).is_none() {
-                return Err(Malformed::at_token(self.cursor.line(), expected, word));
+        if keyword.texture {
+            let mut texture = DVec2::new(self.number(EXPECTED)?, self.number(EXPECTED)?);
+            if !texture.is_finite() {
+                self.notes.textures_not_finite.at(Place::Line(line));
+                texture = DVec2::ZERO;
             }
+            let coordinates = self.mesh.texture_coordinates.get_or_insert_default();
+            coordinates.push(texture);
         }
         Ok(())
+    }
+
+    /// Reads a colour of so many numbers, at most four, and its alpha, 0 where there is none; `None` where it says no colour.
+    fn color(&mut self, count: usize, expected: &str) -> Result<Option<(DVec3, f64)>, Malformed> {
+        let mut channels = [0.0; 4];
+        for channel in &mut channels[..count] {
+            *channel = self.number(expected)?;
+        }
+        let [red, green, blue, alpha] = channels;
+        let is_color = count >= 3 && channels.iter().all(|channel| channel.is_finite());
+        if count > 0 && !is_color {
+            self.notes.colors.at(Place::Line(self.cursor.line()));
+        }
+        Ok(is_color.then_some((DVec3::new(red, green, blue), alpha)))
+    }
+
+    /// Reads the next word of the line as a number.
+    fn number(&mut self, expected: &str) -> Result<f64, Malformed> {
+        let word = self.cursor.word().unwrap_or_default();
+        number(word).ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
     }
 
     /// Reads all faces; `None` when cancelled.
@@ -384,18 +291,25 @@ impl<'a> Reader<'a> {
                 return Ok(None);
             }
             let line = self.face(header, index, &mut corners)?;
+            let color = self.face_color()?;
             let TriangleMesh {
                 positions,
                 triangles,
                 ..
             } = &mut self.mesh;
+            let before = triangles.len();
             self.tally
                 .add_face(Place::Line(line), &mut corners, positions, triangles);
+            if let Some((color, alpha)) = color {
+                self.notes.face_colors.at(Place::Line(line));
+                self.face_colors.fill(before..triangles.len(), color);
+                self.face_colors.measure(alpha);
+            }
         }
         Ok(Some(()))
     }
 
-    /// Reads one face into `corners` and returns the line it begins on.
+    /// Reads one face into `corners`, up to its colour, and returns the line it begins on.
     fn face(
         &mut self,
         header: &Header,
@@ -410,7 +324,8 @@ impl<'a> Reader<'a> {
             )
         };
         if !self.cursor.find_word() {
-            return Err(self.at_end(format!("face {} of {}", index + 1, header.faces)));
+            let expected = format!("face {} of {}", index + 1, header.faces);
+            return Err(at_end(&self.cursor, expected));
         }
         let line = self.cursor.line();
         let word = self.cursor.word().unwrap_or_default();
@@ -427,9 +342,6 @@ impl<'a> Reader<'a> {
                 Malformed::at_token(line, expected, word)
             })?;
             corners.push(vertex);
-        }
-        if self.cursor.line_has_word() {
-            self.face_color()?;
         }
         Ok(line)
     }
@@ -464,15 +376,18 @@ impl<'a> Reader<'a> {
         ((index as usize) < self.mesh.positions.len()).then_some(index)
     }
 
-    fn face_color(&mut self) -> Result<(), Malformed> {
-        let line = self.cursor.line();
+    /// Reads the colour of a face, if there is one left on its line, and its alpha.
+    fn face_color(&mut self) -> Result<Option<(DVec3, f64)>, Malformed> {
+        if !self.cursor.line_has_word() {
+            return Ok(None);
+        }
         let count = self.cursor.words_on_line();
         if count > 4 {
             let expected = "a colour of at most four numbers after the face";
+            let line = self.cursor.line();
             return Err(Malformed::in_line(line, expected, numbers(count, "number")));
         }
-        self.notes.colors.at(Place::Line(line));
-        self.skip_numbers("a colour or the end of the line after the face")
+        self.color(count, "a colour or the end of the line after the face")
     }
 
     /// Looks at what follows the last face.
@@ -487,45 +402,6 @@ impl<'a> Reader<'a> {
             self.notes.trailing.at(Place::Line(line));
         }
         Ok(())
-    }
-
-    fn finish(mut self) -> MeshFile {
-        let end = self.cursor.position() + self.cursor.remaining();
-        // Cancelling comes too late here: the work is done.
-        let _ = self.watch.report(end);
-        let Notes {
-            colors,
-            textures,
-            trailing,
-        } = self.notes;
-        let warnings = [
-            colors.found("colours are ignored"),
-            textures.found("texture coordinates are ignored"),
-            trailing.counted(
-                "line of text after the last face is ignored",
-                "lines of text after the last face are ignored",
-            ),
-        ];
-        let warnings = warnings.into_iter().flatten();
-        self.tally.into_file("OFF", self.mesh, warnings)
-    }
-
-    fn next_word(&mut self, expected: &str) -> Result<&'a [u8], Malformed> {
-        if !self.cursor.find_word() {
-            return Err(self.at_end(expected));
-        }
-        Ok(self.cursor.word().unwrap_or_default())
-    }
-
-    fn expect_end_of_line(&mut self, expected: &str) -> Result<(), Malformed> {
-        match self.cursor.word() {
-            Some(word) => Err(Malformed::at_token(self.cursor.line(), expected, word)),
-            None => Ok(()),
-        }
-    }
-
-    fn at_end(&self, expected: impl Into<String>) -> Malformed {
-        Malformed::in_line(self.cursor.line(), expected, "the end of the file")
     }
 }
 
@@ -543,11 +419,15 @@ fn short_face(line: u64, size: u64, found: usize) -> Malformed {
     Malformed::in_line(line, format!("{size} vertex indices"), found.to_string())
 }
 
-/// What the keyword says must follow a vertex's position and normal.
+/// What the keyword says must follow a vertex's position, and its normal where that comes first.
 fn declared_extras(keyword: Keyword) -> &'static str {
-    match (keyword.color, keyword.texture) {
-        (true, true) => "a colour (1, 3 or 4 numbers) and a texture coordinate (2 numbers)",
-        (true, false) => "a colour (1, 3 or 4 numbers)",
-        _ => "a texture coordinate (2 numbers)",
+    match (keyword.color, keyword.normal_is_late, keyword.texture) {
+        (true, false, true) => "a colour (1, 3 or 4 numbers) and a texture coordinate (2 numbers)",
+        (true, true, true) => {
+            "a colour (1, 3 or 4 numbers), a normal (3 numbers) and a texture coordinate (2 numbers)"
+        }
+        (true, true, false) => "a colour (1, 3 or 4 numbers) and a normal (3 numbers)",
+        (true, false, false) => "a colour (1, 3 or 4 numbers)",
+        (false, ..) => "a texture coordinate (2 numbers)",
     }
 }

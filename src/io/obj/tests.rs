@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::shapes;
+use crate::geometry::{TriangleMesh, shapes};
 use crate::io::Dropped;
 use crate::io::mesh_parts::PartCutter;
 use crate::io::mesh_reading::trials;

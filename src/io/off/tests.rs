@@ -2,6 +2,7 @@ use super::*;
 use crate::geometry::face_normal;
 use crate::io::Dropped;
 use crate::io::mesh_reading::trials;
+use crate::math::{Vec3, color::linear_from_srgb};
 
 /// Four vertices, one line each; the tests put a header before them and faces behind.
 const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
@@ -168,6 +169,20 @@ fn every_way_to_write_a_square_gives_its_two_triangles() {
             ),
         ),
         (
+            "NCOFF, normals behind colours",
+            format!(
+                "NCOFF\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 9 9 9 255 0 0 1\n")
+            ),
+        ),
+        (
+            "CSTOFF in small letters",
+            format!(
+                "cstoff\n4 2 0\n{}{faces}",
+                SQUARE.replace('\n', " 1 1 1 1 0.5 0.5\n")
+            ),
+        ),
+        (
             "STCNOFF",
             format!(
                 "STCNOFF\n4 2 0\n{}{faces}",
@@ -202,8 +217,14 @@ fn every_way_to_write_a_square_gives_its_two_triangles() {
         let mesh = read(&text)
             .unwrap_or_else(|error| panic!("{name}: {error}"))
             .mesh;
-        assert_eq!(mesh.positions, square.positions, "{name}");
-        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]], "{name}");
+        assert_eq!(mesh.positions[..4], square.positions, "{name}");
+        for index in 0..2 {
+            assert_eq!(mesh.corners(index), square.corners(index), "{name}");
+        }
+        // Vertices are there once where no colours of faces are between them.
+        let are_split = name.ends_with("colours behind faces");
+        assert_eq!(mesh.positions.len() > 4, are_split, "{name}");
+        assert_eq!(mesh.triangles.len(), 2, "{name}");
     }
 }
 
@@ -247,6 +268,9 @@ fn what_is_wrong_is_named_with_its_line() {
         (&with("COFF\n4 2 0"), "3: expected a colour (1, 3 or 4 numbers) after the vertex, found 0 numbers".into()),
         (&with("STOFF\n4 2 0"), "3: expected a texture coordinate (2 numbers) after the vertex, found 0 numbers".into()),
         (&with("NOFF\n4 2 0"), "7: expected 6 numbers for vertex 3 of 4, found 4 numbers".into()),
+        ("4OFF\n5 10 10 5\n", "2: expected OFF of three dimensions, found 4OFF with cells".into()),
+        (&with("NCOFF\n4 2 0"), "3: expected a colour (1, 3 or 4 numbers) and a normal (3 numbers) after the vertex, found 0 numbers".into()),
+        ("CCOFF\n", format!("1: expected {start}, found \"CCOFF\"")),
         ("4OFF\n1 0 0\n1 2 3 0\n", "3: expected a fourth coordinate that is not 0 and leaves the quotients finite, found 0".into()),
         // The faces.
         (&square("3 0 1 2\n"), "7: expected face 2 of 2, found the end of the file".into()),
@@ -367,15 +391,92 @@ fn what_is_ignored_is_said_once() {
     assert_eq!(
         read(text).expect("valid").warnings,
         [
-            "colours are ignored (the first on line 3)",
+            "colours of faces are ignored, as vertices have some (the first on line 7)",
             "1 line of text after the last face is ignored (line 9)"
         ]
     );
-    let text = format!("STOFF\n4 1 0\n{}3 0 1 2\n", SQUARE.replace('\n', " 1 0\n"));
+    let text = format!(
+        "STOFF\n4 1 0\n{}3 0 1 2 7\n",
+        SQUARE.replace('\n', " 1 nan\n")
+    );
     assert_eq!(
         read(text).expect("valid").warnings,
-        ["texture coordinates are ignored (the first on line 3)"]
+        [
+            "colours that are not of three or four finite numbers are ignored (the first on line 7)",
+            "4 texture coordinates that are not finite are taken as (0, 0) (the first on line 3)"
+        ]
     );
+}
+
+/// What the colour of a vertex is written as, and what it means.
+#[test]
+fn colors_of_vertices_are_srgb_to_one_or_to_255() {
+    let linear = |encoded: [f32; 3]| Vec3::from(encoded.map(linear_from_srgb));
+    let cases = [
+        ("OFF", "255 0 51", linear([1.0, 0.0, 0.2])),
+        ("COFF", "255 0 51", linear([1.0, 0.0, 0.2])),
+        ("COFF", "255 0 51 255", linear([1.0, 0.0, 0.2])),
+        // Nearly black: the alpha tells.
+        ("COFF", "1 0 1 255", linear([1.0 / 255.0, 0.0, 1.0 / 255.0])),
+        ("COFF", "0.5 0 1", linear([0.5, 0.0, 1.0])),
+        ("COFF", ".5 0. 1.0 0.25", linear([0.5, 0.0, 1.0])),
+        ("COFF", "1 0 1 1", Vec3::new(1.0, 0.0, 1.0)),
+    ];
+    for (keyword, color, expected) in cases {
+        let vertices = SQUARE.replace('\n', &format!(" {color}\n"));
+        let file = read(format!("{keyword}\n4 1 0\n{vertices}3 0 1 2\n")).expect("valid");
+        assert_eq!(
+            file.mesh.colors,
+            Some(vec![expected; 4]),
+            "{keyword} {color}"
+        );
+        assert_eq!(file.warnings, Vec::<String>::new());
+    }
+    let text = "OFF\n3 1 0\n0 0 0\n1 0 0 0 0 0\n0 1 0\n3 0 1 2\n";
+    let colors = read(text).expect("valid").mesh.colors;
+    assert_eq!(colors, Some(vec![Vec3::ONE, Vec3::ZERO, Vec3::ONE]));
+}
+
+#[test]
+fn every_attribute_is_found_where_the_keyword_says() {
+    let (normal, texture) = (DVec3::new(0.0, 0.6, 0.8), DVec2::new(0.25, -2.0));
+    let cases = [
+        ("STCNOFF", "0 0.6 0.8 255 0 0 255 0.25 -2"),
+        ("STCNOFF", "0 0.6 0.8 255 0 0 0.25 -2"),
+        ("NCSTOFF", "255 0 0 255 0 0.6 0.8 0.25 -2"),
+        ("NCSTOFF", "255 0 0 0 0.6 0.8 0.25 -2"),
+    ];
+    for (keyword, numbers) in cases {
+        let vertices = SQUARE.replace('\n', &format!(" {numbers}\n"));
+        let mesh = read(format!("{keyword}\n4 1 0\n{vertices}3 0 1 2\n"));
+        let mesh = mesh.expect("valid").mesh;
+        assert_eq!(mesh.normals, Some(vec![normal; 4]), "{keyword} {numbers}");
+        assert_eq!(mesh.texture_coordinates, Some(vec![texture; 4]));
+        assert_eq!(mesh.colors, Some(vec![Vec3::X; 4]));
+    }
+}
+
+#[test]
+fn colors_of_faces_split_the_vertices_between_them() {
+    let faces = "3 0 1 2 255 0 0\n3 0 2 3 0 0 255 128\n3 0 3 1 255 0 0\n3 1 3 2\n";
+    let vertices = SQUARE.replace('\n', " 0 0 1\n");
+    let file = read(format!("NOFF\n4 4 0\n{vertices}{faces}")).expect("valid");
+    let mesh = file.mesh;
+    let expected = [[0, 1, 2], [4, 5, 3], [0, 6, 1], [7, 8, 9]];
+    assert_eq!(mesh.triangles, expected);
+    let corners = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    let colors = [Vec3::X, Vec3::Z, Vec3::X, Vec3::ONE];
+    for (index, (corners, color)) in corners.into_iter().zip(colors).enumerate() {
+        let places = corners.map(|vertex| mesh.positions[vertex]);
+        assert_eq!(mesh.corners(index), places);
+        let of_corners = mesh.triangles[index].map(|vertex| {
+            let colors = mesh.colors.as_ref().expect("some");
+            colors[vertex as usize]
+        });
+        assert_eq!(of_corners, [color; 3]);
+    }
+    assert_eq!(mesh.normals, Some(vec![DVec3::Z; 10]));
+    assert_eq!(file.warnings, Vec::<String>::new());
 }
 
 #[test]
@@ -401,14 +502,14 @@ fn counts_reserve_no_more_than_the_text_can_hold() {
     let text = format!("OFF\n4000000000 4000000000 0\n{}", SQUARE.repeat(100));
     let (cancel, progress) = (CancelToken::new(), Progress::new());
     let mut reader = Reader::new(text.as_bytes(), &cancel, &progress);
-    let header = reader.header().expect("a valid header");
+    let header = Header::read(&mut reader.cursor).expect("a valid header");
     reader
         .vertices(&header)
         .expect_err("400 of 4000000000 vertices");
     assert!(reader.mesh.positions.capacity() <= text.len());
     let text = format!("OFF\n4 4000000000 0\n{SQUARE}3 0 1 2\n");
     let mut reader = Reader::new(text.as_bytes(), &cancel, &progress);
-    let header = reader.header().expect("a valid header");
+    let header = Header::read(&mut reader.cursor).expect("a valid header");
     reader.vertices(&header).expect("four vertices");
     reader.faces(&header).expect_err("1 of 4000000000 faces");
     assert!(reader.mesh.triangles.capacity() <= text.len());
