@@ -33,6 +33,8 @@ pub struct MeshFile {
     pub warnings: Vec<String>,
     /// Which triangles wear which material; empty where the file says nothing of materials.
     pub parts: MeshParts,
+    /// Whether parts are called as the images they show, beside this file, in place of their materials.
+    pub parts_are_images: bool,
     /// The files of materials that it names.
     pub libraries: Vec<MaterialLibrary>,
 }

@@ -8,6 +8,7 @@ use super::material_library::{Definitions, load_libraries, path_below};
 use super::mesh_file::{Dropped, MeshFile};
 use super::mesh_parts::PartCutter;
 use super::mesh_source::GLTF;
+use super::mtl::MtlMaterial;
 use super::part_name::{self, with_part};
 use super::remarks::Remarks;
 use super::scene_paths::absolute_mesh;
@@ -74,7 +75,10 @@ pub fn of_mesh_file(path: &Path, file: MeshFile, cancel: &CancelToken) -> Option
     };
     let up = file.likely_up();
     let mut scene = Scene::default();
-    let definitions = if file.parts.is_empty() {
+    let definitions = if file.parts_are_images {
+        let names = file.parts.names().filter(|name| !name.is_empty());
+        names.map(|name| (name.to_owned(), wearing(name))).collect()
+    } else if file.parts.is_empty() {
         Definitions::new()
     } else {
         load_libraries(path, &file.libraries, &mut warnings, cancel)?
@@ -118,7 +122,7 @@ pub fn of_mesh_file(path: &Path, file: MeshFile, cancel: &CancelToken) -> Option
                 )
             } else {
                 format!(
-                    "has {parts} parts of different materials, shown as one object: only those of files called .obj can be told apart"
+                    "has {parts} parts of different materials, shown as one object: only those of files called .obj or .ply can be told apart"
                 )
             };
             warnings.push(format!("{shown}: {why}"));
@@ -198,6 +202,14 @@ pub fn of_gltf(path: &Path, gltf: &Gltf) -> Model {
         },
         scene,
         warnings,
+    }
+}
+
+/// A material of an image alone.
+fn wearing(image: &str) -> MtlMaterial {
+    MtlMaterial {
+        diffuse_image: Some(image.to_owned()),
+        ..MtlMaterial::default()
     }
 }
 

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 /// File name extensions, in lower case, of formats whose files have parts.
-const EXTENSIONS_WITH_PARTS: [&str; 3] = [".obj", ".gltf", ".glb"];
+const EXTENSIONS_WITH_PARTS: [&str; 4] = [".obj", ".ply", ".gltf", ".glb"];
 
 /// What stands between the file and the part.
 const SEPARATOR: char = '#';

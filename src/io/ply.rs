@@ -20,17 +20,22 @@
 //! - Of the element `vertex`, `x`, `y`, `z` are read, and the normal `nx`, `ny`, `nz`, the texture coordinates `s`, `t` (or `u`, `v`,
 //!   with or without `texture_` before) and the colour `red`, `green`, `blue` where all of them are there; of the elements `face`
 //!   and `tristrips`, the list `vertex_indices` or `vertex_index`. Each may have any type. `vertex` comes first.
+//! - A list `texcoord` of `face` has the texture coordinates of its corners: a vertex becomes several where they differ. Those of
+//!   vertices do not count then.
+//! - Comments such as `comment TextureFile wood.png` name images; `texnumber` of `face` says which of them it shows, from 0, and all
+//!   show the first where it is not there. The faces of an image are a part of the file that is called so.
 //! - Colours are sRGB: numbers with a point from 0 to 1, whole ones up to the largest of their type.
 //! - In `tristrips`, a triangle ends at every index from the third on, each second one turned over; −1 begins a new strip, and
 //!   triangles with an index repeated only lead from one part to the next.
-//! - Normals that are not finite are left to the faces around, with a warning. Colours and texture coordinates of faces are ignored
+//! - Normals that are not finite are left to the faces around, with a warning. Colours of faces are ignored
 //!   with a warning, as are elements of other names; other properties are skipped.
 //! - In text, an item that finds too few values on its line goes on with the next lines; nothing may follow it on its last.
 //! - What follows the last element is ignored with a warning, but numbers in a text are an error: a count is wrong then.
 //!
 //! Counts are never trusted: memory grows with the bytes that are there.
 //!
-//! Source: Greg Turk, The PLY Polygon File Format, 1994; `tristrips` as in the files of the Stanford 3D Scanning Repository.
+//! Source: Greg Turk, The PLY Polygon File Format, 1994; `tristrips` as in the files of the Stanford 3D Scanning Repository;
+//! `texcoord`, `texnumber` and `TextureFile` as `MeshLab` writes them.
 
 mod body;
 mod header;

@@ -137,6 +137,48 @@ fn images_of_heights_are_no_normals() {
     assert_eq!(scene.textures.len(), 2);
 }
 
+/// Two triangles whose corners have texture coordinates of their own, each of an image, as `MeshLab` writes them.
+const TWO_IMAGES: &str = "ply\nformat ascii 1.0\ncomment TextureFile red.png\ncomment TextureFile gone.png\n\
+    element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n\
+    property list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\nend_header\n\
+    0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 0 0 1 1 0 1 1\n";
+
+#[test]
+fn a_ply_file_wears_the_images_that_it_names() {
+    let folder = folder(&[("two.ply", TWO_IMAGES)]);
+    let red = image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0]));
+    red.save(folder.path().join("red.png")).expect("is written");
+    let LoadedScene { scene, warnings } = load(&folder.path().join("two.ply"));
+    let expected = [
+        ("red.png", "two.ply#red.png", Some("red.png")),
+        ("gone.png", "two.ply#gone.png", Some("gone.png")),
+    ];
+    assert_eq!(objects(&scene), expected);
+    let image = |name: &str| {
+        let textures = scene.materials[name].textures().expect("is Phong");
+        textures
+            .diffuse_image
+            .as_deref()
+            .and_then(|image| scene.textures.get(image))
+    };
+    let red = image("red.png").expect("is there");
+    assert_eq!(red.mean_color(), Rgb::X);
+    assert_eq!(image("gone.png"), None);
+    let [warning] = &warnings[..] else {
+        panic!("{warnings:?}")
+    };
+    assert!(
+        warning.contains("gone.png: there is no such file"),
+        "{warning}"
+    );
+
+    let path = folder.path().join("saved.toml");
+    save_scene(&scene, &path).expect("is written");
+    let again = load(&path).scene;
+    assert_eq!(objects(&again), expected);
+    assert_eq!(again.meshes.len(), 2);
+}
+
 #[test]
 fn a_saved_scene_finds_its_parts_again() {
     let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);

@@ -2,7 +2,6 @@ use super::malformed::Place;
 use super::notes::Seen;
 use crate::geometry::{self, TriangleMesh, polygon};
 use crate::io::mesh_file::{Dropped, MeshFile};
-use crate::io::mesh_parts::MeshParts;
 use crate::math::DVec3;
 
 /// The corner of a face as a format gives it.
@@ -132,8 +131,7 @@ impl Tally {
             polygons,
             dropped,
             warnings,
-            parts: MeshParts::default(),
-            libraries: Vec::new(),
+            ..MeshFile::default()
         }
     }
 }

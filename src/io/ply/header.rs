@@ -88,6 +88,10 @@ pub enum Role {
     OtherTexture,
     /// The vertices of a face or strip.
     Corners,
+    /// The texture coordinates of a face's corners, two numbers each.
+    Wedges,
+    /// Which of the images that the header names a face shows, from 0.
+    ImageNumber,
     Other,
 }
 
@@ -106,6 +110,8 @@ impl Role {
             {
                 Self::Corners
             }
+            (ElementKind::Face, b"texcoord") if is_list => Self::Wedges,
+            (ElementKind::Face, b"texnumber") if !is_list => Self::ImageNumber,
             (ElementKind::Vertex, _) if !is_list => {
                 let color = COLORS.iter().position(|names| names.contains(&name));
                 let texture = TEXTURES.iter().position(|names| names.contains(&name));
@@ -228,11 +234,22 @@ pub enum Encoding {
 pub struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
+    /// The images that comments name, as `MeshLab` writes them: `comment TextureFile wood.png`.
+    pub images: Vec<String>,
     /// Where the data begins, in bytes.
     pub body: usize,
 }
 
+/// Most images of a file.
+const MOST_IMAGES: usize = 10_000;
+
 impl Header {
+    /// Whether faces have texture coordinates of their own.
+    pub fn has_wedges(&self) -> bool {
+        let mut elements = self.elements.iter();
+        elements.any(|element| element.count > 0 && element.has(Role::Wedges))
+    }
+
     /// Reads the header, after which the cursor is at the end of its last line.
     ///
     /// # Errors
@@ -247,6 +264,7 @@ impl Header {
         let pairs_line_ends = cursor.line_end() == b"\r\n";
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
+        let mut images = Vec::new();
         loop {
             if !cursor.find_word() {
                 return Err(Malformed::in_line(
@@ -258,7 +276,8 @@ impl Header {
             let line = cursor.line();
             match cursor.word().unwrap_or_default() {
                 b"comment" | b"obj_info" => {
-                    cursor.rest_of_line();
+                    let image = image_in(cursor.rest_of_line());
+                    images.extend(image.filter(|_| images.len() < MOST_IMAGES));
                 }
                 b"format" => encoding = Some(read_encoding(cursor)?),
                 b"element" => elements.push(read_element(cursor)?),
@@ -291,9 +310,19 @@ impl Header {
         Ok(Self {
             encoding,
             elements,
+            images,
             body: cursor.position() + line_end.len(),
         })
     }
+}
+
+/// The image that a comment names, if it does.
+fn image_in(comment: &[u8]) -> Option<String> {
+    const KEYWORD: &[u8] = b"TextureFile";
+    let (keyword, name) = comment.split_at_checked(KEYWORD.len())?;
+    let is_image = keyword.eq_ignore_ascii_case(KEYWORD) && name.starts_with(b" ");
+    let name = name.trim_ascii();
+    (is_image && !name.is_empty()).then(|| String::from_utf8_lossy(name).into_owned())
 }
 
 /// Says what keeps the elements from being read one after the other.
@@ -369,7 +398,8 @@ fn read_property(cursor: &mut Cursor, element: &Element) -> Result<Property, Mal
     end_of_line(cursor, "the property")?;
     let role = Role::of(element.kind, name, kind);
     // The first of its kind counts.
-    let is_new = role != Role::Corners || !element.has(role);
+    let counts_once = matches!(role, Role::Corners | Role::Wedges | Role::ImageNumber);
+    let is_new = !counts_once || !element.has(role);
     Ok(Property {
         kind,
         role: if is_new { role } else { Role::Other },

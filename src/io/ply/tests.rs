@@ -348,6 +348,122 @@ fn texture_coordinates_and_colors_are_kept() {
     assert_eq!(colors[2], Vec3::ZERO);
 }
 
+const TEXCOORD: &str = "property list uchar float texcoord";
+
+/// Two triangles that meet along a diagonal, whose ends lie elsewhere on the image for the second one.
+#[test]
+fn corners_with_texture_coordinates_of_their_own_split_vertices() {
+    let vertex = [
+        &XYZ[..],
+        &[
+            "property uchar red",
+            "property uchar green",
+            "property uchar blue",
+        ],
+    ]
+    .concat();
+    let faces = [&FACES[..], &[TEXCOORD]].concat();
+    let vertices = "0 0 0 255 0 0\n1 0 0 0 0 0\n1 1 0 0 255 0\n0 1 0 0 0 0\n";
+    let data = "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 .5 0 1 1 .5 .25\n";
+    let file = read(square(&vertex, &faces, &format!("{vertices}{data}")));
+    let mesh = file.mesh;
+    assert_eq!(mesh.triangles, [[0, 1, 2], [4, 2, 3]]);
+    let textures = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.25), (0.5, 0.0)];
+    let textures = textures.map(|(u, v)| DVec2::new(u, v));
+    assert_eq!(mesh.texture_coordinates, Some(textures.to_vec()));
+    assert_eq!(mesh.positions[4], DVec3::ZERO);
+    let colors = mesh.colors.expect("some");
+    assert_eq!(
+        [colors[0], colors[2], colors[4]],
+        [Vec3::X, Vec3::Y, Vec3::X]
+    );
+    assert_eq!(file.warnings, Vec::<String>::new());
+    assert!(file.parts.is_empty());
+
+    // The list may come first, in binary and for a polygon.
+    let lines = [
+        "element vertex 4",
+        XYZ[0],
+        XYZ[1],
+        XYZ[2],
+        "element face 1",
+        TEXCOORD,
+        FACES[1],
+    ];
+    let mut bytes = header("binary_big_endian", &lines).into_bytes();
+    for value in SQUARE.into_iter().flatten() {
+        bytes.extend(f32::from(value).to_be_bytes());
+    }
+    bytes.push(8);
+    for value in [0.0_f32, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0] {
+        bytes.extend(value.to_be_bytes());
+    }
+    bytes.push(4);
+    for index in 0..4_u32 {
+        bytes.extend(index.to_be_bytes());
+    }
+    let mesh = read(bytes).mesh;
+    let corners: Vec<_> = SQUARE
+        .map(|[x, y, _]| DVec2::new(x.into(), y.into()))
+        .to_vec();
+    assert_eq!(mesh.texture_coordinates, Some(corners));
+}
+
+#[test]
+fn faces_that_show_images_are_parts() {
+    let faces = [&FACES[..], &[TEXCOORD, "property int texnumber"]].concat();
+    let face = |corners: &str, image: i8| format!("3 {corners} 6 0 0 1 0 1 1 {image}\n");
+    let text = |images: &str, numbers: [i8; 2]| {
+        let faces = square(&XYZ, &faces, &DATA[..24])
+            .replace("element vertex", &format!("{images}element vertex"));
+        faces + &face("0 1 2", numbers[0]) + &face("0 2 3", numbers[1])
+    };
+    let two = "comment TextureFile wood.png\ncomment made by hand\ncomment TextureFile a b.jpg\n";
+    for (images, numbers, expected) in [
+        (two, [1, 0], &["a b.jpg", "wood.png"][..]),
+        (two, [0, 7], &["wood.png", ""]),
+        (two, [-1, 1], &["", "a b.jpg"]),
+        ("comment TextureFile wood.png\n", [0, 0], &["wood.png"]),
+        ("comment TextureFiles\n", [0, 0], &[]),
+    ] {
+        let file = read(text(images, numbers));
+        let names: Vec<_> = file.parts.names().collect();
+        assert_eq!(names, expected);
+        assert_eq!(file.mesh.triangles.len(), 2);
+    }
+    // All faces show the first where they do not say which; without coordinates, none.
+    let vertex = [&XYZ[..], &["property float s", "property float t"]].concat();
+    let data = "0 0 0 0 0\n1 0 0 0 0\n1 1 0 0 0\n0 1 0 0 0\n3 0 1 2\n3 0 2 3\n";
+    let named = |text: String| text.replace("element vertex", &format!("{two}element vertex"));
+    let file = read(named(square(&vertex, &FACES, data)));
+    assert_eq!(file.parts.names().collect::<Vec<_>>(), ["wood.png"]);
+    assert!(file.parts_are_images && read(named(plain())).parts.is_empty());
+}
+
+#[test]
+fn corners_without_texture_coordinates_are_told_of() {
+    let vertex = [&XYZ[..], &["property float s", "property float t"]].concat();
+    let faces = [&FACES[..], &[TEXCOORD]].concat();
+    let vertices = "0 0 0 9 9\n1 0 0 9 9\n1 1 0 9 9\n0 1 0 9 9\n";
+    let data = "3 0 1 2 0\n3 0 2 3 6 0 nan 0 0 1 1\n";
+    let file = read(square(&vertex, &faces, &format!("{vertices}{data}")));
+    assert_eq!(
+        file.warnings,
+        [
+            "1 texture coordinate that is not finite is taken as (0, 0) (line 18)",
+            "1 face has no texture coordinates at all corners; they are taken as (0, 0) (line 17)",
+            "texture coordinates of vertices are ignored, as faces have their own",
+        ]
+    );
+    let textures = [DVec2::ZERO, DVec2::ZERO, DVec2::ZERO, DVec2::ONE];
+    assert_eq!(file.mesh.texture_coordinates, Some(textures.to_vec()));
+    let short = square(&XYZ, &faces, &format!("{}3 0 1 2 6 0 0\n", &DATA[..24]));
+    assert_eq!(
+        error(short),
+        "line 15: expected face 1 of 2, found the end of the file"
+    );
+}
+
 #[test]
 fn what_is_ignored_is_said_once() {
     let vertex = [
