@@ -1,11 +1,11 @@
 //! Triangle meshes and what can be said about them without knowing any material.
 
+pub mod cells;
 mod face_normal;
 mod mesh;
 mod normals;
 pub mod polygon;
 pub mod shapes;
-pub mod tetrahedra;
 mod triangle;
 mod welded;
 

@@ -17,9 +17,10 @@
 //! $EndElements
 //! ```
 //!
-//! - Triangles and quadrilaterals are shown, and of tetrahedra the faces that belong to one alone, turned outwards; those that the file
-//!   gives as triangles too are there once. Of curved ones the corners count.
-//! - Points and lines are passed over; hexahedra, prisms and pyramids are counted and left out, as are kinds nobody knows.
+//! - Triangles and quadrilaterals are shown, and of tetrahedra, pyramids, prisms and hexahedra the faces that belong to one cell alone,
+//!   turned outwards; those that the file gives as triangles too are there once. Of curved ones the corners count. The part `inner` has
+//!   all faces of cells.
+//! - Points and lines are passed over; kinds nobody knows are counted and left out.
 //! - Sections of other names are passed over. `$Nodes` stand before `$Elements`. Each node and element has a line of its own.
 //!
 //! Counts are never trusted: memory grows with the bytes that are there.
@@ -90,8 +91,8 @@ enum Cell {
     Thin,
     /// With so many corners; whether it has further nodes.
     Face(usize, bool),
-    /// Whether it has further nodes.
-    Tetrahedron(bool),
+    /// With a volume, so many corners, and perhaps further nodes.
+    Solid(usize, bool),
     Other,
 }
 
@@ -102,10 +103,16 @@ impl Cell {
             1 | 8 | 15 | 26..=28 => Self::Thin,
             2 => Self::Face(3, false),
             3 => Self::Face(4, false),
-            4 => Self::Tetrahedron(false),
+            4 => Self::Solid(4, false),
+            5 => Self::Solid(8, false),
+            6 => Self::Solid(6, false),
+            7 => Self::Solid(5, false),
             9 | 20..=25 => Self::Face(3, true),
             10 | 16 => Self::Face(4, true),
-            11 | 29..=31 => Self::Tetrahedron(true),
+            11 | 29..=31 => Self::Solid(4, true),
+            12 | 17 => Self::Solid(8, true),
+            13 | 18 => Self::Solid(6, true),
+            14 | 19 => Self::Solid(5, true),
             _ => Self::Other,
         }
     }
@@ -295,31 +302,21 @@ impl<'a> Reader<'a> {
     fn cell(&mut self, cell: Cell) -> Result<(), Malformed> {
         let line = self.cursor.line();
         let place = Place::Line(line);
-        if let Cell::Face(_, true) | Cell::Tetrahedron(true) = cell {
+        if let Cell::Face(_, true) | Cell::Solid(_, true) = cell {
             self.solid.curved.at(place);
         }
         match cell {
             Cell::Thin => {}
             Cell::Other => self.solid.others.at(place),
-            Cell::Face(count, _) => {
+            Cell::Face(count, _) | Cell::Solid(count, _) => {
                 self.corners.clear();
                 for _ in 0..count {
                     let corner = self.corner()?;
                     self.corners.push(corner);
                 }
-                self.solid.add_face(place, &mut self.corners);
-            }
-            Cell::Tetrahedron(_) => {
-                let mut corners = [0; 4];
-                for corner in &mut corners {
-                    *corner = self.corner()?;
-                }
-                if !self.solid.add_tetrahedron(place, corners) {
-                    return Err(Malformed::in_line(
-                        line,
-                        "fewer than 2^30 tetrahedra",
-                        "another",
-                    ));
+                match cell {
+                    Cell::Solid(..) => self.solid.add_cell(place, &self.corners)?,
+                    _ => self.solid.add_face(place, &mut self.corners),
                 }
             }
         }

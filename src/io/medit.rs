@@ -15,9 +15,10 @@
 //! End
 //! ```
 //!
-//! - `Triangles` and `Quadrilaterals` are shown, and of `Tetrahedra` the faces that belong to one alone, turned outwards whichever
-//!   way the tetrahedron is given; those that the file gives as triangles too are there once.
-//! - `Hexahedra`, `Prisms` and `Pyramids` are counted and left out. All other sections are passed over.
+//! - `Triangles` and `Quadrilaterals` are shown, and of `Tetrahedra`, `Pyramids`, `Prisms` and `Hexahedra` the faces that belong to one
+//!   cell alone, turned outwards whichever way the cell is given; those that the file gives as triangles too are there once. The part
+//!   `inner` has all faces of cells.
+//! - All other sections are passed over.
 //! - In two dimensions, z is 0. `Vertices` stand before what has them. Keywords may be written in any case.
 //!
 //! Counts are never trusted: memory grows with the bytes that are there.
@@ -81,7 +82,8 @@ enum Items {
     Vertices,
     /// With so many corners.
     Faces(usize),
-    Tetrahedra,
+    /// With so many corners.
+    Cells(usize),
 }
 
 impl<'a> Reader<'a> {
@@ -102,14 +104,10 @@ impl<'a> Reader<'a> {
                 b"vertices" => self.items(Items::Vertices),
                 b"triangles" => self.items(Items::Faces(3)),
                 b"quadrilaterals" => self.items(Items::Faces(4)),
-                b"tetrahedra" => self.items(Items::Tetrahedra),
-                b"hexahedra" | b"prisms" | b"pyramids" => {
-                    let count = self.count("the number of cells")?;
-                    if count > 0 {
-                        self.solid.others.at_times(Place::Line(line), count);
-                    }
-                    Ok(self.skip())
-                }
+                b"tetrahedra" => self.items(Items::Cells(4)),
+                b"pyramids" => self.items(Items::Cells(5)),
+                b"prisms" => self.items(Items::Cells(6)),
+                b"hexahedra" => self.items(Items::Cells(8)),
                 [letter, ..] if letter.is_ascii_alphabetic() => Ok(self.skip()),
                 word => return Err(Malformed::at_token(line, "a keyword of Medit", word)),
             }?;
@@ -156,7 +154,10 @@ impl<'a> Reader<'a> {
             Items::Vertices => "vertices",
             Items::Faces(3) => "triangles",
             Items::Faces(_) => "quadrilaterals",
-            Items::Tetrahedra => "tetrahedra",
+            Items::Cells(4) => "tetrahedra",
+            Items::Cells(5) => "pyramids",
+            Items::Cells(6) => "prisms",
+            Items::Cells(_) => "hexahedra",
         };
         let line = self.cursor.line();
         if items != Items::Vertices && self.solid.positions.is_empty() {
@@ -191,25 +192,14 @@ impl<'a> Reader<'a> {
             let place = Place::Line(self.cursor.line());
             match items {
                 Items::Vertices => self.vertex(&item)?,
-                Items::Faces(corner_count) => {
+                Items::Faces(corner_count) | Items::Cells(corner_count) => {
                     corners.clear();
                     for _ in 0..corner_count {
                         corners.push(self.index(&item)?);
                     }
-                    self.solid.add_face(place, &mut corners);
-                }
-                Items::Tetrahedra => {
-                    let mut corners = [0; 4];
-                    for corner in &mut corners {
-                        *corner = self.index(&item)?;
-                    }
-                    if !self.solid.add_tetrahedron(place, corners) {
-                        let line = self.cursor.line();
-                        return Err(Malformed::in_line(
-                            line,
-                            "fewer than 2^30 tetrahedra",
-                            "another",
-                        ));
+                    match items {
+                        Items::Cells(_) => self.solid.add_cell(place, &corners)?,
+                        _ => self.solid.add_face(place, &mut corners),
                     }
                 }
             }

@@ -11,6 +11,7 @@ use super::part_name::file_and_part;
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
+use crate::geometry::cells::Cells;
 use crate::scene::presets::UpAxis;
 use std::path::Path;
 use std::sync::Arc;
@@ -35,9 +36,14 @@ pub struct MeshFile {
     pub parts: MeshParts,
     /// Whether parts are called as the images they show, beside this file, in place of their materials.
     pub parts_are_images: bool,
+    /// The cells with a volume that it holds, of whose faces `mesh` has those outside. All of them are the part [`INNER`].
+    pub cells: Cells,
     /// The files of materials that it names.
     pub libraries: Vec<MaterialLibrary>,
 }
+
+/// The part of a file with cells that has all faces of them, each once: those outside, and those between two cells.
+pub const INNER: &str = "inner";
 
 /// A file of materials as another file names it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ pub use colors::Colors;
 pub use cursor::{Cursor, number, whole};
 pub use malformed::{List, Malformed, Place};
 pub use notes::{Seen, numbers};
-pub use solid::Solid;
+pub use solid::{Solid, all_faces};
 pub use split::{Attribute, TooMany, split};
 pub use tally::{Corner, Tally};
 pub use watch::{Watch, capacity};

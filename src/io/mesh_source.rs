@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::gltf::{self, Gltf};
 use super::material_library::path_below;
-use super::mesh_file::{MEMORY_PER_BYTE, MeshError, MeshFile};
+use super::mesh_file::{INNER, MEMORY_PER_BYTE, MeshError, MeshFile};
 use super::mesh_parts::PartCutter;
+use super::mesh_reading::all_faces;
 use super::shorten::shortened;
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
@@ -99,6 +100,7 @@ impl MeshSource {
     #[must_use]
     pub fn taker(&self) -> PartTaker<'_> {
         match self {
+            Self::Mesh(file) if !file.cells.is_empty() => PartTaker::Cells(file),
             Self::Mesh(file) => PartTaker::Cut(PartCutter::new(&file.mesh, &file.parts)),
             Self::Scene(gltf) => PartTaker::Share(gltf),
         }
@@ -109,6 +111,8 @@ impl MeshSource {
 pub enum PartTaker<'a> {
     /// By cutting them.
     Cut(PartCutter<'a>),
+    /// By finding the faces of cells.
+    Cells(&'a MeshFile),
     /// As they are.
     Share(&'a Gltf),
 }
@@ -121,11 +125,16 @@ impl PartTaker<'_> {
     pub fn take(&mut self, name: &str, part: &str) -> Result<Arc<TriangleMesh>, MeshError> {
         let taken = match self {
             Self::Cut(cutter) => cutter.cut(part).map(Arc::new),
+            Self::Cells(file) => {
+                let faces = || all_faces(&file.mesh.positions, &file.cells);
+                (part == INNER).then(|| Arc::new(faces()))
+            }
             Self::Share(gltf) => gltf.parts.get(part).cloned(),
         };
         taken.ok_or_else(|| {
             let reason = match self {
                 Self::Cut(cutter) => no_such_part(part, cutter.names()),
+                Self::Cells(_) => no_such_part(part, [INNER].into_iter()),
                 Self::Share(gltf) => no_such_part(part, gltf.parts.keys().map(String::as_str)),
             };
             MeshError::Unreadable {

@@ -29,11 +29,16 @@
 //!   of the cells of a polytope in four dimensions, it is refused.
 //! - Numbers after the last declared face are an error, since a count is wrong then; other text there is a warning.
 //!
+//! Tetrahedra are written in two ways: as faces of four corners each, which is told by how they meet; and, without keyword and number of
+//! edges, as four indices alone on each line, behind vertices with a fourth number, a value that means nothing here. The faces that
+//! belong to one of them alone are shown, and the part `inner` has all.
+//!
 //! Colours of one or two numbers, which name one of a list that is elsewhere, are ignored, with a warning. Faces of fewer than three
 //! corners or without area are dropped and counted. A polygon's repeated corner is taken once; its larger remainder
 //! is cut into triangles, of which those without area are left out. Counts are never trusted: memory grows with the text.
 //!
-//! Source: Geomview manual, section on OFF; the order of `NCOFF` as `MeshLab` writes it.
+//! Source: Geomview manual, section on OFF; the order of `NCOFF` as `MeshLab` writes it; tetrahedra as the Topology Toolkit (faces of
+//! four corners) and programs for volumes (four indices alone) read them.
 
 mod finish;
 mod header;
@@ -66,7 +71,15 @@ pub fn parse(
 ) -> Result<Option<MeshFile>, Malformed> {
     let mut reader = Reader::new(bytes, cancel, progress);
     let header = Header::read(&mut reader.cursor)?;
-    if reader.vertices(&header)?.is_none() || reader.faces(&header)?.is_none() {
+    if reader.vertices(&header)?.is_none() {
+        return Ok(None);
+    }
+    let read = if header.is_bare && reader.has_cells_ahead(&header) {
+        reader.cells(&header)?
+    } else {
+        reader.faces(&header)?
+    };
+    if read.is_none() {
         return Ok(None);
     }
     reader.end(&header)?;
@@ -100,6 +113,14 @@ struct Reader<'a> {
     /// Of the triangles.
     face_colors: Colors,
     tally: Tally,
+    /// Vertices with one number behind them.
+    values: u64,
+    /// The corners of all faces, as long as each has four and no colour.
+    fours: Option<Vec<[u32; 4]>>,
+    /// Whether these are tetrahedra.
+    are_cells: bool,
+    /// The first of the faces.
+    first_face: Option<Place>,
 }
 
 impl<'a> Reader<'a> {
@@ -112,6 +133,10 @@ impl<'a> Reader<'a> {
             vertex_colors: Colors::default(),
             face_colors: Colors::default(),
             tally: Tally::default(),
+            values: 0,
+            fours: Some(Vec::new()),
+            are_cells: false,
+            first_face: None,
         }
     }
 
@@ -238,6 +263,7 @@ impl<'a> Reader<'a> {
                 return Err(Malformed::in_line(line, expected, numbers(count, "number")));
             }
         };
+        self.values += u64::from(of_color == 1);
         if let Some((color, alpha)) = self.color(of_color, EXPECTED)? {
             self.vertex_colors.push(self.mesh.positions.len(), color);
             self.vertex_colors.measure(alpha);
@@ -279,6 +305,56 @@ impl<'a> Reader<'a> {
         number(word).ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
     }
 
+    /// Whether four indices on each line are what follows, behind a value of each vertex, and not faces, whose lines begin with 3 where
+    /// they have four numbers.
+    fn has_cells_ahead(&self, header: &Header) -> bool {
+        if header.vertices == 0 || self.values < header.vertices {
+            return false;
+        }
+        let mut ahead = self.cursor.clone();
+        while ahead.find_word() {
+            if ahead.words_on_line() != 4 {
+                return false;
+            }
+            if ahead.word() != Some(b"3") {
+                return true;
+            }
+            ahead.rest_of_line();
+        }
+        false
+    }
+
+    /// Reads tetrahedra that are four indices alone; `None` when cancelled.
+    fn cells(&mut self, header: &Header) -> Result<Option<()>, Malformed> {
+        self.are_cells = true;
+        let mut cells = Vec::new();
+        for index in 0..header.faces {
+            let position = self.cursor.position();
+            if self.watch.report_item(index, position).is_none() {
+                return Ok(None);
+            }
+            if !self.cursor.find_word() {
+                let expected = format!("tetrahedron {} of {}", index + 1, header.faces);
+                return Err(at_end(&self.cursor, expected));
+            }
+            let line = self.cursor.line();
+            self.first_face.get_or_insert(Place::Line(line));
+            let mut corners = [0; 4];
+            for corner in &mut corners {
+                let word = self.cursor.word().unwrap_or_default();
+                *corner = self.vertex_index(word).ok_or_else(|| {
+                    let expected = format!("four vertex indices below {}", header.vertices);
+                    Malformed::at_token(line, expected, word)
+                })?;
+            }
+            let expected = "the end of the line after a tetrahedron";
+            expect_end_of_line(&mut self.cursor, expected)?;
+            cells.push(corners);
+        }
+        self.fours = Some(cells);
+        Ok(Some(()))
+    }
+
     /// Reads all faces; `None` when cancelled.
     fn faces(&mut self, header: &Header) -> Result<Option<()>, Malformed> {
         const SHORTEST_TRIANGLE: usize = "3 0 1 2\n".len();
@@ -292,6 +368,11 @@ impl<'a> Reader<'a> {
             }
             let line = self.face(header, index, &mut corners)?;
             let color = self.face_color()?;
+            self.first_face.get_or_insert(Place::Line(line));
+            match (<[u32; 4]>::try_from(&corners[..]), &mut self.fours) {
+                (Ok(corners), Some(fours)) if color.is_none() => fours.push(corners),
+                _ => self.fours = None,
+            }
             let TriangleMesh {
                 positions,
                 triangles,

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 /// File name extensions, in lower case, of formats whose files have parts.
-const EXTENSIONS_WITH_PARTS: [&str; 4] = [".obj", ".ply", ".gltf", ".glb"];
+const EXTENSIONS_WITH_PARTS: [&str; 7] = [".obj", ".ply", ".gltf", ".glb", ".mesh", ".msh", ".off"];
 
 /// What stands between the file and the part.
 const SEPARATOR: char = '#';
@@ -63,7 +63,8 @@ mod tests {
             ("a.gltf#b.obj#c", Some(("a.gltf", "b.obj#c"))),
             ("ü.obj#ö", Some(("ü.obj", "ö"))),
             ("a.obj", None),
-            ("a.off#red", None),
+            ("a.off#inner", Some(("a.off", "inner"))),
+            ("a.stl#red", None),
             ("#a.obj", None),
             ("builtin:ram#x", None),
         ] {

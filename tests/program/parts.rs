@@ -179,6 +179,46 @@ fn a_ply_file_wears_the_images_that_it_names() {
     assert_eq!(again.meshes.len(), 2);
 }
 
+/// The file's surface, and all faces of its two tetrahedra, for glass.
+#[test]
+fn the_inner_faces_of_cells_are_a_part() {
+    let mesh = "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 1 1 0\n\
+                Tetrahedra\n2\n1 2 3 4 0\n5 2 3 4 0\nEnd\n";
+    let text = "[[objects]]\nmesh = \"a.mesh\"\n[[objects]]\nmesh = \"a.mesh#inner\"\n";
+    let folder = folder(&[
+        ("a.mesh", mesh),
+        ("a.toml", text),
+        ("b.toml", "[[objects]]\nmesh = \"a.mesh#outer\"\n"),
+    ]);
+    let scene = load(&folder.path().join("a.toml")).scene;
+    let triangles = |object: usize| {
+        let mesh = scene.mesh_of(&scene.objects[object]).expect("is loaded");
+        mesh.triangles.len()
+    };
+    assert_eq!((triangles(0), triangles(1)), (6, 7));
+    let said = error(&folder.path().join("b.toml"));
+    assert!(
+        said.contains("there is no part \"outer\"; the file has \"inner\""),
+        "{said}"
+    );
+    let alone = load(&folder.path().join("a.mesh#inner")).scene;
+    assert_eq!(alone.triangle_count(), 7);
+    // A surface has no such part.
+    fs::write(
+        folder.path().join("a.mesh"),
+        mesh.replace(
+            "Tetrahedra\n2\n1 2 3 4 0\n5 2 3 4 0",
+            "Triangles\n1\n1 2 3 0",
+        ),
+    )
+    .expect("is written");
+    let said = error(&folder.path().join("a.toml"));
+    assert!(
+        said.contains("there is no part \"inner\"; the file has no parts"),
+        "{said}"
+    );
+}
+
 #[test]
 fn a_saved_scene_finds_its_parts_again() {
     let folder = folder(&[("chair.obj", OBJ), ("chair.mtl", MTL)]);

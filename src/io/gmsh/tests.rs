@@ -82,13 +82,14 @@ fn faces_lines_and_cells_of_all_kinds_are_told_apart() {
         (777, &[]),
     ];
     let file = read(nodes_of_two() + &elements_of_two(&elements));
-    // The second-order tetrahedron has three more faces than the triangle that the file gives.
-    assert_eq!(file.mesh.triangles.len(), 2 + 1 + 4);
+    // Of the faces that the file gives, all belong to the hexahedron: two triangles to each of its sides, and the four of the
+    // second-order tetrahedron, one of which is half a side.
+    assert_eq!(file.mesh.triangles.len(), 12 + 4);
     assert_eq!(
         file.warnings,
         [
-            "of 1 tetrahedron, 4 faces outside are shown and 0 inside are not",
-            "2 cells that are no triangles, quadrilaterals or tetrahedra are ignored (the first on line 27)",
+            "of 2 cells, 10 faces outside are shown and 0 inside are not",
+            "1 cell of an unknown kind is ignored (line 29)",
             "2 curved cells are taken as ones between their corners (the first on line 26)",
         ]
     );

@@ -1,5 +1,6 @@
 use super::*;
 use crate::geometry::shapes;
+use crate::io::mesh_reading::all_faces;
 use crate::io::mesh_reading::trials::{self, CUBE, FILLINGS, area_and_volume};
 
 fn read(text: impl AsRef<[u8]>) -> MeshFile {
@@ -64,6 +65,64 @@ fn faces_beside_tetrahedra_are_kept() {
     assert_eq!(solid.mesh.triangles.len(), 14);
 }
 
+/// A cube as a hexahedron, as two prisms, and as six pyramids around its middle.
+#[test]
+fn cubes_of_other_cells_show_their_six_sides() {
+    let prisms: [&[u32]; 2] = [&[0, 1, 3, 4, 5, 7], &[4, 7, 6, 0, 3, 2]];
+    let sides = [
+        [0, 1, 3, 2],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 3, 7, 5],
+    ];
+    let pyramids = sides.map(|[a, b, c, d]| [a, b, c, d, 8]);
+    let pyramids: Vec<&[u32]> = pyramids.iter().map(|corners| &corners[..]).collect();
+    for (cells, inside) in [
+        (section("Hexahedra", &[&[0, 1, 3, 2, 4, 5, 7, 6]]), 0),
+        (section("Prisms", &prisms), 1),
+        (section("Pyramids", &pyramids), 12),
+    ] {
+        // The file gives some of the sides as well.
+        let given = section("Quadrilaterals", &[&[0, 1, 3, 2], &[4, 6, 7, 5]]);
+        for given in [String::new(), given] {
+            let file = read(format!("{}{cells}{given}", vertices()));
+            assert_eq!(file.mesh.triangles.len(), 12);
+            let (area, volume) = area_and_volume(&file);
+            assert!((area - 6.0).abs() < 1e-14 && (volume - 1.0).abs() < 1e-14);
+            let expected = format!(" outside are shown and {inside} inside are not");
+            assert!(file.warnings[0].contains(&expected), "{:?}", file.warnings);
+        }
+    }
+}
+
+/// The part has each face once: those outside look outwards, and the others, from both sides, fill what is within.
+#[test]
+fn the_inner_part_has_every_face_once() {
+    for (filling, inside) in FILLINGS.into_iter().zip([4, 6, 18]) {
+        let file = read(format!("{}{}", vertices(), tetrahedra(filling)));
+        let inner = all_faces(&file.mesh.positions, &file.cells);
+        assert_eq!(inner.triangles.len(), 12 + inside);
+        assert_eq!(inner.validate(), Ok(()));
+        let mut faces: Vec<_> = inner.triangles.clone();
+        for face in &mut faces {
+            face.sort_unstable();
+        }
+        faces.sort_unstable();
+        let mut expected: Vec<_> = filling
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, b, d], [a, c, d], [b, c, d]])
+            .collect();
+        for face in &mut expected {
+            face.sort_unstable();
+        }
+        expected.sort_unstable();
+        expected.dedup();
+        assert_eq!(faces, expected);
+    }
+}
+
 #[test]
 fn sections_of_other_kinds_are_passed_over() {
     let plain = format!("{}{}", vertices(), section("Triangles", &[&[0, 1, 2]]));
@@ -83,11 +142,6 @@ fn sections_of_other_kinds_are_passed_over() {
             "{text}"
         );
     }
-    let cells = section("Hexahedra", &[&[0, 1, 3, 2, 4, 5, 7, 6]]);
-    assert_eq!(
-        read(format!("{plain}{cells}")).warnings,
-        ["1 cell that is no triangle, quadrilateral or tetrahedron is ignored (line 17)"]
-    );
     let flat =
         "MeshVersionFormatted 1 Dimension 2 Vertices 3 0 0 1 1 0 1 0 1 1 Triangles 1 1 2 3 0";
     let file = read(flat);

@@ -15,12 +15,6 @@ impl Seen {
         self.count += 1;
     }
 
-    /// Counts so many more, at least one.
-    pub fn at_times(&mut self, place: Place, count: u64) {
-        self.first.get_or_insert(place);
-        self.count = self.count.saturating_add(count);
-    }
-
     /// How many, of which `one` and `many` say what they are: `2 faces were dropped (the first on line 7)`.
     pub fn counted(&self, one: &str, many: &str) -> Option<String> {
         let first = self.first?;

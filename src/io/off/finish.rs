@@ -1,9 +1,10 @@
-//! What an OFF file that is read becomes: faces with their colours.
+//! What an OFF file that is read becomes: faces with their colours, or what is around tetrahedra.
 
 use super::Reader;
 use crate::geometry::TriangleMesh;
+use crate::geometry::cells::are_tetrahedra;
 use crate::io::mesh_file::MeshFile;
-use crate::io::mesh_reading::{Malformed, TooMany, split};
+use crate::io::mesh_reading::{Malformed, Place, Solid, TooMany, split};
 use crate::math::Vec3;
 
 impl Reader<'_> {
@@ -13,7 +14,15 @@ impl Reader<'_> {
     /// When there are more vertices than can be numbered.
     pub fn finish(mut self) -> Result<Option<MeshFile>, Malformed> {
         let end = self.cursor.position() + self.cursor.remaining();
-        let of_vertices = self.vertex_colors.into_linear(self.mesh.positions.len());
+        let fours = self.fours.take().unwrap_or_default();
+        let of_vertices = std::mem::take(&mut self.vertex_colors);
+        let of_vertices = of_vertices.into_linear(self.mesh.positions.len());
+        if let Some(first) = self.first_face
+            && (self.are_cells || are_tetrahedra(&fours))
+        {
+            self.mesh.colors = of_vertices;
+            return self.into_solid(first, &fours).map(Some);
+        }
         let of_faces = self.face_colors.into_linear(self.mesh.triangles.len());
         let are_hidden = of_vertices.is_some() && of_faces.is_some();
         self.mesh.colors = of_vertices;
@@ -48,6 +57,33 @@ impl Reader<'_> {
         ];
         let warnings = warnings.into_iter().flatten();
         Ok(Some(self.tally.into_file("OFF", self.mesh, warnings)))
+    }
+
+    /// The faces around tetrahedra, of which the one at `first` is the first.
+    fn into_solid(mut self, first: Place, cells: &[[u32; 4]]) -> Result<MeshFile, Malformed> {
+        // Cancelling comes too late here: the text is read.
+        let _ = self
+            .watch
+            .report(self.cursor.position() + self.cursor.remaining());
+        let mut solid = Solid::of(self.mesh.positions);
+        for corners in cells {
+            solid.add_cell(first, corners)?;
+        }
+        let mut file = solid.into_file("OFF");
+        let how = if self.are_cells {
+            "values of vertices are ignored"
+        } else {
+            "all faces have four corners and meet as tetrahedra do: they are taken for these"
+        };
+        file.warnings.push(how.to_owned());
+        file.mesh = TriangleMesh {
+            positions: file.mesh.positions,
+            triangles: file.mesh.triangles,
+            normals: self.mesh.normals,
+            texture_coordinates: self.mesh.texture_coordinates,
+            colors: self.mesh.colors,
+        };
+        Ok(file)
     }
 }
 

@@ -61,6 +61,8 @@ pub struct Header {
     pub keyword: Keyword,
     pub vertices: u64,
     pub faces: u64,
+    /// Whether there is neither a keyword nor a number of edges: so begin files of tetrahedra, too.
+    pub is_bare: bool,
 }
 
 impl Header {
@@ -104,8 +106,15 @@ impl Header {
         } else if whole(first).is_none() {
             return Err(Malformed::at_token(line, EXPECTED, first));
         }
+        let has_keyword = Keyword::of(first).is_some();
         read_dimension(cursor, keyword, &mut glued)?;
-        read_counts(cursor, keyword, glued)
+        let counts = read_counts(cursor, keyword, glued)?;
+        Ok(Self {
+            keyword,
+            vertices: counts.vertices,
+            faces: counts.faces,
+            is_bare: !has_keyword && !counts.has_edges,
+        })
     }
 }
 
@@ -133,12 +142,18 @@ fn read_dimension<'a>(
     }
 }
 
+struct Counts {
+    vertices: u64,
+    faces: u64,
+    has_edges: bool,
+}
+
 /// Reads the counts; `glued` is the first if it stuck to the keyword.
 fn read_counts<'a>(
     cursor: &mut Cursor<'a>,
     keyword: Keyword,
     glued: &'a [u8],
-) -> Result<Header, Malformed> {
+) -> Result<Counts, Malformed> {
     const VERTICES: &str = "the number of vertices";
     const FACES: &str = "the number of faces";
     const EDGES: &str = "the number of edges";
@@ -158,7 +173,8 @@ fn read_counts<'a>(
     let on_one_line = cursor.line_has_word();
     let word = next_word(cursor, FACES)?;
     let faces = count(cursor, word, FACES)?;
-    if !on_one_line || cursor.line_has_word() {
+    let has_edges = !on_one_line || cursor.line_has_word();
+    if has_edges {
         let word = next_word(cursor, EDGES)?;
         if number(word).is_none() {
             return Err(Malformed::at_token(cursor.line(), EDGES, word));
@@ -169,10 +185,10 @@ fn read_counts<'a>(
         return Err(in_three_dimensions(cursor.line(), "4OFF with cells"));
     }
     expect_end_of_line(cursor, "the end of the line after the counts")?;
-    Ok(Header {
-        keyword,
+    Ok(Counts {
         vertices,
         faces,
+        has_edges,
     })
 }
 
