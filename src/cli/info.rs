@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::analysis::report::percent;
 use crate::control::{CancelToken, Progress};
+use crate::geometry::Winding;
 use crate::io::{self, Model, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
 use crate::math::DBounds;
 use crate::render::Image;
@@ -51,7 +52,17 @@ struct MeshFacts {
     materials: Vec<MaterialFacts>,
     lights: usize,
     camera: bool,
+    winding: WindingFacts,
     warnings: Vec<String>,
+}
+
+/// The way round in which triangles turn, of all meshes.
+#[derive(Debug, Default, Serialize)]
+struct WindingFacts {
+    /// Triangles that turn the other way round than most of their surface.
+    turned: u64,
+    /// Closed surfaces that look inwards and bound no hollow.
+    inside_out: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -156,6 +167,8 @@ fn facts(path: &Path) -> Result<Facts> {
 
 fn mesh_facts(model: Model) -> MeshFacts {
     let Model { scene, facts, .. } = model;
+    let winding = winding_facts(&scene);
+    let of_winding = describe_winding(&winding);
     let material = |(name, material): (&String, &Material)| MaterialFacts {
         name: name.clone(),
         kind: material.kind(),
@@ -180,8 +193,44 @@ fn mesh_facts(model: Model) -> MeshFacts {
         materials: scene.materials.iter().map(material).collect(),
         lights: scene.lights.len(),
         camera: model.camera.is_some(),
-        warnings: model.warnings,
+        winding,
+        warnings: model.warnings.into_iter().chain(of_winding).collect(),
     }
+}
+
+fn winding_facts(scene: &Scene) -> WindingFacts {
+    let mut facts = WindingFacts::default();
+    for mesh in scene.meshes.values() {
+        let Winding {
+            turned, inside_out, ..
+        } = Winding::of(mesh);
+        facts.turned += turned;
+        facts.inside_out += inside_out;
+    }
+    facts
+}
+
+/// What is to be said of windings that are not right.
+fn describe_winding(winding: &WindingFacts) -> Option<String> {
+    let turned = match winding.turned {
+        0 => None,
+        1 => Some("1 triangle turns the other way round than its neighbours".to_owned()),
+        count => Some(format!(
+            "{count} triangles turn the other way round than their neighbours"
+        )),
+    };
+    let inside_out = match winding.inside_out {
+        0 => None,
+        1 => Some("1 closed surface is inside out".to_owned()),
+        count => Some(format!("{count} closed surfaces are inside out")),
+    };
+    let found: Vec<_> = [turned, inside_out].into_iter().flatten().collect();
+    (!found.is_empty()).then(|| {
+        format!(
+            "{}: an object's repair_winding = true puts that right, or raymini convert --repair-winding",
+            found.join(", and ")
+        )
+    })
 }
 
 fn object_facts(scene: &Scene, object: &Object) -> ObjectFacts {

@@ -197,6 +197,7 @@ pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
             object.placement(),
             object.copies,
             object.smooth.then_some(object.crease_angle),
+            object.repair_winding,
         )
     };
     a.objects.len() == b.objects.len()

@@ -13,6 +13,7 @@ mod naming;
 mod object;
 pub mod presets;
 mod radiance_map;
+mod repaired;
 mod settings;
 mod texture_image;
 mod turning;
@@ -130,6 +131,20 @@ impl Scene {
                 object: object.name.clone(),
                 mesh: object.mesh.clone(),
             })
+    }
+
+    /// The mesh of `object` as it is shown: that of [`Scene::mesh_of`], its winding repaired where the object says so. It is the same one
+    /// as long as anybody has it.
+    ///
+    /// # Errors
+    /// When it was not loaded.
+    pub fn shown_mesh_of(&self, object: &Object) -> Result<Arc<TriangleMesh>, SceneError> {
+        let mesh = self.mesh_of(object)?;
+        Ok(if object.repair_winding {
+            repaired::repaired(mesh)
+        } else {
+            Arc::clone(mesh)
+        })
     }
 
     /// The image of the background; `None` where that is none.

@@ -14,6 +14,9 @@ pub struct Object {
     pub smooth: bool,
     /// Edges whose faces meet at more than this angle stay sharp where `smooth` averages normals; 180° keeps none.
     pub crease_angle: Degrees,
+    /// Whether triangles that turn the other way round than their neighbours, and closed surfaces that look inwards, are turned; see
+    /// [`Winding`](crate::geometry::Winding).
+    pub repair_winding: bool,
     /// Uniform scale, not 0.
     pub scale: f64,
     /// Degrees about X, then Y, then Z.
@@ -32,6 +35,7 @@ impl Default for Object {
             material: None,
             smooth: false,
             crease_angle: Degrees(180.0),
+            repair_winding: false,
             scale: 1.0,
             rotate: DVec3::ZERO,
             translate: DVec3::ZERO,

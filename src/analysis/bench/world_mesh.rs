@@ -1,4 +1,5 @@
 use std::io::{self, Write};
+use std::sync::Arc;
 
 use crate::geometry::TriangleMesh;
 use crate::io::ply;
@@ -14,19 +15,19 @@ use crate::scene::{Object, Scene, SceneError};
 /// # Panics
 /// When a mesh of the scene is not loaded; a prepared scene's are.
 pub fn write_mesh(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
-    let placed: Vec<(&Object, &TriangleMesh)> = scene
+    let placed: Vec<(&Object, Arc<TriangleMesh>)> = scene
         .objects
         .iter()
-        .map(|object| Ok((object, &**scene.mesh_of(object)?)))
+        .map(|object| Ok((object, scene.shown_mesh_of(object)?)))
         .collect::<Result<_, SceneError>>()
         .expect("meshes are loaded");
     let total = |count: fn(&TriangleMesh) -> usize| {
-        let of_object = |(object, mesh): &(&Object, &TriangleMesh)| {
+        let of_object = |(object, mesh): &(&Object, Arc<TriangleMesh>)| {
             object.copies.total().saturating_mul(count(mesh) as u64)
         };
         placed.iter().map(of_object).fold(0, u64::saturating_add)
     };
-    let vertices = placed.iter().flat_map(|&(object, mesh)| {
+    let vertices = placed.iter().flat_map(|(object, mesh)| {
         let placement = object.placement();
         let in_world = move |&p: &DVec3| placement.world_from_object(p);
         let in_world: Vec<_> = mesh.positions.iter().map(in_world).collect();
@@ -34,7 +35,7 @@ pub fn write_mesh(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         object.copies.offsets().flat_map(copy)
     });
     let mut first = 0_u32;
-    let faces = placed.iter().flat_map(|&(object, mesh)| {
+    let faces = placed.iter().flat_map(|(object, mesh)| {
         let is_mirrored = object.placement().linear.determinant() < 0.0;
         let count = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
         let start = first;

@@ -1,13 +1,10 @@
 //! Edges between faces: open ones, crowded ones, and the way round that faces turn on both sides.
 
-use super::buckets::Buckets;
 use super::mesh_use::MeshUse;
-use super::shells::Shells;
 use super::tally::{Tally, counted};
 use super::{Hazard, HazardKind, Place, Severity, stops};
 use crate::control::CancelToken;
-use crate::geometry::Welded;
-use crate::geometry::face_normal;
+use crate::geometry::{Edges, Shell, Shells, Side, Welded, face_normal};
 use crate::math::length_of;
 
 /// What a flat sheet may deviate from its plane, of its size: the rounding of coordinates with few digits.
@@ -22,22 +19,22 @@ pub fn examine(
 ) -> Option<Vec<Hazard>> {
     let mut found = Found::default();
     let mut shells = Shells::new(left_out.len());
-    let edges = Edges::of(mesh, welded, left_out);
+    let edges = Edges::of(&mesh.mesh, welded, left_out);
     let mut at_vertex = Vec::new();
-    for vertex in 0..edges.by_lower_end.len() {
+    for vertex in 0..edges.vertices() {
         if stops(cancel, vertex) {
             return None;
         }
         edges.collect_from(vertex, &mut at_vertex);
-        for edge in at_vertex.chunk_by(|a, b| a.upper_end == b.upper_end) {
-            let place = || edges.place(mesh, edge);
+        for edge in Side::by_edge(&at_vertex) {
+            let place = || place(mesh, &edges, edge);
             match *edge {
                 [side] => {
                     found.open.add(place);
                     shells.open_at(side.face());
                 }
                 [a, b] => {
-                    let both_run_the_same_way = a.runs_up == b.runs_up;
+                    let both_run_the_same_way = a.runs_along(b);
                     found.disagreeing += u64::from(both_run_the_same_way);
                     shells.join(a.face(), b.face(), both_run_the_same_way);
                 }
@@ -47,8 +44,17 @@ pub fn examine(
     }
     drop(edges);
     shells.settle();
-    let turned = shells.turned(|face| mesh.place_of_face(face));
-    let inside_out = shells.inside_out(mesh.mesh, left_out, |face| mesh.place_of_face(face));
+    let is_turned = shells.turned();
+    let mut turned = Tally::default();
+    for (face, _) in is_turned.iter().enumerate().filter(|(_, turned)| **turned) {
+        turned.add(|| mesh.place_of_face(face));
+    }
+    let mut closed = shells.closed(&mesh.mesh, left_out, &is_turned);
+    closed.retain(|shell| !shell.is_mixed);
+    let mut inside_out = Tally::default();
+    for shell in Shell::inside_out(&closed) {
+        inside_out.add(|| mesh.place_of_face(shell.first_face));
+    }
     let hazards = [
         found.open_edges(mesh),
         found.crowded_edges(mesh),
@@ -66,73 +72,12 @@ struct Found {
     disagreeing: u64,
 }
 
-/// One side of an edge: a face that has it.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
-    /// The end of the edge whose number is larger.
-    upper_end: u32,
-    /// Three times the number of the face, and which of its edges it is.
-    half_edge: u32,
-    /// Whether the face runs along it from the lower to the upper end.
-    runs_up: bool,
-}
-
-impl Side {
-    fn face(self) -> usize {
-        self.half_edge as usize / 3
-    }
-}
-
-/// The edges of the faces of a mesh, by their ends.
-struct Edges<'a> {
-    triangles: &'a [[u32; 3]],
-    welded: &'a Welded,
-    by_lower_end: Buckets,
-}
-
-impl<'a> Edges<'a> {
-    fn of(mesh: &'a MeshUse<'_>, welded: &'a Welded, left_out: &[bool]) -> Self {
-        let triangles = &mesh.mesh.triangles[..];
-        let count = u32::try_from(triangles.len() * 3).expect("fewer than 2^32 edges");
-        let counted = (0..count).filter(|&half_edge| !left_out[half_edge as usize / 3]);
-        let lower_end = |half_edge| {
-            let [from, to] = ends(triangles, welded, half_edge);
-            (from.min(to), half_edge)
-        };
-        Self {
-            triangles,
-            welded,
-            by_lower_end: Buckets::new(welded.vertices(), counted.map(lower_end)),
-        }
-    }
-
-    /// Puts the edges whose lower end is `vertex` into `sides`, those of one edge beside each other.
-    fn collect_from(&self, vertex: usize, sides: &mut Vec<Side>) {
-        let side = |&half_edge: &u32| {
-            let [from, to] = ends(self.triangles, self.welded, half_edge);
-            Side {
-                upper_end: from.max(to),
-                half_edge,
-                runs_up: from < to,
-            }
-        };
-        sides.clear();
-        sides.extend(self.by_lower_end.of(vertex).iter().map(side));
-        sides.sort_unstable();
-    }
-
-    fn place(&self, mesh: &MeshUse<'_>, edge: &[Side]) -> Place {
-        let faces: Vec<usize> = edge.iter().map(|side| side.face()).collect();
-        let [from, to] = ends(self.triangles, self.welded, edge[0].half_edge);
-        let [from, to] = [from, to].map(|vertex| mesh.mesh.positions[vertex as usize]);
-        mesh.place(&faces, from * 0.5 + to * 0.5)
-    }
-}
-
-fn ends(triangles: &[[u32; 3]], welded: &Welded, half_edge: u32) -> [u32; 2] {
-    let corners = welded.corners(triangles[half_edge as usize / 3]);
-    let first = half_edge as usize % 3;
-    [corners[first], corners[(first + 1) % 3]]
+/// The place of an edge: its middle.
+fn place(mesh: &MeshUse<'_>, edges: &Edges<'_>, edge: &[Side]) -> Place {
+    let faces: Vec<usize> = edge.iter().map(|side| side.face()).collect();
+    let ends = edges.ends(edge[0]);
+    let [from, to] = ends.map(|vertex| mesh.mesh.positions[vertex as usize]);
+    mesh.place(&faces, from * 0.5 + to * 0.5)
 }
 
 impl Found {
@@ -230,7 +175,7 @@ fn flipped_windings(
     Some(Hazard {
         message,
         advice: format!(
-            "{consequence}. Reverse the order of their corners (\"recalculate normals\" in many programs)."
+            "{consequence}. Set repair_winding = true for its objects, or reverse the order of their corners (\"recalculate normals\" in many programs)."
         ),
         ..mesh.hazard(HazardKind::FlippedWindings, severity, turned)
     })
@@ -243,7 +188,7 @@ fn inside_out_shells(mesh: &MeshUse<'_>, shells: Tally) -> Option<Hazard> {
     let (severity, advice) = if mesh.is_glass {
         (
             Severity::Warning,
-            "Reverse the order of the corners of all their faces: as it is, the air around is glass and the body is a hole in it.",
+            "Set repair_winding = true for its objects, or reverse the order of the corners of all their faces: as it is, the air around is glass and the body is a hole in it.",
         )
     } else {
         (
@@ -263,7 +208,7 @@ fn inside_out_shells(mesh: &MeshUse<'_>, shells: Tally) -> Option<Hazard> {
 
 /// Whether all corners lie in one plane: such a sheet has a rim, and cannot be closed.
 fn is_flat(mesh: &MeshUse<'_>) -> bool {
-    let mesh = mesh.mesh;
+    let mesh = &mesh.mesh;
     let mut faces = 0..mesh.triangles.len();
     let plane = faces.find_map(|face| {
         let corners = mesh.corners(face);

@@ -1,13 +1,11 @@
 //! Faces by themselves: without area, thin, doubled.
 
-use super::buckets::Buckets;
 use super::mesh_use::MeshUse;
 use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Severity, stops};
 use crate::analysis::report::three_digits;
 use crate::control::CancelToken;
-use crate::geometry::Welded;
-use crate::geometry::face_normal;
+use crate::geometry::{Buckets, Welded, face_normal};
 use crate::math::DVec3;
 
 /// Height over longest edge below which a face is a sliver. A face of a well-made mesh has more than a hundredth; from here on,

@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::{Hazard, HazardKind, Place, Severity, Subject, tally::Tally};
 use crate::geometry::TriangleMesh;
@@ -8,7 +9,8 @@ use crate::scene::{Copies, Material, Object, Scene, SceneError};
 /// A mesh and the objects that show it: what is wrong with it is found once.
 pub struct MeshUse<'a> {
     name: &'a str,
-    pub mesh: &'a TriangleMesh,
+    /// As it is shown, its winding repaired where its objects say so.
+    pub mesh: Arc<TriangleMesh>,
     objects: Vec<&'a Object>,
     /// Whether any of the objects is of glass.
     pub is_glass: bool,
@@ -25,11 +27,12 @@ impl<'a> MeshUse<'a> {
         let mut numbers = BTreeMap::new();
         let mut uses: Vec<Self> = Vec::new();
         for object in &scene.objects {
-            let number = *numbers.entry(object.mesh.as_str()).or_insert(uses.len());
+            let shown = (object.mesh.as_str(), object.repair_winding);
+            let number = *numbers.entry(shown).or_insert(uses.len());
             if number == uses.len() {
                 uses.push(Self {
                     name: &object.mesh,
-                    mesh: scene.mesh_of(object)?,
+                    mesh: scene.shown_mesh_of(object)?,
                     objects: Vec::new(),
                     is_glass: false,
                     is_smooth: false,

@@ -8,7 +8,6 @@
 //! Left out: faces that overlap in a plane without having the same three corners; bodies that overlap; what no sample of the
 //! pilot meets.
 
-mod buckets;
 mod coincident;
 mod disk_reach;
 mod edges;
@@ -21,7 +20,6 @@ mod mesh_use;
 mod normals;
 mod pilot;
 mod resolution;
-mod shells;
 mod tally;
 
 use serde::Serialize;
@@ -240,7 +238,7 @@ fn examine_description(
 
 /// What is wrong with a mesh by itself; `None` when cancelled.
 fn examine_mesh(mesh: &MeshUse<'_>, cancel: &CancelToken) -> Option<Vec<Hazard>> {
-    let welded = Welded::new(mesh.mesh);
+    let welded = Welded::new(&mesh.mesh);
     let (mut hazards, left_out) = faces::examine(mesh, &welded, cancel)?;
     hazards.extend(edges::examine(mesh, &welded, &left_out, cancel)?);
     hazards.extend(normals::examine(mesh, cancel)?);

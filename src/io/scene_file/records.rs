@@ -205,6 +205,9 @@ fn object(keys: &mut Keys<'_>, object: &mut Object) {
         &mut object.crease_angle.0,
         Allowed::Within(0.0, 180.0),
     );
+    if keys.is_reading() || object.repair_winding {
+        keys.flag("repair_winding", &mut object.repair_winding);
+    }
     keys.number("scale", &mut object.scale, Allowed::NonZero);
     keys.vector("rotate", &mut object.rotate);
     keys.vector("translate", &mut object.translate);

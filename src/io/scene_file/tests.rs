@@ -112,6 +112,7 @@ fn every_key_round_trips() {
             material: Some("odd \"name\"".into()),
             smooth: true,
             crease_angle: Degrees(30.0),
+            repair_winding: true,
             scale: -2.5,
             rotate: DVec3::new(0.0, 90.0, -1.0 / 3.0),
             translate: DVec3::new(1e7, 0.1 + 0.2, 0.0),

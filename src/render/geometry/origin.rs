@@ -72,7 +72,7 @@ impl GeometryOrigin {
             let mesh = if is_nothing(&scene.material_of(object)?, &scene.render) {
                 Arc::clone(&NOTHING)
             } else {
-                Arc::clone(scene.mesh_of(object)?)
+                scene.shown_mesh_of(object)?
             };
             Ok((MeshIdentity(mesh), shape))
         };

@@ -141,10 +141,10 @@ impl PreparedTextures {
         let mut objects = Vec::with_capacity(scene.objects.len());
         for object in &scene.objects {
             let material = scene.material_of(object)?;
-            let mesh = scene.mesh_of(object)?;
+            let mesh = scene.shown_mesh_of(object)?;
             let textures = material
                 .textures()
-                .filter(|textures| textures.vary_over(mesh));
+                .filter(|textures| textures.vary_over(&mesh));
             let Some(textures) = textures else {
                 objects.push(None);
                 continue;
@@ -175,11 +175,11 @@ impl PreparedTextures {
                 return Ok(None);
             };
             objects.push(Some(TexturedObject {
-                mesh: Arc::clone(mesh),
                 is_mirrored: object.placement().linear.determinant() < 0.0,
                 diffuse,
                 normals,
                 has_colors: textures.vertex_colors && mesh.colors.is_some(),
+                mesh,
             }));
         }
         Ok(Some(Self { objects, pyramids }))

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Place;
-use super::tally::Tally;
-use crate::geometry::TriangleMesh;
+use super::TriangleMesh;
 use crate::math::DBounds;
 
 /// Faces joined across the edges that exactly two of them share: sets that are united, each face with its own sense of turning
@@ -24,9 +22,15 @@ pub struct Shells {
 }
 
 /// A closed surface.
-struct Shell {
-    first_face: usize,
-    /// Six times its volume; negative where faces look inwards.
+#[derive(Clone, Debug)]
+pub struct Shell {
+    /// The face that stands for it.
+    pub root: usize,
+    /// Its first face.
+    pub first_face: usize,
+    /// Whether some of its faces turn the other way round than others.
+    pub is_mixed: bool,
+    /// Six times its volume; negative where most faces look inwards.
     volume: f64,
     bounds: DBounds,
 }
@@ -42,6 +46,7 @@ impl Shells {
     ///
     /// # Panics
     /// When there are 2³².
+    #[must_use]
     pub fn new(faces: usize) -> Self {
         Self {
             parents: (0..u32::try_from(faces).expect("fewer than 2^32 faces")).collect(),
@@ -53,11 +58,17 @@ impl Shells {
     }
 
     /// Notes that an edge of `face` is open.
+    ///
+    /// # Panics
+    /// When there is no such face.
     pub fn open_at(&mut self, face: usize) {
         self.open[face] = true;
     }
 
     /// Joins two faces across an edge; `opposed`: one turns the other way round than the other.
+    ///
+    /// # Panics
+    /// When there is no such face.
     pub fn join(&mut self, a: usize, b: usize, opposed: bool) {
         let ((root_a, turned_a), (root_b, turned_b)) = (self.find(a), self.find(b));
         let between_roots = turned_a != (turned_b != opposed);
@@ -73,7 +84,10 @@ impl Shells {
     }
 
     /// The face that stands for the set of `face`, and whether `face` turns the other way round.
-    fn find(&mut self, face: usize) -> (usize, bool) {
+    ///
+    /// # Panics
+    /// When there is no such face.
+    pub fn find(&mut self, face: usize) -> (usize, bool) {
         let parent = |shells: &Self, face: usize| shells.parents[face] as usize;
         let (mut root, mut turned) = (face, false);
         while parent(self, root) != root {
@@ -103,88 +117,92 @@ impl Shells {
     }
 
     /// Edges at which no way round fits, as on a Möbius strip.
+    #[must_use]
     pub fn contradictions(&self) -> u64 {
         self.contradictions
     }
 
-    /// The faces that turn the other way round than most of their surface.
-    pub fn turned(&mut self, place: impl Fn(usize) -> Place) -> Tally {
-        let mut tally = Tally::default();
+    /// Of each face, whether it turns the other way round than most of its surface.
+    #[must_use]
+    pub fn turned(&mut self) -> Vec<bool> {
+        let faces = self.parents.len();
         if !self.mixed.contains(&true) {
-            return tally;
+            return vec![false; faces];
         }
         let mut sides: BTreeMap<usize, [u64; 2]> = BTreeMap::new();
-        for face in 0..self.parents.len() {
+        for face in 0..faces {
             let (root, turned) = self.find(face);
             if self.mixed[root] {
                 sides.entry(root).or_default()[usize::from(turned)] += 1;
             }
         }
-        for face in 0..self.parents.len() {
+        let is_turned = |face| {
             let (root, turned) = self.find(face);
-            if let Some(&[along, against]) = sides.get(&root)
-                && turned == (against <= along)
-            {
-                tally.add(|| place(face));
-            }
-        }
-        tally
+            let side = sides.get(&root);
+            side.is_some_and(|&[along, against]| turned == (against <= along))
+        };
+        (0..faces).map(is_turned).collect()
     }
 
-    /// The closed surfaces whose faces look inwards, but for those that lie in others: these bound a hollow.
-    pub fn inside_out(
+    /// The surfaces without open edges, as they are where the faces that are [turned](Self::turned) are turned back; those `left_out` do
+    /// not count. `mesh`: the one that all of them are of.
+    ///
+    /// # Panics
+    /// When these are of other faces.
+    #[must_use]
+    pub fn closed(
         &mut self,
         mesh: &TriangleMesh,
         left_out: &[bool],
-        place: impl Fn(usize) -> Place,
-    ) -> Tally {
-        let shells = self.closed(mesh, left_out);
-        let is_solid = |shell: &&Shell| {
-            let size = shell.bounds.size();
-            shell.volume.abs() > LEAST_VOLUME * size.x * size.y * size.z
-        };
-        let (mut outer, inner): (Vec<&Shell>, Vec<&Shell>) = shells
-            .values()
-            .filter(is_solid)
-            .partition(|shell| shell.volume > 0.0);
-        outer.sort_by(|a, b| b.volume.total_cmp(&a.volume));
-        outer.truncate(MOST_OUTER_SHELLS);
-        let mut tally = Tally::default();
-        for shell in inner {
-            let is_hollow = |outer: &&Shell| {
-                outer.bounds.contains(shell.bounds.min) && outer.bounds.contains(shell.bounds.max)
-            };
-            if !outer.iter().any(is_hollow) {
-                tally.add(|| place(shell.first_face));
-            }
-        }
-        tally
-    }
-
-    /// The surfaces without open edges whose faces all turn the same way round, by the face that stands for each.
-    fn closed(&mut self, mesh: &TriangleMesh, left_out: &[bool]) -> BTreeMap<usize, Shell> {
+        turned: &[bool],
+    ) -> Vec<Shell> {
         let mut shells: BTreeMap<usize, Shell> = BTreeMap::new();
         if mesh.triangles.is_empty() {
-            return shells;
+            return Vec::new();
         }
         let center = mesh.bounds().center();
         for (face, _) in left_out.iter().enumerate().filter(|(_, out)| !**out) {
             let (root, _) = self.find(face);
-            if self.open[root] || self.mixed[root] {
+            if self.open[root] {
                 continue;
             }
             let [a, b, c] = mesh.corners(face).map(|corner| corner - center);
             let shell = shells.entry(root).or_insert(Shell {
+                root,
                 first_face: face,
+                is_mixed: self.mixed[root],
                 volume: 0.0,
                 bounds: DBounds::EMPTY,
             });
-            shell.volume += a.dot(b.cross(c));
+            let volume = a.dot(b.cross(c));
+            shell.volume += if turned[face] { -volume } else { volume };
             for corner in [a, b, c] {
                 shell.bounds = shell.bounds.with_point(corner);
             }
         }
-        shells
+        shells.into_values().collect()
+    }
+}
+
+impl Shell {
+    /// Those of the closed surfaces whose faces look inwards, but for those that lie in others: these bound a hollow.
+    pub fn inside_out(shells: &[Self]) -> impl Iterator<Item = &Self> {
+        let is_solid = |shell: &&Self| {
+            let size = shell.bounds.size();
+            shell.volume.abs() > LEAST_VOLUME * size.x * size.y * size.z
+        };
+        let (mut outer, inner): (Vec<&Self>, Vec<&Self>) = shells
+            .iter()
+            .filter(is_solid)
+            .partition(|shell| shell.volume > 0.0);
+        outer.sort_by(|a, b| b.volume.total_cmp(&a.volume));
+        outer.truncate(MOST_OUTER_SHELLS);
+        inner.into_iter().filter(move |shell| {
+            let is_hollow = |outer: &&Self| {
+                outer.bounds.contains(shell.bounds.min) && outer.bounds.contains(shell.bounds.max)
+            };
+            !outer.iter().any(is_hollow)
+        })
     }
 }
 
@@ -208,11 +226,8 @@ mod tests {
             shells.settle();
             let fewer = turned.iter().filter(|&&turned| turned).count();
             let expected = fewer.min(40 - fewer) as u64;
-            let found = shells.turned(|face| Place {
-                faces: vec![face],
-                ..Place::default()
-            });
-            assert_eq!(found.count, expected);
+            let found = shells.turned().into_iter().filter(|&turned| turned);
+            assert_eq!(found.count() as u64, expected);
             assert_eq!(shells.contradictions(), 0);
         }
     }

@@ -38,11 +38,22 @@ impl Buckets {
     }
 
     /// The items of `key`.
+    ///
+    /// # Panics
+    /// When it is too large.
+    #[must_use]
     pub fn of(&self, key: usize) -> &[u32] {
         &self.items[self.starts[key] as usize..self.starts[key + 1] as usize]
     }
 
+    /// Whether there is no key.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Number of keys.
+    #[must_use]
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
