@@ -1,12 +1,16 @@
-//! `raymini convert`: a mesh from one format to another.
+//! `raymini convert`: a mesh from one format to another, perhaps with other units, axes and windings.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, MeshFormat, ModelFormat, READABLE_EXTENSIONS};
+use crate::geometry::{TriangleMesh, Winding};
+use crate::io::{self, MeshFormat, Model, ModelFormat, READABLE_EXTENSIONS};
+use crate::math::{DMat3, DVec3};
+use crate::scene::Remeasure;
 
 /// What `raymini convert` takes.
 #[derive(Debug, Args)]
@@ -18,10 +22,42 @@ pub struct ConvertArguments {
     /// The file to write, in the format of its extension: .off, .obj (with .mtl), .ply, .stl, .mesh, .msh or .glb
     #[arg(value_name = "OUT")]
     output: PathBuf,
+
+    /// Multiply all lengths: 0.001 makes metres of millimetres
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    scale: Option<f64>,
+
+    /// Turn the axis that is up: y:z makes Z point where Y did, z:y the other way round
+    #[arg(long, value_name = "FROM:TO", value_parser = quarter_turn)]
+    up: Option<DMat3>,
+
+    /// Turn triangles that turn the other way round than their neighbours, and closed surfaces that look inwards
+    #[arg(long)]
+    repair_winding: bool,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let factor = text.parse().ok();
+    let factor = factor.filter(|factor: &f64| factor.is_finite() && *factor > 0.0);
+    factor.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
+/// The rotation that takes one axis to another and keeps the third.
+fn quarter_turn(text: &str) -> Result<DMat3, String> {
+    let axis = |name: &str| ["x", "y", "z"].iter().position(|axis| *axis == name);
+    let axes = text.split_once(':');
+    let axes = axes.and_then(|(from, to)| Some((axis(from)?, axis(to)?)));
+    let (from, to) = axes.ok_or("expected two of the axes x, y and z, such as y:z".to_owned())?;
+    let mut turn = DMat3::IDENTITY;
+    if from != to {
+        *turn.col_mut(from) = DVec3::AXES[to];
+        *turn.col_mut(to) = -DVec3::AXES[from];
+    }
+    Ok(turn)
 }
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<()> {
-    let ConvertArguments { input, output } = arguments;
+    let ConvertArguments { input, output, .. } = arguments;
     let name = output.display();
     let mesh_format = MeshFormat::of_extension(output);
     let model_format = ModelFormat::of_extension(output);
@@ -35,20 +71,100 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<()> {
         bail!("{name}: a mesh is written to a file with the extension .{known}");
     }
     io::check_writable(output).with_context(|| format!("{name}: cannot write the mesh"))?;
+    let changes = Changes {
+        remeasure: Remeasure {
+            turn: arguments.up.unwrap_or(DMat3::IDENTITY),
+            scale: arguments.scale.unwrap_or(1.0),
+        },
+        repair_winding: arguments.repair_winding,
+    };
     match (model_format, mesh_format) {
-        (Some(format), _) => convert_model(input, format, output),
-        (None, Some(format)) => convert_mesh(input, format, output),
+        (Some(format), _) => convert_model(input, &changes, format, output),
+        (None, Some(format)) => convert_mesh(input, &changes, format, output),
         (None, None) => unreachable!("was refused"),
     }
 }
 
+/// What is to be changed on the way.
+struct Changes {
+    remeasure: Remeasure,
+    repair_winding: bool,
+}
+
+impl Changes {
+    /// Changes objects with their meshes. Returns what was done, in words that follow others.
+    fn apply_to_model(&self, model: &mut Model) -> String {
+        let mut turned = 0;
+        if self.repair_winding {
+            for mesh in model.scene.meshes.values_mut() {
+                turned += repair_winding(mesh);
+            }
+        }
+        if self.remeasure != Remeasure::default() {
+            self.remeasure.apply(&mut model.scene);
+            if let Some(camera) = &mut model.camera {
+                self.remeasure.camera(camera);
+            }
+        }
+        self.done(turned)
+    }
+
+    /// Changes a mesh.
+    ///
+    /// # Errors
+    /// When coordinates are too large then.
+    fn apply_to_mesh(&self, mesh: &mut Arc<TriangleMesh>) -> Result<String> {
+        let turned = if self.repair_winding {
+            repair_winding(mesh)
+        } else {
+            0
+        };
+        if self.remeasure != Remeasure::default() {
+            let mesh = Arc::make_mut(mesh);
+            for position in &mut mesh.positions {
+                *position = self.remeasure.point(*position);
+            }
+            for normal in mesh.normals.iter_mut().flatten() {
+                *normal = self.remeasure.direction(*normal);
+            }
+            if !mesh.positions.iter().all(|position| position.is_finite()) {
+                bail!("--scale makes coordinates larger than numbers can be");
+            }
+        }
+        Ok(self.done(turned))
+    }
+
+    fn done(&self, turned: usize) -> String {
+        match turned {
+            _ if !self.repair_winding => String::new(),
+            1 => ", 1 of them turned".to_owned(),
+            _ => format!(", {turned} of them turned"),
+        }
+    }
+}
+
+/// Repairs the winding of a mesh, and returns how many triangles were turned.
+fn repair_winding(mesh: &mut Arc<TriangleMesh>) -> usize {
+    let winding = Winding::of(mesh);
+    if !winding.is_right() {
+        winding.repair(Arc::make_mut(mesh));
+    }
+    winding.to_turn()
+}
+
 /// Objects with their materials.
-fn convert_model(input: &Path, format: ModelFormat, output: &Path) -> Result<()> {
+fn convert_model(
+    input: &Path,
+    changes: &Changes,
+    format: ModelFormat,
+    output: &Path,
+) -> Result<()> {
     let loaded = io::load_model(input, &CancelToken::new(), &Progress::new())?;
-    let model = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
+    let mut model = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
     for warning in &model.warnings {
         super::warn(warning);
     }
+    let changed = changes.apply_to_model(&mut model);
     let name = output.display();
     for loss in io::write_model(&model, format, output)? {
         super::warn(&format!("{name}: {loss}"));
@@ -68,13 +184,13 @@ fn convert_model(input: &Path, format: ModelFormat, output: &Path) -> Result<()>
         count => format!(", {count} materials"),
     };
     super::say(&format!(
-        "{name}: {}, {vertices} vertices, {triangles} triangles{materials}",
+        "{name}: {}, {vertices} vertices, {triangles} triangles{changed}{materials}",
         format.name()
     ))
 }
 
 /// One mesh.
-fn convert_mesh(input: &Path, format: MeshFormat, output: &Path) -> Result<()> {
+fn convert_mesh(input: &Path, changes: &Changes, format: MeshFormat, output: &Path) -> Result<()> {
     let name = output.display();
     let cannot_write = || format!("{name}: cannot write the mesh");
     let loaded = io::load_mesh(input, &CancelToken::new(), &Progress::new())?;
@@ -82,19 +198,21 @@ fn convert_mesh(input: &Path, format: MeshFormat, output: &Path) -> Result<()> {
     for warning in io::mesh_warnings(&input.display().to_string(), &file) {
         super::warn(&warning);
     }
-    let mesh = &file.mesh;
-    io::write_atomically(output, |out| format.write(mesh, out)).with_context(cannot_write)?;
-    for loss in format.losses(mesh) {
+    let has_parts = !file.parts.is_empty();
+    let mut mesh = Arc::new(file.mesh);
+    let changed = changes.apply_to_mesh(&mut mesh)?;
+    io::write_atomically(output, |out| format.write(&mesh, out)).with_context(cannot_write)?;
+    for loss in format.losses(&mesh) {
         super::warn(&format!("{name}: {loss}"));
     }
-    if !file.parts.is_empty() {
+    if has_parts {
         super::warn(&format!(
             "{name}: materials are left out: {} holds none",
             format.name()
         ));
     }
     super::say(&format!(
-        "{name}: {}, {} vertices, {} triangles",
+        "{name}: {}, {} vertices, {} triangles{changed}",
         format.name(),
         mesh.positions.len(),
         mesh.triangles.len()

@@ -13,6 +13,7 @@ mod naming;
 mod object;
 pub mod presets;
 mod radiance_map;
+mod remeasuring;
 mod repaired;
 mod settings;
 mod texture_image;
@@ -33,6 +34,7 @@ pub use material::{Material, Textures};
 pub use naming::{UniqueNames, free_name};
 pub use object::{Copies, Object, Placement, rotation_degrees};
 pub use radiance_map::RadianceMap;
+pub use remeasuring::Remeasure;
 pub use settings::{
     AcceleratorBuild, AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel,
     RenderSettings, Shadows, Stop,

@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 use raymini::control::{CancelToken, Progress};
 use raymini::geometry::TriangleMesh;
 use raymini::io::{load_mesh, load_scene};
+use raymini::math::DVec3;
 use raymini::scene::{Material, Scene};
 use tempfile::TempDir;
 
@@ -19,9 +20,14 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 }
 
 fn convert(folder: &TempDir, input: &str, output: &str) -> Output {
+    convert_with(folder, &[input, output])
+}
+
+fn convert_with(folder: &TempDir, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_raymini"))
         .current_dir(folder.path())
-        .args(["convert", input, output])
+        .arg("convert")
+        .args(arguments)
         .output()
         .expect("starts")
 }
@@ -47,6 +53,91 @@ fn fail(folder: &TempDir, input: &str, output: &str) -> String {
 fn mesh(path: &Path) -> TriangleMesh {
     let loaded = load_mesh(path, &CancelToken::new(), &Progress::new());
     loaded.expect("is right").expect("nobody cancels").mesh
+}
+
+/// A tetrahedron of which the last face looks inwards.
+const TURNED: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 3 2\n";
+
+#[test]
+fn units_axes_and_windings_change_on_the_way() {
+    let folder = folder(&[("a.off", TURNED)]);
+    for output in ["b.off", "b.obj", "b.glb"] {
+        let options = ["--scale", "1000", "--up", "y:z", "--repair-winding"];
+        let run = convert_with(&folder, &[&["a.off", output][..], &options].concat());
+        let said = String::from_utf8(run.stdout).expect("is text");
+        assert!(said.contains("4 triangles, 1 of them turned"), "{said}");
+        let changed = mesh(&folder.path().join(output));
+        // X stays, Y is up, Z points to where −Y was.
+        let [x, y, z] = [DVec3::X, DVec3::Z, DVec3::NEG_Y].map(|axis| axis * 1000.0);
+        for (index, expected) in [(0, [DVec3::ZERO, y, x]), (3, [x, y, z])] {
+            for (corner, expected) in changed.corners(index).into_iter().zip(expected) {
+                assert!((corner - expected).length() < 1e-9, "{corner} {expected}");
+            }
+        }
+    }
+    for (option, value, expected) in [
+        ("--scale", "0", "expected a number above 0"),
+        ("--scale", "x", "expected a number above 0"),
+        (
+            "--up",
+            "y",
+            "expected two of the axes x, y and z, such as y:z",
+        ),
+        (
+            "--up",
+            "y:w",
+            "expected two of the axes x, y and z, such as y:z",
+        ),
+    ] {
+        let run = convert_with(&folder, &["a.off", "c.off", option, value]);
+        assert_eq!(run.status.code(), Some(2));
+        let said = String::from_utf8(run.stderr).expect("is text");
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+/// What is said of windings, and that the scene's key puts them right: the flipped face no longer looks the other way.
+#[test]
+fn windings_that_are_not_right_are_told_of() {
+    let folder = folder(&[("a.off", TURNED)]);
+    let info = |file: &str| {
+        let run = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .args(["info", "--json", file])
+            .output()
+            .expect("starts");
+        serde_json::from_slice::<serde_json::Value>(&run.stdout).expect("is JSON")
+    };
+    let facts = info("a.off");
+    assert_eq!(facts["winding"]["turned"], 1);
+    assert_eq!(
+        facts["warnings"][0],
+        "1 triangle turns the other way round than its neighbours: an object's repair_winding = true puts that right, or raymini convert --repair-winding"
+    );
+    convert_with(&folder, &["a.off", "b.off", "--repair-winding"]);
+    let facts = info("b.off");
+    assert_eq!(facts["winding"]["turned"], 0);
+    assert_eq!(facts["warnings"], serde_json::json!([]));
+
+    let text = "[[objects]]\nmesh = \"a.off\"\nrepair_winding = true\n";
+    fs::write(folder.path().join("a.toml"), text).expect("is written");
+    let loaded = load_scene(
+        &folder.path().join("a.toml"),
+        &CancelToken::new(),
+        &Progress::new(),
+    );
+    let scene = loaded.expect("is right").expect("nobody cancels").scene;
+    let object = &scene.objects[0];
+    let shown = scene.shown_mesh_of(object).expect("is loaded");
+    assert_eq!(
+        shown.triangles,
+        mesh(&folder.path().join("b.off")).triangles
+    );
+    let loaded = scene.mesh_of(object).expect("is loaded");
+    assert_eq!(
+        loaded.triangles,
+        mesh(&folder.path().join("a.off")).triangles
+    );
 }
 
 /// Numbers that no 32 bits hold, normals, and a polygon.
