@@ -6,8 +6,9 @@
 //!   even scale is worked into the vertices; such a part is called `part@node`.
 //! - Materials become the nearest of the scene's four kinds: by what they emit, let through and reflect (see `materials.rs`). Images of
 //!   colours and normals are files, or `image 0` and so on within the file. The colours of vertices count.
+//! - Images are where `KHR_texture_transform` moves them: it is worked into the texture coordinates.
 //! - Point lights of `KHR_lights_punctual` are point lights; a spot light is an invisible disk that shines where it points; a
-//!   directional light is a point far away. Candela, lux and nit are taken for W/sr, W/m² and W/m²/sr, as programs that show glTF do.
+//!   directional light is a point far away, at a multiple of the size of all objects. Candela, lux and nit are taken for W/sr, W/m² and W/m²/sr, as programs that show glTF do.
 //! - The first perspective camera of the scene is the camera.
 //! - What is needed and not known (`extensionsRequired`) is an error. Animations, skins, morph targets and orthographic cameras are
 //!   ignored with a warning; compressed meshes (Draco, meshopt) cannot be read.
@@ -21,6 +22,7 @@ mod accessor;
 mod container;
 mod document;
 mod geometry;
+mod image_motion;
 mod images;
 mod lights;
 mod materials;
@@ -42,6 +44,7 @@ use super::remarks::Remarks;
 use super::shorten::shortened;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
+use crate::math::DBounds;
 use crate::scene::{Camera, Light, Material, Object, Scene, Textures, UniqueNames};
 use accessor::Data;
 use document::{Document, Index};
@@ -50,7 +53,7 @@ use nodes::{Placed, placed_nodes};
 
 use uri::Uri;
 
-pub use images::{ImageName, image, image_number};
+pub use images::{ImageFile, ImageName, image_number};
 pub use nodes::Affine;
 pub use write::{losses, write};
 
@@ -78,10 +81,11 @@ pub struct Gltf {
 }
 
 /// Extensions without which a file may say that it cannot be understood.
-const KNOWN_EXTENSIONS: [&str; 10] = [
+const KNOWN_EXTENSIONS: [&str; 11] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -96,6 +100,16 @@ const KNOWN_EXTENSIONS: [&str; 10] = [
 pub fn has_keyword(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     container::is_binary(bytes) || text.trim_ascii_start().starts_with(b"{")
+}
+
+/// The memory, in bytes, that a file may take beside four times its own, as anything else may: what its JSON becomes.
+#[must_use]
+pub fn memory_of_records(bytes: &[u8]) -> u64 {
+    /// Of a record, which begins with a brace: a node and where it is, in lists that double when they are full.
+    const PER_RECORD: u64 = 1024;
+    let json = container::take_apart(bytes).map_or(bytes, |container| container.json);
+    let braces = json.split(|&byte| byte == b'{').count() - 1;
+    braces as u64 * PER_RECORD
 }
 
 /// Gives the bytes of another file, by its name relative to the one that names it, or says why not; `None` when cancelled.
@@ -166,7 +180,8 @@ pub fn parse(
     // Cancelling comes too late here: the work is done.
     let _ = watch.report(bytes.len());
     let mut light_remarks = Remarks::of("light");
-    let (lights, camera) = lights::of_nodes(&document, &placed, &mut light_remarks)?;
+    let around = builder.bounds();
+    let (lights, camera) = lights::of_nodes(&document, &placed, &around, &mut light_remarks)?;
     let mut warnings: Vec<String> = reader
         .tally
         .warnings()
@@ -206,7 +221,16 @@ fn check_version(document: &Document) -> Result<(), Malformed> {
         .find(|name| !KNOWN_EXTENSIONS.contains(&name.as_str()));
     match unknown {
         Some(name) => {
-            let found = format!("that it needs {}", shortened(name));
+            let why = match name.as_str() {
+                "KHR_draco_mesh_compression"
+                | "EXT_meshopt_compression"
+                | "KHR_meshopt_compression" => ": compressed meshes are not read",
+                "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => {
+                    ": images of this format are not read"
+                }
+                _ => "",
+            };
+            let found = format!("that it needs {}{why}", shortened(name));
             Err(Malformed::in_line(
                 1,
                 "a file that needs no extension unknown here",
@@ -230,7 +254,15 @@ fn buffers<'a>(
         let place = Place::Item(List::Buffers, index);
         let bytes = match (&buffer.uri, binary) {
             (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
-            (None, _) => return Err(Malformed::at(place, "a buffer with a uri", "none")),
+            (None, _) => {
+                let mut used = document.extensions_used.iter();
+                let found = if used.any(|name| name.ends_with("_meshopt_compression")) {
+                    "none, as the meshes are compressed by meshopt"
+                } else {
+                    "none"
+                };
+                return Err(Malformed::at(place, "a buffer with a uri", found));
+            }
             (Some(uri), _) => match uri::read(uri)
                 .map_err(|found| Malformed::at(place, "data in base64", found))?
             {
@@ -272,6 +304,16 @@ struct Builder<'a, 'd> {
 }
 
 impl Builder<'_, '_> {
+    /// The box around all objects.
+    fn bounds(&self) -> DBounds {
+        let objects = self.objects.iter();
+        let bounds = objects.filter_map(|object| {
+            let mesh = self.parts.get(&object.mesh)?;
+            Some(object.bounds_of(mesh))
+        });
+        bounds.fold(DBounds::EMPTY, DBounds::union)
+    }
+
     /// Adds the objects of a node.
     fn add_node(
         &mut self,
@@ -371,15 +413,22 @@ impl<'a> Materials<'a> {
             Some(name) => name.to_owned(),
         };
         let name = self.unique.unique(&name);
-        let surface = source.pbr_metallic_roughness.as_deref();
-        let base = surface.and_then(|surface| surface.base_color_texture.as_ref());
+        let base = source.color_texture();
+        let normals = source.normal_texture.as_deref();
+        let moved = |texture: &document::TextureInfo| texture.transform().unwrap_or_default();
+        if let (Some(base), Some(normals)) = (base, normals)
+            && moved(base) != moved(normals)
+        {
+            let what = "has an image of normals that is moved otherwise than that of colours; both are moved alike here";
+            self.remarks.add(&name, what);
+        }
         let mut image = |texture: Option<&document::TextureInfo>| {
             let image = images::image_of(self.document, texture?, &name, &mut self.remarks)?;
             Some(image_name(image))
         };
         let textures = Textures {
             diffuse_image: image(base),
-            normal_image: image(source.normal_texture.as_deref()),
+            normal_image: image(normals),
             vertex_colors: false,
         };
         let material = materials::to_material(source, textures, &name, &mut self.remarks);

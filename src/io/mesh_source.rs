@@ -12,6 +12,7 @@ use super::shorten::shortened;
 use super::whole_file::{read_file, require_memory};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
+use crate::memory::require;
 
 /// What a file held.
 #[derive(Debug)]
@@ -36,6 +37,10 @@ pub fn read_gltf(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<Gltf>, MeshError> {
+    require(gltf::memory_of_records(bytes)).map_err(|short| MeshError::Unreadable {
+        name: path.display().to_string(),
+        reason: format!("reading this file takes about {short}"),
+    })?;
     let mut load = |name: &str| load_beside(path, name, cancel, progress);
     let read = gltf::parse(bytes, &mut load, cancel, progress);
     read.map_err(|error| MeshError::Malformed {

@@ -48,7 +48,7 @@ pub struct ModelFacts {
     pub faces: u64,
     /// Faces with more than three corners among them.
     pub polygons: u64,
-    /// Triangles, each counted once however many objects show it.
+    /// Triangles of objects, each counted once however many show it.
     pub triangles: u64,
     /// Faces that were left out.
     pub dropped: Dropped,
@@ -184,15 +184,15 @@ pub fn of_gltf(path: &Path, gltf: &Gltf) -> Model {
         up: UpAxis::Y,
         facts: ModelFacts {
             format: GLTF,
-            vertices: gltf
-                .parts
+            vertices: scene
+                .meshes
                 .values()
                 .map(|mesh| mesh.positions.len() as u64)
                 .sum(),
             faces: gltf.faces,
             polygons: 0,
-            triangles: gltf
-                .parts
+            triangles: scene
+                .meshes
                 .values()
                 .map(|mesh| mesh.triangles.len() as u64)
                 .sum(),

@@ -13,7 +13,7 @@ use crate::control::{CancelToken, Progress};
 /// Loads images one after the other. The file that holds the last one is kept: it may hold the next one, too.
 #[derive(Default)]
 pub struct TextureLoader {
-    file: Option<(String, Vec<u8>)>,
+    file: Option<(String, gltf::ImageFile)>,
 }
 
 /// Loads images again by their names. `None` when cancelled.
@@ -78,12 +78,17 @@ impl TextureLoader {
         let is_at_hand = self.file.as_ref().is_some_and(|(known, _)| known == file);
         if !is_at_hand {
             let bytes = read_file(Path::new(file), "a file of glTF", cancel, &Progress::new())?;
-            self.file = bytes.map(|bytes| (file.to_owned(), bytes));
+            let Some(bytes) = bytes else {
+                return Ok(None);
+            };
+            let read = gltf::ImageFile::new(bytes).map_err(|error| error.to_string())?;
+            self.file = Some((file.to_owned(), read));
         }
-        let Some((_, bytes)) = &self.file else {
+        let Some((_, images)) = &mut self.file else {
             return Ok(None);
         };
         let mut load = |name: &str| load_beside(Path::new(file), name, cancel, &Progress::new());
-        gltf::image(bytes, number, &mut load).map_err(|error| error.to_string())
+        let image = images.image(number, &mut load);
+        image.map_err(|error| error.to_string())
     }
 }

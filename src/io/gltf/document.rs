@@ -13,6 +13,7 @@ pub type Index = u32;
 #[serde(default, rename_all = "camelCase")]
 pub struct Document {
     pub asset: Asset,
+    pub extensions_used: Vec<String>,
     pub extensions_required: Vec<String>,
     pub scene: Option<Index>,
     pub scenes: Vec<SceneRecord>,
@@ -23,6 +24,7 @@ pub struct Document {
     pub buffers: Vec<Buffer>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
+    pub samplers: Vec<Sampler>,
     pub images: Vec<Image>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<IgnoredAny>,
@@ -200,13 +202,25 @@ pub struct TextureInfo {
     pub index: Index,
     #[serde(default)]
     pub tex_coord: u32,
+    /// Of normals: a factor of what goes along the surface.
+    pub scale: Option<f64>,
     pub extensions: Option<TextureExtensions>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 pub struct TextureExtensions {
     #[serde(rename = "KHR_texture_transform")]
-    pub transform: Option<IgnoredAny>,
+    pub transform: Option<TextureTransform>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct TextureTransform {
+    pub offset: Option<[f64; 2]>,
+    /// In radians.
+    pub rotation: Option<f64>,
+    pub scale: Option<[f64; 2]>,
+    pub tex_coord: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -224,6 +238,20 @@ pub struct MaterialExtensions {
     pub emissive_strength: Option<EmissiveStrength>,
     #[serde(rename = "KHR_materials_unlit")]
     pub unlit: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub glossiness: Option<Box<SpecularGlossiness>>,
+}
+
+/// How older files say what a material reflects.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct SpecularGlossiness {
+    pub diffuse_factor: Option<[f64; 4]>,
+    pub diffuse_texture: Option<TextureInfo>,
+    pub specular_factor: Option<[f64; 3]>,
+    pub glossiness_factor: Option<f64>,
+    #[serde(rename = "specularGlossinessTexture")]
+    pub both_by_texture: Option<TextureInfo>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -262,6 +290,16 @@ pub struct EmissiveStrength {
 #[serde(default)]
 pub struct Texture {
     pub source: Option<Index>,
+    pub sampler: Option<Index>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Sampler {
+    /// What is beyond the image's sides, by a code of OpenGL.
+    pub wrap_s: Option<u32>,
+    /// What is beyond its top and bottom.
+    pub wrap_t: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -305,6 +343,34 @@ pub struct Light {
     pub intensity: Option<f64>,
 }
 
+impl Material {
+    /// The image of its colours.
+    pub fn color_texture(&self) -> Option<&TextureInfo> {
+        let glossiness = self.extensions.as_deref();
+        let glossiness = glossiness.and_then(|extensions| extensions.glossiness.as_deref());
+        match glossiness {
+            Some(glossiness) => glossiness.diffuse_texture.as_ref(),
+            None => self
+                .pbr_metallic_roughness
+                .as_deref()
+                .and_then(|surface| surface.base_color_texture.as_ref()),
+        }
+    }
+}
+
+impl TextureInfo {
+    /// How the image is moved.
+    pub fn transform(&self) -> Option<TextureTransform> {
+        self.extensions.as_ref()?.transform
+    }
+
+    /// Which coordinates say where the image is.
+    pub fn coordinates(&self) -> u32 {
+        let other = self.transform().and_then(|transform| transform.tex_coord);
+        other.unwrap_or(self.tex_coord)
+    }
+}
+
 impl Document {
     /// The document in the text of a file.
     ///
@@ -317,13 +383,17 @@ impl Document {
             let line = error.line() as u64;
             let message = error.to_string();
             let end = message.rfind(" at line ").unwrap_or(message.len());
-            match message[..end].rsplit_once(", expected ") {
-                Some((found, expected)) => {
-                    let found = found.strip_prefix("invalid type: ").unwrap_or(found);
-                    Malformed::in_line(line, shortened(expected), shortened(found))
-                }
-                None => Malformed::in_line(line, "JSON of glTF", shortened(&message[..end])),
+            let message = &message[..end];
+            if let Some((found, expected)) = message.rsplit_once(", expected ") {
+                let found = found.strip_prefix("invalid type: ").unwrap_or(found);
+                return Malformed::in_line(line, shortened(expected), shortened(found));
             }
+            // Such as "expected value".
+            let found = match message.strip_prefix("expected ") {
+                Some(missing) => format!("no {missing}"),
+                None => message.to_owned(),
+            };
+            Malformed::in_line(line, "JSON of glTF", shortened(&found))
         })
     }
 }

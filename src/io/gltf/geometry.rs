@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::accessor::Data;
 use super::document::{Attributes, Index, Mesh, Primitive};
+use super::image_motion::ImageMotion;
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_reading::{List, Malformed, Place, Seen, Tally, Watch};
 use crate::math::{DVec2, DVec3, Vec3};
@@ -48,6 +49,8 @@ pub struct MeshReader<'a, 'd> {
     textures: Recent<2>,
     /// Geometry of the same accessors.
     known: HashMap<Vec<Source>, Arc<TriangleMesh>>,
+    /// The same with texture coordinates moved, by its address and the numbers that say how.
+    moved: HashMap<(usize, [u64; 5]), Arc<TriangleMesh>>,
     names: UniqueNames,
     pub tally: Tally,
     pub notes: Notes,
@@ -84,6 +87,7 @@ impl<'a, 'd> MeshReader<'a, 'd> {
             normals: None,
             textures: None,
             known: HashMap::new(),
+            moved: HashMap::new(),
             names: UniqueNames::default(),
             tally: Tally::default(),
             notes: Notes::default(),
@@ -118,10 +122,11 @@ impl<'a, 'd> MeshReader<'a, 'd> {
                 (true, None) => format!("{plain_name}/"),
                 (true, Some(material)) => format!("{plain_name}/{}", self.material_name(material)),
             };
-            let Some(mesh) = self.mesh(Place::Item(List::Meshes, index), &primitives, watch)?
-            else {
+            let place = Place::Item(List::Meshes, index);
+            let Some(mesh) = self.mesh(place, &primitives, watch)? else {
                 return Ok(None);
             };
+            let mesh = self.with_image_moved(place, mesh, material)?;
             parts.push(Part {
                 name: self.names.unique(&name),
                 mesh,
@@ -134,6 +139,38 @@ impl<'a, 'd> MeshReader<'a, 'd> {
     /// A name for a part that differs from all others.
     pub fn unique_name(&mut self, name: &str) -> String {
         self.names.unique(name)
+    }
+
+    /// The mesh with texture coordinates at which the images of its material are where that moves them.
+    fn with_image_moved(
+        &mut self,
+        place: Place,
+        mesh: Arc<TriangleMesh>,
+        material: Option<Index>,
+    ) -> Result<Arc<TriangleMesh>, Malformed> {
+        let materials = &self.data.document.materials;
+        let material = material.and_then(|index| materials.get(index as usize));
+        let image = material.and_then(|material| {
+            let normals = material.normal_texture.as_deref();
+            material.color_texture().or(normals)
+        });
+        let moved = image.and_then(|image| ImageMotion::of(image.transform()?));
+        let (Some(motion), Some(coordinates)) = (moved, &mesh.texture_coordinates) else {
+            return Ok(mesh);
+        };
+        let key = (Arc::as_ptr(&mesh).addr(), motion.key());
+        if let Some(known) = self.moved.get(&key) {
+            return Ok(Arc::clone(known));
+        }
+        // Such copies count as what is read: many of one mesh would take more than the file accounts for.
+        self.data.spend_vertices(place, coordinates.len() as u64)?;
+        let coordinates = coordinates.iter().map(|&place| motion.apply(place));
+        let moved = Arc::new(TriangleMesh {
+            texture_coordinates: Some(coordinates.collect()),
+            ..TriangleMesh::clone(&mesh)
+        });
+        self.moved.insert(key, Arc::clone(&moved));
+        Ok(moved)
     }
 
     fn material_name(&self, material: Index) -> String {
@@ -182,9 +219,7 @@ impl<'a, 'd> MeshReader<'a, 'd> {
         triangles: &mut Vec<[u32; 3]>,
         watch: &mut Watch<'_>,
     ) -> Result<Option<()>, Malformed> {
-        if primitive.extensions.draco.is_some() && primitive.indices.is_none() {
-            return Ok(Some(()));
-        }
+        self.check_not_compressed(place, primitive)?;
         if !(TRIANGLES..=FAN).contains(&primitive.mode) {
             self.notes.lines_and_points.at(place);
             return Ok(Some(()));
@@ -264,6 +299,19 @@ impl<'a, 'd> MeshReader<'a, 'd> {
                 .add_face(place, &mut face, &all.positions, triangles);
         }
         Ok(Some(()))
+    }
+
+    /// Says that a primitive is compressed, where it has no other data.
+    fn check_not_compressed(&self, place: Place, primitive: &Primitive) -> Result<(), Malformed> {
+        let document = self.data.document;
+        let accessor = primitive.attributes.position;
+        let accessor = accessor.and_then(|index| document.accessors.get(index as usize));
+        let view = accessor.and_then(|accessor| accessor.buffer_view);
+        if primitive.extensions.draco.is_none() || view.is_some() {
+            return Ok(());
+        }
+        let expected = "a mesh that is not compressed";
+        Err(Malformed::at(place, expected, "one compressed by Draco"))
     }
 
     /// The elements that a primitive's vertices have.

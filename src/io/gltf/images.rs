@@ -1,5 +1,7 @@
 //! Images of a document: files beside it, or bytes within it.
 
+use std::borrow::Cow;
+
 use super::accessor::{Data, beyond};
 use super::container;
 use super::document::{Document, Image, Index, TextureInfo};
@@ -17,6 +19,9 @@ pub fn image_number(part: &str) -> Option<u32> {
     part.strip_prefix(PREFIX)?.parse().ok()
 }
 
+/// The code of OpenGL for images that repeat.
+const REPEAT: u32 = 10_497;
+
 /// Where an image is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ImageName {
@@ -33,24 +38,29 @@ pub fn image_of(
     material: &str,
     remarks: &mut Remarks,
 ) -> Option<ImageName> {
-    if texture.tex_coord != 0 {
+    if texture.coordinates() != 0 {
         remarks.add(
             material,
             "has an image by other coordinates than the first, which is not shown",
         );
         return None;
     }
-    if texture
-        .extensions
-        .as_ref()
-        .is_some_and(|extensions| extensions.transform.is_some())
-    {
+    if texture.scale.is_some_and(|scale| scale != 1.0) {
         remarks.add(
             material,
-            "has an image that is moved or scaled, which is not heeded",
+            "has normals that are to be made steeper or flatter, which is not heeded",
         );
     }
     let record = document.textures.get(texture.index as usize);
+    let sampler = record.and_then(|texture| texture.sampler);
+    let sampler = sampler.and_then(|sampler| document.samplers.get(sampler as usize));
+    let ends = |wrap: Option<u32>| wrap.is_some_and(|wrap| wrap != REPEAT);
+    if sampler.is_some_and(|sampler| ends(sampler.wrap_s) || ends(sampler.wrap_t)) {
+        remarks.add(
+            material,
+            "has an image that ends or is mirrored at its edges; it repeats here",
+        );
+    }
     let number = record.and_then(|texture| texture.source);
     let image = number.and_then(|number| Some((number, document.images.get(number as usize)?)));
     let Some((number, image)) = image else {
@@ -71,40 +81,78 @@ pub fn image_of(
     Some(ImageName::Within(format!("{PREFIX}{number}")))
 }
 
-/// The bytes of the image of number `index` in the file whose bytes these are. `load` gives the bytes of other files; `None` when
-/// cancelled.
-///
-/// # Errors
-/// What breaks the rules of the format, or that there is no such image.
-pub fn image(
-    bytes: &[u8],
-    index: Index,
-    load: &mut Load<'_>,
-) -> Result<Option<Vec<u8>>, Malformed> {
-    let container = container::take_apart(bytes)?;
-    let document = Document::parse(container.json)?;
-    let images = &document.images;
-    let image = images
-        .get(index as usize)
-        .ok_or_else(|| beyond(List::Images, index, images.len()))?;
-    let place = Place::Item(List::Images, index);
-    if let Some(uri) = &image.uri {
-        return match uri::read(uri) {
-            Ok(Uri::Data(bytes)) => Ok(Some(bytes)),
-            Ok(Uri::File(_)) => Err(Malformed::at(
-                place,
-                "an image within the file",
-                "another file",
-            )),
-            Err(found) => Err(Malformed::at(place, "data in base64", found)),
-        };
+/// A file of which images are taken: however many there are, it is understood once.
+pub struct ImageFile {
+    bytes: Vec<u8>,
+    document: Document,
+    /// The bytes of all buffers, once an image was in one; `None` for what is in the file.
+    buffers: Option<Vec<Option<Vec<u8>>>>,
+}
+
+impl ImageFile {
+    /// The file whose bytes these are.
+    ///
+    /// # Errors
+    /// What breaks the rules of the format.
+    pub fn new(bytes: Vec<u8>) -> Result<Self, Malformed> {
+        let document = Document::parse(container::take_apart(&bytes)?.json)?;
+        Ok(Self {
+            bytes,
+            document,
+            buffers: None,
+        })
     }
-    let view = image
-        .buffer_view
-        .ok_or_else(|| Malformed::at(place, "an image with a uri or a bufferView", "neither"))?;
-    let Some(buffers) = buffers(&document, container.binary, load)? else {
-        return Ok(None);
-    };
-    let data = Data::new(&document, buffers, 0);
-    Ok(Some(data.view(view)?.to_vec()))
+
+    /// The bytes of the image of number `index`. `load` gives the bytes of other files; `None` when cancelled.
+    ///
+    /// # Errors
+    /// What breaks the rules of the format, or that there is no such image.
+    pub fn image(
+        &mut self,
+        index: Index,
+        load: &mut Load<'_>,
+    ) -> Result<Option<Vec<u8>>, Malformed> {
+        let images = &self.document.images;
+        let image = images
+            .get(index as usize)
+            .ok_or_else(|| beyond(List::Images, index, images.len()))?;
+        let place = Place::Item(List::Images, index);
+        if let Some(uri) = &image.uri {
+            return match uri::read(uri) {
+                Ok(Uri::Data(bytes)) => Ok(Some(bytes)),
+                Ok(Uri::File(_)) => Err(Malformed::at(
+                    place,
+                    "an image within the file",
+                    "another file",
+                )),
+                Err(found) => Err(Malformed::at(place, "data in base64", found)),
+            };
+        }
+        let view = image.buffer_view.ok_or_else(|| {
+            Malformed::at(place, "an image with a uri or a bufferView", "neither")
+        })?;
+        let binary = container::take_apart(&self.bytes)?.binary;
+        let known = match self.buffers.take() {
+            Some(known) => known,
+            None => match buffers(&self.document, binary, load)? {
+                Some(buffers) => buffers
+                    .into_iter()
+                    .map(|buffer| match buffer {
+                        Cow::Borrowed(_) => None,
+                        Cow::Owned(bytes) => Some(bytes),
+                    })
+                    .collect(),
+                None => return Ok(None),
+            },
+        };
+        let buffers = known.iter().map(|bytes| match bytes {
+            Some(bytes) => Cow::Borrowed(&bytes[..]),
+            None => Cow::Borrowed(binary.unwrap_or_default()),
+        });
+        let data = Data::new(&self.document, buffers.collect(), 0);
+        let bytes = data.view(view).map(<[u8]>::to_vec);
+        drop(data);
+        self.buffers = Some(known);
+        bytes.map(Some)
+    }
 }

@@ -5,21 +5,23 @@ use super::document::{Document, Index};
 use super::nodes::{Affine, Placed};
 use crate::io::mesh_reading::{List, Malformed};
 use crate::io::remarks::Remarks;
-use crate::math::{DVec3, Degrees, direction_of};
+use crate::math::{DBounds, DVec3, Degrees, direction_of};
 use crate::scene::{Camera, Facing, Light, Rgb};
 
 /// Radius of the disk that stands for a spot light, in units of the file, which are metres.
 const SPOT_RADIUS: f64 = 0.01;
-/// How far away the point is that stands for a directional light: the sun's light is as even.
-const FAR: f64 = 1e5;
+/// How far away the point is that stands for a directional light, in sizes of all objects: its light differs by a five-thousandth from one
+/// end of them to the other.
+const FAR: f64 = 1e4;
 
-/// The lights of nodes and the first camera.
+/// The lights of nodes and the first camera. `around`: the box of all objects.
 ///
 /// # Errors
 /// A light or camera that is not there.
 pub fn of_nodes(
     document: &Document,
     placed: &[Placed],
+    around: &DBounds,
     remarks: &mut Remarks,
 ) -> Result<(Vec<Light>, Option<Camera>), Malformed> {
     let mut lights = Vec::new();
@@ -32,7 +34,14 @@ pub fn of_nodes(
                 .name
                 .clone()
                 .unwrap_or_else(|| format!("nodes[{node}]"));
-            lights.extend(light_of(document, light.light, world, &name, remarks)?);
+            lights.extend(light_of(
+                document,
+                light.light,
+                world,
+                around,
+                &name,
+                remarks,
+            )?);
         }
         if let (Some(index), None) = (node_record.camera, camera) {
             camera = camera_of(document, index, world)?;
@@ -45,6 +54,7 @@ fn light_of(
     document: &Document,
     index: Index,
     world: &Affine,
+    around: &DBounds,
     name: &str,
     remarks: &mut Remarks,
 ) -> Result<Option<Light>, Malformed> {
@@ -87,12 +97,21 @@ fn light_of(
         "directional" => {
             remarks.add(
                 name,
-                "shines from far away; it is a point at a distance of 100000",
+                "shines from far away; it is a point at 10000 times the size of all objects",
             );
-            Some(Light::Point {
-                position: -direction * FAR,
-                // The irradiance at a distance is the intensity over its square.
-                intensity: strength * (FAR * FAR),
+            let (center, size) = if around.is_empty() {
+                (DVec3::ZERO, 1.0)
+            } else {
+                (around.center(), around.diagonal())
+            };
+            let distance = FAR * size;
+            // The irradiance at a distance is the intensity over its square.
+            let intensity = strength * (distance * distance);
+            let position = center - direction * distance;
+            let is_there = intensity.as_vec3().is_finite() && position.is_finite();
+            is_there.then_some(Light::Point {
+                position,
+                intensity,
             })
         }
         _ => {

@@ -1,6 +1,8 @@
 //! From materials of glTF to the scene's four kinds.
 
-use super::document::{Material as Source, MaterialExtensions, MetallicRoughness};
+use super::document::{
+    Material as Source, MaterialExtensions, MetallicRoughness, SpecularGlossiness,
+};
 use crate::io::remarks::Remarks;
 use crate::scene::{Material, Rgb, Textures};
 
@@ -47,6 +49,8 @@ pub fn roughness_of(shininess: f64) -> f64 {
 ///    (1 − m) · P + m · B, and B · (1 − m) · (1 − P) its diffuse one, as the specification (appendix B) has it; the exponent is that of
 ///    [`shininess_of`] r.
 ///
+/// Where `KHR_materials_pbrSpecularGlossiness` says what is reflected, that holds in place of B, m and r.
+///
 /// `textures` vary a material of Phong. Where m and r come from an image, the material is taken for no metal of the roughness that it states. What is changed or left
 /// out, `remarks` say of the material called `name`.
 #[must_use]
@@ -69,7 +73,8 @@ pub fn to_material(
         share(surface.metallic_factor, 1.0)
     };
     let roughness = share(surface.roughness_factor, 1.0);
-    if by_image {
+    let glossiness = extensions.glossiness.as_deref();
+    if by_image && glossiness.is_none() {
         remarks.add(
             name,
             "metal and roughness by an image are not shown; it is taken for no metal",
@@ -89,6 +94,10 @@ pub fn to_material(
             });
     let specular = reflected_by_plastic * (1.0 - metal) + base * metal;
     let diffuse = base * (1.0 - metal) * (1.0 - reflected_by_plastic.max_element());
+    let (diffuse, specular, metal, roughness) = match glossiness {
+        Some(glossiness) => of_glossiness(glossiness, name, remarks),
+        None => (diffuse, specular, metal, roughness),
+    };
 
     let emission = not_negative(Rgb::from_array(source.emissive_factor.unwrap_or_default()));
     let strength = extensions
@@ -136,6 +145,32 @@ pub fn to_material(
         shininess: shininess_of(roughness),
         textures,
     }
+}
+
+/// What a material reflects diffusely and not, its share of metal, and its roughness, as older files say it. Source: Khronos,
+/// `KHR_materials_pbrSpecularGlossiness`.
+fn of_glossiness(
+    glossiness: &SpecularGlossiness,
+    name: &str,
+    remarks: &mut Remarks,
+) -> (Rgb, Rgb, f64, f64) {
+    if glossiness.both_by_texture.is_some() {
+        remarks.add(
+            name,
+            "highlights and glossiness by an image are not shown; it has those that it states",
+        );
+    }
+    let [r, g, b, _] = glossiness.diffuse_factor.unwrap_or([1.0; 4]);
+    let specular = Rgb::from_array(glossiness.specular_factor.unwrap_or([1.0; 3]));
+    // An image multiplies what is stated, which is white where nothing is.
+    let specular = if glossiness.both_by_texture.is_some() {
+        clamped(specular) * PLASTIC
+    } else {
+        clamped(specular)
+    };
+    let diffuse = clamped(Rgb::new(r, g, b)) * (1.0 - specular.max_element());
+    let roughness = 1.0 - share(glossiness.glossiness_factor, 1.0);
+    (diffuse, specular, 0.0, roughness)
 }
 
 fn glass(extensions: &MaterialExtensions) -> Material {

@@ -295,7 +295,10 @@ fn lights_and_the_camera_are_placed() {
     assert!((*normal + DVec3::Y).length() < 1e-15);
     // Radiance times area is the intensity along the axis.
     assert!((radiance.x * std::f64::consts::PI * radius * radius - 30.0).abs() < 1e-12);
-    assert!((strong.x / far.length_squared() - 3.0).abs() < 1e-12 && far.y > 1e4);
+    // Far from the square, however large that is.
+    let from_square = *far - DVec3::new(0.5, 0.5, 0.0);
+    assert!((strong.x / from_square.length_squared() - 3.0).abs() < 1e-12);
+    assert!((from_square.y / 2.0_f64.sqrt() - 1e4).abs() < 1e-8);
     let camera = gltf.camera.expect("there is one");
     assert_eq!(
         (camera.eye, camera.vertical_fov),
@@ -419,10 +422,236 @@ fn images_are_named_as_files_or_by_their_number() {
     assert_eq!(within(images[0]).and_then(image_number), Some(1));
     let bytes = glb(&json, &square());
     let mut load = |name: &str| Err(format!("{name} is not there"));
-    let mut image = |number| image(&bytes, number, &mut load);
+    let mut file = ImageFile::new(bytes).expect("is right");
+    let mut image = |number| file.image(number, &mut load);
     assert_eq!(image(1), Ok(Some(vec![0, 1, 2, 0, 2, 3])));
     assert_eq!(image(2), Ok(Some(vec![0, 1, 2])));
     assert!(image(0).is_err() && image(3).is_err());
+}
+
+/// Other files with images are read once, however many images they hold.
+#[test]
+fn buffers_of_images_are_read_once() {
+    let json = of_square(
+        r#"{"mesh":0}"#,
+        r#""images":[{"bufferView":0},{"bufferView":1},{"bufferView":0}]"#,
+    );
+    let json = json.replace(r#""byteLength":56"#, r#""uri":"a.bin","byteLength":56"#);
+    let mut asked = 0;
+    let mut load = |_: &str| {
+        asked += 1;
+        Ok(Some(square()))
+    };
+    let mut file = ImageFile::new(json.into_bytes()).expect("is right");
+    for number in [1, 0, 2] {
+        let bytes = file.image(number, &mut load).expect("is there");
+        let expected = if number == 1 {
+            &square()[48..54]
+        } else {
+            &square()[..48]
+        };
+        assert_eq!(bytes.as_deref(), Some(expected));
+    }
+    assert_eq!(asked, 1);
+}
+
+/// A square whose corners lie on the image as in space, with a material that says `texture` of its image.
+fn mapped_square(texture: &str) -> (Vec<DVec2>, Vec<String>) {
+    let json = of_square(
+        r#"{"mesh":0}"#,
+        &format!(
+            r#""materials":[{{"name":"m"{}}}],"textures":[{{"source":0,"sampler":0}}],"images":[{{"uri":"a.png"}}],
+            "samplers":[{{"wrapS":10497}},{{"wrapT":33071}}]"#,
+            pbr(&format!(r#""baseColorTexture":{{"index":0{texture}}}"#))
+        ),
+    );
+    let json = json
+        .replace(r#""POSITION":0}"#, r#""POSITION":0,"TEXCOORD_0":2},"material":0"#)
+        .replace(
+            r#""count":6,"type":"SCALAR"}"#,
+            r#""count":6,"type":"SCALAR"},{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"}"#,
+        )
+        .replace(
+            r#""byteOffset":48,"byteLength":6}"#,
+            r#""byteOffset":48,"byteLength":6},{"buffer":0,"byteLength":48,"byteStride":12}"#,
+        );
+    let gltf = read(&json, &square()).unwrap_or_else(|error| panic!("{error} in {json}"));
+    let mesh = &gltf.parts["square"];
+    (
+        mesh.texture_coordinates.clone().expect("some"),
+        gltf.warnings,
+    )
+}
+
+/// In the file the origin is the image's upper left corner and v points down; here it is the lower left one.
+#[test]
+fn images_are_where_they_are_moved() {
+    let transform = |says: &str| {
+        mapped_square(&format!(
+            r#","extensions":{{"KHR_texture_transform":{{{says}}}}}"#
+        ))
+        .0
+    };
+    let near = |found: &[DVec2], expected: [(f64, f64); 4]| {
+        for (found, (u, v)) in found.iter().zip(expected) {
+            let expected = DVec2::new(u, 1.0 - v);
+            assert!((*found - expected).length() < 1e-12, "{found} {expected}");
+        }
+    };
+    near(
+        &mapped_square("").0,
+        [(0., 0.), (1., 0.), (1., 1.), (0., 1.)],
+    );
+    near(&transform(""), [(0., 0.), (1., 0.), (1., 1.), (0., 1.)]);
+    near(
+        &transform(r#""offset":[0.5,2]"#),
+        [(0.5, 2.), (1.5, 2.), (1.5, 3.), (0.5, 3.)],
+    );
+    near(
+        &transform(r#""scale":[2,0.5]"#),
+        [(0., 0.), (2., 0.), (2., 0.5), (0., 0.5)],
+    );
+    // A quarter counter-clockwise: what lay to the right now lies upwards, which is −v.
+    let quarter = r#""rotation":1.5707963267948966"#;
+    near(
+        &transform(quarter),
+        [(0., 0.), (0., -1.), (1., -1.), (1., 0.)],
+    );
+    let all = format!(r#"{quarter},"scale":[2,3],"offset":[10,20]"#);
+    near(
+        &transform(&all),
+        [(10., 20.), (10., 18.), (13., 18.), (13., 20.)],
+    );
+}
+
+#[test]
+fn what_of_images_is_not_heeded_is_said() {
+    assert_eq!(mapped_square("").1, Vec::<String>::new());
+    let textures = r#""textures":[{"source":0,"sampler":0}],"images":[{"uri":"a.png"}],"samplers":[{"wrapS":33071}]"#;
+    let material = |says: &str| {
+        let json = of_square(
+            r#"{"mesh":0}"#,
+            &format!(r#""materials":[{{"name":"m"{says}}}],{textures}"#),
+        );
+        let json = json.replace(r#""indices":1"#, r#""indices":1,"material":0"#);
+        read(&json, &square()).expect("is right").warnings
+    };
+    let ends =
+        "material \"m\": has an image that ends or is mirrored at its edges; it repeats here";
+    assert_eq!(material(&pbr(r#""baseColorTexture":{"index":0}"#)), [ends]);
+    assert_eq!(
+        material(r#","normalTexture":{"index":0,"scale":0.5}"#),
+        [
+            "material \"m\": has normals that are to be made steeper or flatter, which is not heeded",
+            ends,
+        ]
+    );
+    let moved =
+        r#""baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"scale":[2,2]}}}"#;
+    let both = format!(r#"{},"normalTexture":{{"index":0}}"#, pbr(moved));
+    assert_eq!(
+        material(&both)[0],
+        "material \"m\": has an image of normals that is moved otherwise than that of colours; both are moved alike here"
+    );
+}
+
+#[test]
+fn older_files_say_what_is_glossy() {
+    let glossy = r#","extensions":{"KHR_materials_pbrSpecularGlossiness":
+        {"diffuseFactor":[0.8,0.4,0.2,1],"specularFactor":[0.5,0.25,0],"glossinessFactor":0.5}}"#;
+    let (found, warnings) = material(glossy);
+    let Material::Phong {
+        diffuse,
+        specular,
+        shininess,
+        ..
+    } = found
+    else {
+        panic!("{found:?}");
+    };
+    assert_eq!(
+        (diffuse, specular),
+        (Rgb::new(0.4, 0.2, 0.1), Rgb::new(0.5, 0.25, 0.0))
+    );
+    // Roughness 0.5: (1/0.5⁴ − 1)/2.
+    assert_eq!((shininess, warnings), (7.5, Vec::new()));
+}
+
+#[test]
+fn what_is_compressed_is_refused_by_name() {
+    let error = |json: String| read(&json, &square()).expect_err("is refused").to_string();
+    let needs = |name: &str| {
+        error(of_square(
+            "",
+            &format!(r#""extensionsRequired":["{name}"]"#),
+        ))
+    };
+    let begin = "line 1: expected a file that needs no extension unknown here, found that it needs";
+    for (name, why) in [
+        (
+            "KHR_draco_mesh_compression",
+            ": compressed meshes are not read",
+        ),
+        (
+            "EXT_meshopt_compression",
+            ": compressed meshes are not read",
+        ),
+        ("KHR_texture_basisu", ": images of this format are not read"),
+        ("ACME_teapots", ""),
+    ] {
+        assert_eq!(needs(name), format!("{begin} {name}{why}"));
+    }
+    // Used and not needed, but nothing else is there.
+    let json = of_square(r#"{"mesh":0}"#, "")
+        .replace(r#"{"bufferView":0,"#, "{")
+        .replace(
+            r#""indices":1"#,
+            r#""indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":1}}"#,
+        );
+    assert_eq!(
+        error(json),
+        "meshes[0]: expected a mesh that is not compressed, found one compressed by Draco"
+    );
+    let json = of_square(
+        r#"{"mesh":0}"#,
+        r#""extensionsUsed":["EXT_meshopt_compression"]"#,
+    )
+    .replace(
+        r#"{"byteLength":56}"#,
+        r#"{"byteLength":56},{"byteLength":99}"#,
+    );
+    assert_eq!(
+        error(json),
+        "buffers[1]: expected a buffer with a uri, found none, as the meshes are compressed by meshopt"
+    );
+}
+
+#[test]
+fn numbers_beyond_32_bits_are_refused() {
+    let mut scene = full_scene();
+    let mesh = scene.meshes.values_mut().next().expect("there is one");
+    Arc::make_mut(mesh).positions[0].x = 1e39;
+    let error = write(&scene, None, &mut Vec::new()).expect_err("is refused");
+    assert_eq!(
+        error.to_string(),
+        "it has coordinates beyond 3.4e38, the largest number of glTF"
+    );
+}
+
+/// A node begins in three bytes, and takes many more.
+#[test]
+fn memory_is_foreseen_of_many_small_records() {
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"nodes":[{{}}{}]}}"#,
+        ",{}".repeat(9999)
+    );
+    let foreseen = memory_of_records(json.as_bytes());
+    let of_nodes = 10_000 * (size_of::<document::Node>() + size_of::<Placed>()) as u64;
+    assert!(
+        foreseen > 2 * of_nodes && foreseen < 20 * of_nodes,
+        "{foreseen} {of_nodes}"
+    );
+    assert_eq!(memory_of_records(&glb(&json, &[b'{'; 100])), foreseen);
 }
 
 #[test]
@@ -486,7 +715,7 @@ fn what_is_wrong_is_named_with_its_place() {
                 r#""nodes""#,
                 r#""extensionsRequired":["KHR_draco_mesh_compression"],"nodes""#,
             ),
-            "line 1: expected a file that needs no extension unknown here, found that it needs KHR_draco_mesh_compression",
+            "line 1: expected a file that needs no extension unknown here, found that it needs KHR_draco_mesh_compression: compressed meshes are not read",
         ),
         (
             with(r#"{"mesh":0}"#, r#"{"mesh":9}"#),
@@ -808,6 +1037,7 @@ fn random_mutations_never_panic() {
             }
             let _ = (gltf.scene(str::to_owned).bounds(), gltf.whole());
         }
-        let _ = image(bytes, 0, &mut load);
+        let images = ImageFile::new(bytes.to_vec());
+        let _ = images.and_then(|mut images| images.image(0, &mut load));
     });
 }

@@ -52,6 +52,10 @@ pub fn write(scene: &Scene, camera: Option<&Camera>, out: &mut dyn Write) -> io:
         }
         nodes.push(node_of(object, number));
     }
+    if let Some(what) = scene.meshes.values().find_map(|mesh| beyond_f32(mesh)) {
+        let message = format!("{what} beyond 3.4e38, the largest number of glTF");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+    }
     let mut lights = Vec::new();
     for light in &scene.lights {
         let (record, node) = light_of(light, lights.len());
@@ -124,6 +128,18 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     .flatten()
     .map(str::to_owned)
     .collect()
+}
+
+/// What of a mesh 32 bits do not reach, if anything.
+fn beyond_f32(mesh: &TriangleMesh) -> Option<&'static str> {
+    let coordinates = mesh.texture_coordinates.iter().flatten();
+    if !mesh.positions.iter().all(|p| p.as_vec3().is_finite()) {
+        Some("it has coordinates")
+    } else if !coordinates.into_iter().all(|uv| uv.as_vec2().is_finite()) {
+        Some("it has texture coordinates")
+    } else {
+        None
+    }
 }
 
 /// A name for the mesh of an object: that of its part, or of its file.
