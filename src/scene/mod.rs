@@ -269,6 +269,18 @@ pub enum SceneError {
         /// The image it asks for.
         image: String,
     },
+    /// Less memory than the sizes of a texture's image take.
+    #[error(
+        "the image \"{image}\" takes about {needed} of memory at all its sizes, {why}; make it smaller"
+    )]
+    TextureMemory {
+        /// The image.
+        image: String,
+        /// How much it takes.
+        needed: String,
+        /// What is in the way.
+        why: String,
+    },
     /// More triangles than can be numbered.
     #[error("the scene has {count} triangles with all copies; at most {} can be rendered", u32::MAX / 2)]
     TooManyTriangles {

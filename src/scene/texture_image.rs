@@ -1,3 +1,5 @@
+use rayon::prelude::*;
+
 use super::{RadianceMap, Rgb};
 use crate::math::Vec3;
 use crate::math::color::linear_from_srgb;
@@ -46,20 +48,15 @@ impl Texels {
             Self::Bytes(texels) => {
                 let table: [f64; 256] =
                     std::array::from_fn(|code| linear(code as f32 / f32::from(u8::MAX)));
-                let decoded = texels
-                    .iter()
-                    .map(|texel| texel.map(|code| table[usize::from(code)]));
-                decoded.map(Rgb::from).sum::<Rgb>()
+                sum(texels, |texel| {
+                    texel.map(|code| table[usize::from(code)]).into()
+                })
             }
             Self::Words(texels) => {
                 let decode = |code: u16| linear(f32::from(code) / f32::from(u16::MAX));
-                let decoded = texels.iter().map(|texel| texel.map(decode));
-                decoded.map(Rgb::from).sum::<Rgb>()
+                sum(texels, |texel| texel.map(decode).into())
             }
-            Self::Floats(texels) => {
-                let texels = texels.iter().map(|&texel| Vec3::from(texel).as_dvec3());
-                texels.sum::<Rgb>()
-            }
+            Self::Floats(texels) => sum(texels, |texel| Vec3::from(texel).as_dvec3()),
         };
         sum / self.len() as f64
     }
@@ -73,6 +70,14 @@ impl Texels {
             Self::Floats(texels) => size_of_val(&texels[..]),
         }
     }
+}
+
+/// The sum of what texels mean: of parts side by side, whose sums are added in their order, so that no bit depends on the threads.
+fn sum<T: Copy + Sync>(texels: &[T], meaning: impl Fn(T) -> Rgb + Sync) -> Rgb {
+    const PART: usize = 1 << 16;
+    let parts = texels.par_chunks(PART);
+    let sums = parts.map(|part| part.iter().map(|&texel| meaning(texel)).sum::<Rgb>());
+    sums.collect::<Vec<_>>().into_iter().sum()
 }
 
 impl TextureImage {

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use super::whole_file::read_file;
 use crate::control::{CancelToken, Progress};
+use crate::memory::require;
 use crate::scene::RadianceMap;
 
 /// The formats that have a reader, for messages and file dialogs.
@@ -203,8 +204,16 @@ pub fn refuse_size(width: u64, height: u64, length: u64) -> Result<(u32, u32), S
         return Err(too_short(length, width, height));
     }
     let side = |side| u32::try_from(side).expect("the limit is far below");
-    Ok((side(width), side(height)))
+    let (width, height) = (side(width), side(height));
+    // Asked before it is taken: the system promises more than it has.
+    match require(u64::from(width) * u64::from(height) * BYTES_PER_PIXEL) {
+        Ok(()) => Ok((width, height)),
+        Err(short) => Err(format!("an image of {width}×{height} takes about {short}")),
+    }
 }
+
+/// Memory of a pixel: three floats, or as many bytes and what a texture is made of.
+const BYTES_PER_PIXEL: u64 = 12;
 
 /// Room for an image of a size that a header claims: memory that is not there is an error, not an end.
 pub fn black(width: u32, height: u32) -> Result<Vec<[f32; 3]>, String> {

@@ -20,7 +20,8 @@ use super::prepare::PreparedScene;
 use super::surface::SurfacePoint;
 use crate::accel::Hit;
 use crate::control::CancelToken;
-use crate::scene::{Scene, SceneError};
+use crate::memory::require;
+use crate::scene::{Scene, SceneError, TextureImage};
 use footprint::Footprint;
 use object::TexturedObject;
 use pyramid::{Meaning, Pyramid};
@@ -119,6 +120,15 @@ impl Texturing for Textured {
     }
 }
 
+/// Says whether there is memory for all sizes of the image called `name`.
+fn require_pyramid(name: &str, image: &TextureImage) -> Result<(), SceneError> {
+    require(Pyramid::foreseen_bytes(image)).map_err(|short| SceneError::TextureMemory {
+        image: name.to_owned(),
+        needed: short.needed_in_words(),
+        why: short.why(),
+    })
+}
+
 /// The textures of a scene, prepared.
 #[derive(Debug, Default)]
 pub struct PreparedTextures {
@@ -153,16 +163,19 @@ impl PreparedTextures {
                 let Some(image) = image.filter(|_| mesh.texture_coordinates.is_some()) else {
                     return Ok(Some(None));
                 };
-                let image = scene.texture(image)?;
+                let (name, image) = (image, scene.texture(image)?);
                 let known = previous.iter().flat_map(|previous| &previous.pyramids);
                 let mut known = pyramids.iter().chain(known);
-                let pyramid = match known.find(|pyramid| pyramid.is_of(image, meaning)) {
-                    Some(pyramid) => Arc::clone(pyramid),
-                    None => match Pyramid::new(image, meaning, cancel) {
-                        Some(pyramid) => Arc::new(pyramid),
-                        None => return Ok(None),
-                    },
-                };
+                let pyramid =
+                    if let Some(known) = known.find(|pyramid| pyramid.is_of(image, meaning)) {
+                        Arc::clone(known)
+                    } else {
+                        require_pyramid(name, image)?;
+                        match Pyramid::new(image, meaning, cancel) {
+                            Some(pyramid) => Arc::new(pyramid),
+                            None => return Ok(None),
+                        }
+                    };
                 if !pyramids.iter().any(|known| Arc::ptr_eq(known, &pyramid)) {
                     pyramids.push(Arc::clone(&pyramid));
                 }

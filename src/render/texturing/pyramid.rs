@@ -50,6 +50,13 @@ pub struct Area {
 const MOST_TAPS: f64 = 16.0;
 
 impl Pyramid {
+    /// Memory that all sizes of `image` take beside itself at most, in bytes, as far as that is not the same for all images: a third of its
+    /// texels, and of what is a row or a column at last as many again.
+    pub fn foreseen_bytes(image: &TextureImage) -> u64 {
+        let sides = u64::from(image.width()) + u64::from(image.height());
+        (image.texels().len() as u64 / 3 + sides) * size_of::<Vec3>() as u64
+    }
+
     /// All sizes of `image`; `None` when cancelled.
     pub fn new(image: &Arc<TextureImage>, meaning: Meaning, cancel: &CancelToken) -> Option<Self> {
         let most = match image.texels() {
@@ -312,6 +319,18 @@ mod tests {
                 );
             }
             assert_eq!(pyramid.size(pyramid.smaller.len()), (1, 1));
+        }
+    }
+
+    #[test]
+    fn memory_is_foreseen() {
+        for (width, height) in [(1, 1), (64, 64), (128, 32), (100, 1), (33, 65)] {
+            let pyramid = noise(width, height);
+            let foreseen = Pyramid::foreseen_bytes(&pyramid.image);
+            let taken = pyramid.bytes() as u64;
+            let of_sides = u64::from(2 * (width + height)) * 12;
+            assert!(taken <= foreseen, "{taken} {foreseen}");
+            assert!(foreseen <= taken + of_sides, "{taken} {foreseen}");
         }
     }
 
