@@ -295,6 +295,12 @@ mod tests {
             "a.off: byte 4: expected four bytes, found the end of the file"
         );
         assert_eq!(
+            message("a.obj", b"\xff\xfev\0 \0"),
+            format!(
+                "a.obj: this is a file of the format UTF-16, where UTF-8 is read; RayMini reads {READABLE_FORMATS}"
+            )
+        );
+        assert_eq!(
             message("a", "\0\0"),
             format!("a: this is not a mesh of a known format; RayMini reads {READABLE_FORMATS}")
         );

@@ -187,7 +187,15 @@ fn unused_vertices(mesh: &TriangleMesh) -> usize {
 
 /// The format, known but without reader, whose first bytes these are.
 fn known_by_content(bytes: &[u8]) -> Option<&'static str> {
-    let formats: [(&[u8], &str); 1] = [(b"\x89PNG", "PNG")];
+    let formats: [(&[u8], &str); 7] = [
+        (b"\x89PNG", "PNG"),
+        (b"\x1f\x8b", "gzip, to be unpacked first"),
+        (b"PK\x03\x04", "ZIP, to be unpacked first"),
+        (b"Kaydara FBX Binary", "FBX"),
+        (b"BLENDER", "Blender"),
+        (b"\xff\xfe", "UTF-16, where UTF-8 is read"),
+        (b"\xfe\xff", "UTF-16, where UTF-8 is read"),
+    ];
     let starts = |(magic, _): &&(&[u8], &str)| bytes.starts_with(magic);
     formats.iter().find(starts).map(|(_, format)| *format)
 }

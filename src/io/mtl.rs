@@ -14,7 +14,7 @@
 //! ```
 //!
 //! - A colour of one number is grey. Colours by files (`spectral`) or as `xyz` are ignored with a warning, as are numbers out of range.
-//! - Names of images are kept; options before them are skipped.
+//! - Names of images are kept; options before them are skipped, with a warning where they would change what is seen.
 //! - Of two materials of one name the later one counts.
 //! - Known statements that nothing here shows (`Ka`, `Tf`, `sharpness`, `Pr` and others) are skipped. Others are counted; a text of
 //!   such alone is no MTL file.
@@ -95,6 +95,7 @@ pub fn name_in(rest: &[u8]) -> &[u8] {
 struct Notes<'a> {
     values: Seen,
     images: Seen,
+    moved: Seen,
     homeless: Seen,
     repeated: Seen,
     unknown: Seen,
@@ -153,10 +154,10 @@ impl Reader<'_> {
                 opacity.is_some() && set(&mut material.opacity, stated)
             }
             b"illum" => set(&mut material.illumination, cursor.word().and_then(whole)),
-            b"map_kd" => set(&mut material.diffuse_image, image(cursor)),
-            b"norm" => set(&mut material.normal_image, image(cursor)),
+            b"map_kd" => set(&mut material.diffuse_image, image(cursor, &mut notes.moved)),
+            b"norm" => set(&mut material.normal_image, image(cursor, &mut notes.moved)),
             b"map_bump" | b"bump" => {
-                let image = image(cursor);
+                let image = image(cursor, &mut notes.moved);
                 let is_right = image.is_some();
                 material.normal_image = material.normal_image.take().or(image);
                 is_right
@@ -217,6 +218,9 @@ impl Reader<'_> {
             notes
                 .images
                 .found("images other than those of Kd and of normals are ignored"),
+            notes.moved.found(
+                "images are not moved, scaled, cut off at their edges or made steeper, as options say",
+            ),
             notes.unknown.counted(
                 "statement of another kind is ignored",
                 "statements of other kinds are ignored",
@@ -290,35 +294,53 @@ fn color(cursor: &mut Cursor) -> Option<Rgb> {
     ))
 }
 
-/// The name of an image, behind its options.
-fn image(cursor: &mut Cursor) -> Option<String> {
+/// The name of an image, behind its options; that they would change what is seen is noted in `moved`.
+fn image(cursor: &mut Cursor, moved: &mut Seen) -> Option<String> {
+    let place = Place::Line(cursor.line());
     let mut rest = name_in(cursor.rest_of_line());
-    while let Some(behind) = after_option(rest) {
+    let mut has_moved = false;
+    while let Some((is_heeded, behind)) = after_option(rest) {
+        has_moved |= !is_heeded;
         rest = behind;
+    }
+    if has_moved {
+        moved.at(place);
     }
     (!rest.is_empty()).then(|| String::from_utf8_lossy(rest).into_owned())
 }
 
-/// What follows the option at the beginning, if there is one.
-fn after_option(text: &[u8]) -> Option<&[u8]> {
+/// What follows the option at the beginning, if there is one, and whether the option changes nothing.
+fn after_option(text: &[u8]) -> Option<(bool, &[u8])> {
     let (option, mut rest) = first_word(text)?;
-    let numbers = match &option.to_ascii_lowercase()[..] {
-        b"-o" | b"-s" | b"-t" => 3,
-        b"-mm" => 2,
-        b"-boost" | b"-texres" | b"-bm" => 1,
-        b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-imfchan" | b"-type" => {
-            return Some(first_word(rest)?.1);
+    // How many numbers follow, and what each has to be for nothing to change.
+    let (numbers, usual) = match &option.to_ascii_lowercase()[..] {
+        b"-o" | b"-t" => (3, Some(0.0)),
+        b"-s" => (3, Some(1.0)),
+        b"-bm" => (1, Some(1.0)),
+        b"-mm" => (2, None),
+        b"-boost" | b"-texres" => (1, None),
+        b"-clamp" => {
+            let (word, behind) = first_word(rest)?;
+            return Some((!word.eq_ignore_ascii_case(b"on"), behind));
+        }
+        b"-blendu" | b"-blendv" | b"-cc" | b"-imfchan" | b"-type" => {
+            return Some((true, first_word(rest)?.1));
         }
         _ => return None,
     };
+    let mut changes_nothing = true;
     // Of three numbers the last ones may be missing.
     for _ in 0..numbers {
-        match first_word(rest) {
-            Some((word, behind)) if number(word).is_some() => rest = behind,
-            _ => break,
-        }
+        let Some((word, behind)) = first_word(rest) else {
+            break;
+        };
+        let Some(value) = number(word) else {
+            break;
+        };
+        changes_nothing &= usual.is_none_or(|usual| value == usual);
+        rest = behind;
     }
-    Some(rest)
+    Some((changes_nothing, rest))
 }
 
 /// The first word, and what follows it.

@@ -56,17 +56,45 @@ fn every_statement_is_understood_however_it_is_written() {
         plain.replace('\n', "\r\n  \t"),
         plain
             .replace("Kd", "KD")
-            .replace("norm", "MAP_BUMP -bm 0.5"),
+            .replace("norm", "MAP_BUMP -bm 1.0"),
         plain.replace("d 0.25", "Tr 0.75"),
         plain.replace("d 0.25", "Tr 0.1\nd -halo 0.25"),
         plain.replace("d 0.25", "d 0.25\nTr 0.25"),
         plain.replace("0.1 0.1 0.1", "0.1"),
-        plain.replace("my", "-s 1 2 -o 0 -clamp on -blendu off -mm 0 1 my"),
+        plain.replace("my", "-s 1 1 -o 0 -clamp off -blendu off -mm 0 1 my"),
         plain.replace("n.png", "n.png\nbump other.png # n"),
         format!("Ka 1 1 1\nTf 1 1 1\nPr 0.3 # x\n{plain} # the end"),
     ];
     for text in cases {
         assert_eq!(one(&text), expected, "{text}");
+    }
+}
+
+#[test]
+fn options_of_images_that_would_be_seen_are_told_of() {
+    let warnings = |options: &str| read(&format!("newmtl a\nmap_Kd {options} a.png\n")).warnings;
+    for options in [
+        "",
+        "-s 1 1 1 -o 0 0",
+        "-clamp off -bm 1",
+        "-mm 0.5 2 -blendu on",
+    ] {
+        assert_eq!(warnings(options), Vec::<String>::new(), "{options}");
+    }
+    for options in [
+        "-s 2 2",
+        "-o 0 0.5",
+        "-t 0.1 0 0",
+        "-bm 0.3",
+        "-s 1 1 -clamp on",
+    ] {
+        assert_eq!(
+            warnings(options),
+            [
+                "images are not moved, scaled, cut off at their edges or made steeper, as options say (the first on line 2)"
+            ],
+            "{options}"
+        );
     }
 }
 
