@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::analysis::report::percent;
 use crate::control::{CancelToken, Progress};
-use crate::geometry::Winding;
+use crate::geometry::{TriangleMesh, Winding};
 use crate::io::{self, Model, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
 use crate::math::DBounds;
 use crate::render::Image;
@@ -44,6 +44,8 @@ struct MeshFacts {
     polygons: u64,
     triangles: u64,
     bounds: Option<Box3>,
+    /// What the vertices of any mesh carry beside their positions.
+    attributes: Vec<&'static str>,
     dropped: DroppedFacts,
     /// Nodes of its scene, where the format has them.
     nodes: Option<u64>,
@@ -180,6 +182,7 @@ fn mesh_facts(model: Model) -> MeshFacts {
         polygons: facts.polygons,
         triangles: facts.triangles,
         bounds: Box3::of(&facts.bounds),
+        attributes: attributes(&scene),
         dropped: DroppedFacts {
             degenerate: facts.dropped.degenerate,
             too_few_corners: facts.dropped.too_few_corners,
@@ -196,6 +199,23 @@ fn mesh_facts(model: Model) -> MeshFacts {
         winding,
         warnings: model.warnings.into_iter().chain(of_winding).collect(),
     }
+}
+
+/// What the vertices of any mesh carry beside their positions.
+fn attributes(scene: &Scene) -> Vec<&'static str> {
+    let any =
+        |is_there: fn(&TriangleMesh) -> bool| scene.meshes.values().any(|mesh| is_there(mesh));
+    [
+        ("normals", any(|mesh| mesh.normals.is_some())),
+        (
+            "texture coordinates",
+            any(|mesh| mesh.texture_coordinates.is_some()),
+        ),
+        ("colours", any(|mesh| mesh.colors.is_some())),
+    ]
+    .into_iter()
+    .filter_map(|(name, is_there)| is_there.then_some(name))
+    .collect()
 }
 
 fn winding_facts(scene: &Scene) -> WindingFacts {
@@ -374,7 +394,11 @@ impl Lines {
 
 fn describe_mesh(mesh: &MeshFacts, lines: &mut Lines) {
     lines.add("format", mesh.format);
-    lines.add("vertices", mesh.vertices);
+    let mut vertices = mesh.vertices.to_string();
+    if !mesh.attributes.is_empty() {
+        vertices = format!("{vertices}, with {}", mesh.attributes.join(", "));
+    }
+    lines.add("vertices", vertices);
     let MeshFacts {
         faces, polygons, ..
     } = mesh;

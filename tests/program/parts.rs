@@ -374,3 +374,22 @@ fn parts_are_rendered() {
     };
     assert_eq!(hash("chair.obj"), hash("a.toml"));
 }
+
+#[test]
+fn info_tells_what_vertices_carry() {
+    let colored = "COFF 3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n3 0 1 2\n";
+    let folder = folder(&[("c.off", colored), ("t.obj", TEXTURED)]);
+    for (file, line) in [
+        ("c.off", "  vertices    3, with colours\n"),
+        (
+            "t.obj",
+            "  vertices    3, with normals, texture coordinates\n",
+        ),
+    ] {
+        let (_, said, _) = raymini(&folder, &["info", file]);
+        assert!(said.contains(line), "{said}");
+    }
+}
+
+const TEXTURED: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n";
