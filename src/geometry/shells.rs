@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::TriangleMesh;
-use crate::math::DBounds;
+use crate::math::{DBounds, DVec3};
 
 /// Faces joined across the edges that exactly two of them share: sets that are united, each face with its own sense of turning
 /// against that of the face that stands for its set.
@@ -30,6 +30,8 @@ pub struct Shell {
     pub first_face: usize,
     /// Whether some of its faces turn the other way round than others.
     pub is_mixed: bool,
+    /// A corner, from which volumes are measured: that of a small surface far from others would be lost from afar.
+    origin: DVec3,
     /// Six times its volume; negative where most faces look inwards.
     volume: f64,
     bounds: DBounds,
@@ -38,7 +40,7 @@ pub struct Shell {
 /// The most surfaces that others may lie in.
 const MOST_OUTER_SHELLS: usize = 1000;
 
-/// What of its box's volume the volume of a surface must have to be told from rounding.
+/// What of the cube of its diagonal the volume of a surface must be to be told from rounding, which a sheet folded on itself has alone.
 const LEAST_VOLUME: f64 = 1e-9;
 
 impl Shells {
@@ -157,26 +159,24 @@ impl Shells {
         turned: &[bool],
     ) -> Vec<Shell> {
         let mut shells: BTreeMap<usize, Shell> = BTreeMap::new();
-        if mesh.triangles.is_empty() {
-            return Vec::new();
-        }
-        let center = mesh.bounds().center();
         for (face, _) in left_out.iter().enumerate().filter(|(_, out)| !**out) {
             let (root, _) = self.find(face);
             if self.open[root] {
                 continue;
             }
-            let [a, b, c] = mesh.corners(face).map(|corner| corner - center);
+            let corners = mesh.corners(face);
             let shell = shells.entry(root).or_insert(Shell {
                 root,
                 first_face: face,
                 is_mixed: self.mixed[root],
+                origin: corners[0],
                 volume: 0.0,
                 bounds: DBounds::EMPTY,
             });
+            let [a, b, c] = corners.map(|corner| corner - shell.origin);
             let volume = a.dot(b.cross(c));
             shell.volume += if turned[face] { -volume } else { volume };
-            for corner in [a, b, c] {
+            for corner in corners {
                 shell.bounds = shell.bounds.with_point(corner);
             }
         }
@@ -188,8 +188,7 @@ impl Shell {
     /// Those of the closed surfaces whose faces look inwards, but for those that lie in others: these bound a hollow.
     pub fn inside_out(shells: &[Self]) -> impl Iterator<Item = &Self> {
         let is_solid = |shell: &&Self| {
-            let size = shell.bounds.size();
-            shell.volume.abs() > LEAST_VOLUME * size.x * size.y * size.z
+            shell.volume.abs() > LEAST_VOLUME * shell.bounds.size().length().powi(3)
         };
         let (mut outer, inner): (Vec<&Self>, Vec<&Self>) = shells
             .iter()

@@ -206,6 +206,29 @@ mod tests {
         assert!(volume(&repaired) > volume(&apart));
     }
 
+    /// Two triangles back to back, in a box without a width, which rounding gives a volume.
+    #[test]
+    fn a_sheet_folded_on_itself_has_no_inside() {
+        let mut random = Random::new(8);
+        for _ in 0..100 {
+            let corners = [0; 3].map(|_| random.in_cube().with_x(0.1));
+            let mut folded = TriangleMesh {
+                positions: corners.to_vec(),
+                triangles: vec![[0, 1, 2], [1, 0, 2]],
+                ..TriangleMesh::default()
+            };
+            // A body far away moves the middle of the mesh.
+            let ball = icosphere(0);
+            folded
+                .positions
+                .extend(ball.positions.iter().map(|&p| p + 1e3));
+            folded
+                .triangles
+                .extend(ball.triangles.iter().map(|t| t.map(|vertex| vertex + 3)));
+            assert_eq!(Winding::of(&folded).inside_out, 0);
+        }
+    }
+
     #[test]
     fn an_open_sheet_follows_most_of_its_triangles() {
         let mut sheet = TriangleMesh {
