@@ -7,6 +7,7 @@
 //!
 //! Triangles are numbered part after part, copy after copy.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::boxes::narrowed;
@@ -24,6 +25,8 @@ pub enum Part {
     Flat(u32),
     /// Copies of a shared structure.
     Copies(Copies),
+    /// Copies of a shared structure, in place of this many of the triangles that occur once, which no ray meets any more.
+    Moved(Copies, u32),
 }
 
 /// A shared structure in several places, all turned alike.
@@ -40,7 +43,7 @@ pub struct Copies {
 /// A flat structure and placed copies of shared ones; answers as one structure over all triangles would.
 #[derive(Clone, Debug)]
 pub struct Assembly {
-    flat: Accelerator,
+    flat: Arc<Accelerator>,
     shared: Vec<Arc<Accelerator>>,
     parts: Vec<PlacedPart>,
     /// For each flat part, its first triangle in the flat structure and in the scene.
@@ -84,12 +87,17 @@ struct Copy {
 }
 
 impl Assembly {
-    /// The scene of `parts`, of which the flat ones are the triangles of `flat`, one after the other.
+    /// The scene of `parts`, of which the flat ones, and those that moved, are the triangles of `flat`, one after the other.
     ///
     /// # Panics
     /// When there are more triangles than `u32` can number, or the parts do not fit the structures.
     #[must_use]
-    pub fn new(flat: Accelerator, shared: Vec<Arc<Accelerator>>, parts: Vec<Part>) -> Self {
+    pub fn new(
+        flat: impl Into<Arc<Accelerator>>,
+        shared: Vec<Arc<Accelerator>>,
+        parts: Vec<Part>,
+    ) -> Self {
+        let flat = flat.into();
         let mut assembly = Self {
             bounds: flat.bounds(),
             tree: None,
@@ -111,6 +119,10 @@ impl Assembly {
                     (start + count, Content::Flat(first))
                 }
                 Part::Copies(copies) => assembly.place(copies, start, &mut boxes),
+                Part::Moved(copies, count) => {
+                    in_flat += count;
+                    assembly.place(copies, start, &mut boxes)
+                }
             };
             assembly.parts.push(PlacedPart {
                 start,
@@ -124,7 +136,7 @@ impl Assembly {
             assembly.flat.triangle_count(),
             "flat parts and triangles"
         );
-        if !matches!(assembly.flat, Accelerator::BruteForce(_)) {
+        if !matches!(*assembly.flat, Accelerator::BruteForce(_)) {
             assembly.tree = Some(BoxTree::build(&boxes));
         }
         let all = boxes.iter().copied();
@@ -359,7 +371,7 @@ impl Assembly {
             }
         }
         let shared = self.shared.iter().map(|structure| &**structure).zip(areas);
-        std::iter::once((&self.flat, area_of(&self.flat.bounds()))).chain(shared)
+        std::iter::once((&*self.flat, area_of(&self.flat.bounds()))).chain(shared)
     }
 
     /// The same scene in other structures: `build` gets the triangles of each, the flat one first. `None` where that returns
@@ -402,7 +414,7 @@ impl Assembly {
 
     /// The structure over the triangles that occur once.
     #[must_use]
-    pub fn flat(&self) -> &Accelerator {
+    pub fn flat(&self) -> &Arc<Accelerator> {
         &self.flat
     }
 
@@ -428,6 +440,16 @@ impl Assembly {
         let after = self.flat_runs.partition_point(|run| run.0 <= in_flat);
         let (first, id) = self.flat_runs[after - 1];
         id + (in_flat - first)
+    }
+
+    /// The triangles of part `index` in [`Self::flat`]; `None` where they are those of copies.
+    #[must_use]
+    pub fn flat_range(&self, index: usize) -> Option<Range<u32>> {
+        let part = &self.parts[index];
+        match part.content {
+            Content::Flat(first) => Some(first..first + (part.end - part.start)),
+            Content::Copies { .. } => None,
+        }
     }
 
     /// Number of triangles, all copies counted.

@@ -17,6 +17,7 @@ mod item;
 mod node;
 mod packet;
 mod packet_rays;
+mod parted;
 mod quality;
 mod span;
 mod spatial;
