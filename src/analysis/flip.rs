@@ -9,6 +9,7 @@
 use rayon::prelude::*;
 
 use super::metrics::{SizesDiffer, check_sizes, is_finite};
+use crate::control::CancelToken;
 use crate::math::{DMat3, DVec2, DVec3};
 use crate::render::Image;
 
@@ -44,12 +45,30 @@ const XYZ_FROM_RGB: DMat3 = DMat3::from_cols(
 /// # Errors
 /// When the sizes differ.
 pub fn mean_flip(a: &Image, b: &Image) -> Result<f64, SizesDiffer> {
+    let Some(mean) = mean_flip_unless(a, b, &CancelToken::new())? else {
+        unreachable!("nobody cancels");
+    };
+    Ok(mean)
+}
+
+/// [`mean_flip`]; `None` when cancelled.
+///
+/// # Errors
+/// When the sizes differ.
+pub fn mean_flip_unless(
+    a: &Image,
+    b: &Image,
+    cancel: &CancelToken,
+) -> Result<Option<f64>, SizesDiffer> {
     check_sizes(a, b)?;
     let (width, height) = (a.width as usize, a.height as usize);
     let filters = Filters::new(PIXELS_PER_DEGREE);
-    let bands: Vec<(f64, u64)> = (0..height.div_ceil(BAND))
+    let bands: Option<Vec<(f64, u64)>> = (0..height.div_ceil(BAND))
         .into_par_iter()
         .map(|band| {
+            if cancel.is_cancelled() {
+                return None;
+            }
             let rows = band * BAND..height.min((band + 1) * BAND);
             let [of_a, of_b] = [a, b].map(|image| filters.look_at(image, &rows));
             let first = rows.start * width;
@@ -61,12 +80,15 @@ pub fn mean_flip(a: &Image, b: &Image) -> Result<f64, SizesDiffer> {
                     count += 1;
                 }
             }
-            (sum, count)
+            Some((sum, count))
         })
         .collect();
+    let Some(bands) = bands else {
+        return Ok(None);
+    };
     let sum: f64 = bands.iter().map(|(sum, _)| sum).sum();
     let count: u64 = bands.iter().map(|(_, count)| count).sum();
-    Ok(sum / count as f64)
+    Ok(Some(sum / count as f64))
 }
 
 /// What the eye sees at a pixel.
@@ -439,6 +461,9 @@ mod tests {
         }
         let expected = sum / (37.0 * 41.0);
         let found = mean_flip(&a, &b).unwrap();
+        let cancelled = CancelToken::new();
+        cancelled.cancel();
+        assert_eq!(mean_flip_unless(&a, &b, &cancelled), Ok(None));
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         assert!(found > 0.05 && found < 0.95);
         assert_eq!(mean_flip(&b, &a).unwrap(), found, "neither is preferred");

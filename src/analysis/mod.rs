@@ -13,5 +13,5 @@ pub mod proofs;
 pub mod report;
 
 pub use difference::{scaled_difference, signed_difference};
-pub use flip::mean_flip;
+pub use flip::{mean_flip, mean_flip_unless};
 pub use metrics::{LocatedDifference, Metrics, SizesDiffer, SquaredErrors};

@@ -1,12 +1,17 @@
-//! A picture on the screen that is filled in piece by piece.
+//! A picture on the screen that is filled in piece by piece, over a coarse one where that came first.
 //!
-//! Each piece that goes to the graphics driver on its own costs the window's thread some of the time it has for a frame, and a coarse
-//! picture comes as hundreds at once. So pieces are collected, and where there are many in a frame, what they cover goes as one, from a
-//! copy that is kept of all texels.
+//! What goes to the graphics driver costs the window's thread some of the time it has for a frame: each call a little, and each new
+//! texture, and each large block of memory on the way there, much. So a picture is cut into bands, each a texture of its own, which is made when
+//! the first piece lies in it; pieces side by side go there together; and what does not fit into a frame waits for the next.
 
-use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureOptions};
+use std::time::{Duration, Instant};
 
-use super::picture_buffer::EncodedTile;
+use egui::{
+    Color32, ColorImage, Painter, Rect, TextureFilter, TextureHandle, TextureId, TextureOptions,
+    pos2,
+};
+
+use super::picture_buffer::{CoarseTexels, EncodedTile};
 
 /// Sharp pixels when enlarged, smooth when reduced.
 const OPTIONS: TextureOptions = TextureOptions {
@@ -14,18 +19,45 @@ const OPTIONS: TextureOptions = TextureOptions {
     minification: TextureFilter::Linear,
     ..TextureOptions::NEAREST
 };
-/// So many pieces of a frame go one by one.
-const FEW: usize = 12;
+/// Rows of a band, in texels.
+const BAND: usize = 64;
+/// What a frame may spend on pieces. The driver takes about as long again.
+const BUDGET: Duration = Duration::from_micros(700);
 
-/// The texels of a picture, and the texture that shows them.
+/// The textures that show a picture, and what is to go there.
 #[derive(Default)]
 pub struct Canvas {
-    texture: Option<TextureHandle>,
-    texels: ColorImage,
+    coarse: Option<(TextureHandle, Rect)>,
+    new_coarse: Option<CoarseTexels>,
+    /// Width and height in texels.
+    size: [usize; 2],
+    bands: Vec<Band>,
     pending: Vec<EncodedTile>,
     /// Texels that were put on it, until they are all there are.
     covered: usize,
 }
+
+/// Some rows of a picture.
+#[derive(Default)]
+struct Band {
+    texture: Option<TextureHandle>,
+    /// Whether what the texture shows is of the present picture.
+    is_current: bool,
+}
+
+/// A texture, where it lies in the picture (shares of width and height), and what of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CanvasLayer {
+    /// It.
+    pub texture: TextureId,
+    /// Where it lies, `0..=1` along each axis.
+    pub place: Rect,
+    /// The part of it that is shown, `0..=1` along each axis.
+    pub part: Rect,
+}
+
+/// All of something.
+const WHOLE: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
 
 impl Canvas {
     /// Takes in a piece; it shows from [`Self::flush`] on.
@@ -33,117 +65,391 @@ impl Canvas {
         self.pending.push(tile);
     }
 
-    /// Shows what was taken in, on a texture of `size` texels.
+    /// Takes in a coarse picture, which shows from [`Self::flush`] on in place of all that there was.
+    pub fn put_coarse(&mut self, texels: CoarseTexels) {
+        self.pending.clear();
+        self.new_coarse = Some(texels);
+    }
+
+    /// Shows what was taken in, on textures of `size` texels, as much as a frame has time for.
     pub fn flush(&mut self, ctx: &egui::Context, size: [usize; 2]) {
+        if let Some(coarse) = self.new_coarse.take() {
+            self.show_coarse(ctx, coarse);
+        }
         if self.pending.is_empty() {
             return;
         }
-        let texels = &mut self.texels;
-        let texture = self.texture.get_or_insert_with(|| {
-            *texels = ColorImage::filled(size, Color32::TRANSPARENT);
-            ctx.load_texture("picture", texels.clone(), OPTIONS)
-        });
-        let is_one = self.pending.len() > FEW;
-        let (mut first, mut end) = ([usize::MAX; 2], [0; 2]);
-        for EncodedTile { position, pixels } in self.pending.drain(..) {
-            self.covered = (self.covered + pixels.pixels.len()).min(size[0] * size[1]);
-            copy_into(texels, position, &pixels);
-            for axis in [0, 1] {
-                first[axis] = first[axis].min(position[axis]);
-                end[axis] = end[axis].max(position[axis] + pixels.size[axis]);
-            }
-            if !is_one {
-                texture.set_partial(position, pixels, OPTIONS);
+        if self.size != size {
+            self.size = size;
+            self.covered = 0;
+            self.bands.clear();
+            self.bands
+                .resize_with(size[1].div_ceil(BAND), Band::default);
+        }
+        let started = Instant::now();
+        let mut runs = joined(std::mem::take(&mut self.pending)).into_iter();
+        for run in runs.by_ref() {
+            self.show(ctx, run);
+            if started.elapsed() > BUDGET {
+                break;
             }
         }
-        if is_one {
-            texture.set_partial(first, part_of(texels, first, end), OPTIONS);
+        self.pending = runs.collect();
+        if !self.pending.is_empty() {
+            ctx.request_repaint();
+        } else if self.is_filled() {
+            self.coarse = None;
         }
     }
 
-    /// What there is to show; `None` before the first piece.
+    fn show_coarse(&mut self, ctx: &egui::Context, CoarseTexels { pixels, share }: CoarseTexels) {
+        self.covered = 0;
+        for band in &mut self.bands {
+            band.is_current = false;
+        }
+        let part = Rect::from_min_max(pos2(0.0, 0.0), share.to_pos2());
+        if let Some((texture, shown)) = &mut self.coarse {
+            texture.set(pixels, OPTIONS);
+            *shown = part;
+        } else {
+            let texture = ctx.load_texture("coarse picture", pixels, OPTIONS);
+            self.coarse = Some((texture, part));
+        }
+    }
+
+    /// Puts a piece on the bands that it lies in.
+    fn show(&mut self, ctx: &egui::Context, EncodedTile { position, pixels }: EncodedTile) {
+        let [x, top] = position;
+        let [columns, rows] = pixels.size;
+        let whole = self.size[0] * self.size[1];
+        self.covered = (self.covered + columns * rows).min(whole);
+        let mut texels = Some(pixels);
+        for number in top / BAND..(top + rows).div_ceil(BAND) {
+            let first = number * BAND;
+            let height = BAND.min(self.size[1] - first);
+            let inside = top.max(first)..(top + rows).min(first + height);
+            let part = if inside.len() == rows {
+                texels.take().expect("it lies in one band")
+            } else {
+                let whole = texels.as_ref().expect("it lies in several bands");
+                rows_of(whole, inside.start - top..inside.end - top)
+            };
+            let band = &mut self.bands[number];
+            let is_all = part.size == [self.size[0], height];
+            match &mut band.texture {
+                Some(texture) if is_all => texture.set(part, OPTIONS),
+                Some(texture) => {
+                    if !band.is_current {
+                        texture.set(clear([self.size[0], height]), OPTIONS);
+                    }
+                    texture.set_partial([x, inside.start - first], part, OPTIONS);
+                }
+                place @ None => {
+                    let load = |image| ctx.load_texture("picture", image, OPTIONS);
+                    let texture = if is_all {
+                        load(part)
+                    } else {
+                        let mut texture = load(clear([self.size[0], height]));
+                        texture.set_partial([x, inside.start - first], part, OPTIONS);
+                        texture
+                    };
+                    *place = Some(texture);
+                }
+            }
+            band.is_current = true;
+        }
+    }
+
+    /// All there is to show, each over the one before.
+    pub fn layers(&self) -> impl Iterator<Item = CanvasLayer> {
+        let coarse = self.coarse.as_ref().map(|(texture, part)| CanvasLayer {
+            texture: texture.id(),
+            place: WHOLE,
+            part: *part,
+        });
+        let rows = self.size[1].max(1) as f32;
+        let bands = self
+            .bands
+            .iter()
+            .enumerate()
+            .filter_map(move |(number, band)| {
+                let texture = band.texture.as_ref().filter(|_| band.is_current)?;
+                let edge = |number: usize| (number * BAND) as f32 / rows;
+                Some(CanvasLayer {
+                    texture: texture.id(),
+                    place: Rect::from_min_max(
+                        pos2(0.0, edge(number)),
+                        pos2(1.0, edge(number + 1).min(1.0)),
+                    ),
+                    part: WHOLE,
+                })
+            });
+        coarse.into_iter().chain(bands)
+    }
+
+    /// Whether there is anything to show.
     #[must_use]
-    pub fn texture(&self) -> Option<egui::TextureId> {
-        self.texture.as_ref().map(TextureHandle::id)
+    pub fn is_shown(&self) -> bool {
+        self.layers().next().is_some()
+    }
+
+    /// Draws it in `frame`.
+    pub fn paint(&self, painter: &Painter, frame: Rect) {
+        for CanvasLayer {
+            texture,
+            place,
+            part,
+        } in self.layers()
+        {
+            let corner = |at: egui::Pos2| frame.lerp_inside(at.to_vec2());
+            let place = Rect::from_min_max(corner(place.min), corner(place.max));
+            painter.image(texture, place, part, Color32::WHITE);
+        }
     }
 
     /// Whether something is on it everywhere: each pass over a picture brings every texel once.
     #[must_use]
     pub fn is_covered(&self) -> bool {
-        let [width, height] = self.texels.size;
-        self.texture.is_some() && self.covered >= width * height
+        self.coarse.is_some() || self.is_filled()
+    }
+
+    fn is_filled(&self) -> bool {
+        let [width, height] = self.size;
+        !self.bands.is_empty() && self.covered >= width * height
     }
 }
 
-/// Puts `piece` into `image`, with its corner at `position`.
-fn copy_into(image: &mut ColorImage, [x, y]: [usize; 2], piece: &ColorImage) {
-    let [width, _] = image.size;
-    for (row, texels) in piece.pixels.chunks_exact(piece.size[0].max(1)).enumerate() {
-        let start = (y + row) * width + x;
-        image.pixels[start..start + texels.len()].copy_from_slice(texels);
-    }
+fn clear(size: [usize; 2]) -> ColorImage {
+    ColorImage::filled(size, Color32::TRANSPARENT)
 }
 
-/// The texels from `first` up to and without `end`.
-fn part_of(image: &ColorImage, first: [usize; 2], end: [usize; 2]) -> ColorImage {
-    let [width, _] = image.size;
-    let size = [end[0] - first[0], end[1] - first[1]];
-    let mut texels = Vec::with_capacity(size[0] * size[1]);
-    for row in (first[1]..end[1]).map(|row| row * width) {
-        texels.extend_from_slice(&image.pixels[row + first[0]..row + end[0]]);
+/// Some rows of an image.
+fn rows_of(image: &ColorImage, rows: std::ops::Range<usize>) -> ColorImage {
+    let width = image.size[0];
+    let texels = image.pixels[rows.start * width..rows.end * width].to_vec();
+    ColorImage::new([width, rows.len()], texels)
+}
+
+/// The pieces, those side by side joined. Of several at one place the last counts.
+fn joined(mut pieces: Vec<EncodedTile>) -> Vec<EncodedTile> {
+    let place = |piece: &EncodedTile| {
+        let [x, y] = piece.position;
+        (y, piece.pixels.size[1], x)
+    };
+    // The last at each place first, then those of each row of pieces from left to right.
+    pieces.reverse();
+    pieces.sort_by_key(place);
+    pieces.dedup_by_key(|piece| (piece.position, piece.pixels.size));
+    let mut runs: Vec<Vec<EncodedTile>> = Vec::new();
+    for piece in pieces {
+        match runs.last_mut() {
+            Some(run) if continues(run, &piece) => run.push(piece),
+            _ => runs.push(vec![piece]),
+        }
     }
-    ColorImage::new(size, texels)
+    runs.into_iter().map(side_by_side).collect()
+}
+
+/// Whether `piece` lies beside the end of `run`, as high as that.
+fn continues(run: &[EncodedTile], piece: &EncodedTile) -> bool {
+    run.last().is_some_and(|last| {
+        let [x, y] = last.position;
+        let [width, height] = last.pixels.size;
+        piece.position == [x + width, y] && piece.pixels.size[1] == height
+    })
+}
+
+/// The pieces of a run as one.
+fn side_by_side(mut run: Vec<EncodedTile>) -> EncodedTile {
+    if run.len() == 1 {
+        return run.swap_remove(0);
+    }
+    let height = run[0].pixels.size[1];
+    let width = run.iter().map(|piece| piece.pixels.size[0]).sum();
+    let mut texels = Vec::with_capacity(width * height);
+    for row in 0..height {
+        for EncodedTile { pixels, .. } in &run {
+            let columns = pixels.size[0];
+            texels.extend_from_slice(&pixels.pixels[row * columns..][..columns]);
+        }
+    }
+    EncodedTile {
+        position: run[0].position,
+        pixels: ColorImage::new([width, height], texels),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn many_pieces_go_as_one_and_few_one_by_one() {
-        let ctx = egui::Context::default();
-        let piece = |x: usize, y: usize| EncodedTile {
+    fn piece([x, y]: [usize; 2], size: [usize; 2], gray: u8) -> EncodedTile {
+        EncodedTile {
             position: [x, y],
-            pixels: ColorImage::filled(
-                [2, 1],
-                Color32::from_gray(u8::try_from(x + 10 * y).unwrap()),
-            ),
-        };
-        let mut canvas = Canvas::default();
-        canvas.flush(&ctx, [8, 6]);
-        assert_eq!((canvas.texture(), canvas.is_covered()), (None, false));
-        let deltas = || {
+            pixels: ColorImage::filled(size, Color32::from_gray(gray)),
+        }
+    }
+
+    /// What the textures of `canvas` show, by a look at all that was sent there.
+    #[derive(Default)]
+    struct Screen(std::collections::HashMap<TextureId, ColorImage>);
+
+    impl Screen {
+        /// Takes in what was sent; returns the number of texels.
+        fn take(&mut self, ctx: &egui::Context) -> usize {
             let mut delta = ctx.tex_manager().write().take_delta();
-            let of_picture = std::mem::take(&mut delta.set).into_values().flatten();
-            let partial = of_picture.filter(|delta| delta.pos.is_some());
-            partial
-                .map(|delta| (delta.pos.unwrap(), delta.image.size()))
-                .collect::<Vec<_>>()
-        };
-        canvas.put(piece(2, 1));
-        canvas.put(piece(4, 5));
-        canvas.flush(&ctx, [8, 6]);
-        assert_eq!(deltas(), [([2, 1], [2, 1]), ([4, 5], [2, 1])]);
-        for y in 1..6 {
-            for x in [2, 4, 6] {
-                canvas.put(piece(x, y));
+            let mut sent = 0;
+            for (id, deltas) in std::mem::take(&mut delta.set) {
+                for delta in deltas {
+                    let egui::ImageData::Color(image) = delta.image;
+                    sent += image.pixels.len();
+                    let Some([x, y]) = delta.pos else {
+                        self.0.insert(id, (*image).clone());
+                        continue;
+                    };
+                    let Some(whole) = self.0.get_mut(&id) else {
+                        continue;
+                    };
+                    for row in 0..image.size[1] {
+                        for column in 0..image.size[0] {
+                            whole[(x + column, y + row)] = image[(column, row)];
+                        }
+                    }
+                }
+            }
+            sent
+        }
+
+        /// The texel at the middle of a pixel of a picture of `size`.
+        fn texel(&self, canvas: &Canvas, [x, y]: [usize; 2], size: [usize; 2]) -> Option<Color32> {
+            let at = pos2(
+                (x as f32 + 0.5) / size[0] as f32,
+                (y as f32 + 0.5) / size[1] as f32,
+            );
+            let seen = canvas.layers().filter(|layer| layer.place.contains(at));
+            let colors = seen.filter_map(|layer| {
+                let image = self.0.get(&layer.texture)?;
+                let share = (at - layer.place.min) / layer.place.size();
+                let within = layer.part.min + share * layer.part.size();
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "within the image"
+                )]
+                let index = |share: f32, count: usize| (share * count as f32) as usize;
+                let [columns, rows] = image.size;
+                Some(image[(index(within.x, columns), index(within.y, rows))])
+                    .filter(|color| *color != Color32::TRANSPARENT)
+            });
+            colors.last()
+        }
+    }
+
+    fn flush_all(canvas: &mut Canvas, ctx: &egui::Context, size: [usize; 2]) {
+        loop {
+            canvas.flush(ctx, size);
+            if canvas.pending.is_empty() {
+                return;
             }
         }
-        canvas.flush(&ctx, [8, 6]);
-        assert_eq!(deltas(), [([2, 1], [6, 5])]);
-        let texels = &canvas.texels;
-        assert_eq!(texels.pixels[8 * 5 + 7], Color32::from_gray(56));
-        assert_eq!(texels.pixels[8 * 5 + 1], Color32::TRANSPARENT);
-        let part = part_of(texels, [4, 4], [8, 6]);
-        assert_eq!(part.size, [4, 2]);
-        assert_eq!(part.pixels[7], Color32::from_gray(56));
+    }
+
+    #[test]
+    fn pieces_side_by_side_are_joined_and_the_last_at_a_place_counts() {
+        let pieces = vec![
+            piece([4, 2], [2, 2], 1),
+            piece([0, 0], [2, 2], 2),
+            piece([2, 2], [2, 2], 3),
+            piece([2, 0], [2, 1], 4),
+            piece([2, 2], [2, 2], 5),
+            piece([8, 2], [2, 2], 6),
+        ];
+        let runs = joined(pieces);
+        let places: Vec<_> = runs.iter().map(|r| (r.position, r.pixels.size)).collect();
+        let expected = [
+            ([2, 0], [2, 1]),
+            ([0, 0], [2, 2]),
+            ([2, 2], [4, 2]),
+            ([8, 2], [2, 2]),
+        ];
+        assert_eq!(places, expected);
+        assert_eq!(runs[2].pixels[(0, 1)], Color32::from_gray(5));
+        assert_eq!(runs[2].pixels[(2, 0)], Color32::from_gray(1));
+    }
+
+    #[test]
+    fn pieces_show_where_they_belong_across_the_edges_of_bands() {
+        let (ctx, size) = (egui::Context::default(), [50, 150]);
+        let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+        canvas.flush(&ctx, size);
+        assert!(!canvas.is_shown() && !canvas.is_covered());
+        canvas.put(piece([3, 60], [20, 80], 7));
+        canvas.put(piece([23, 60], [20, 80], 8));
+        flush_all(&mut canvas, &ctx, size);
+        screen.take(&ctx);
+        let at = |place| screen.texel(&canvas, place, size);
+        for row in [60, 63, 64, 127, 128, 139] {
+            assert_eq!(at([3, row]), Some(Color32::from_gray(7)), "row {row}");
+            assert_eq!(at([42, row]), Some(Color32::from_gray(8)), "row {row}");
+            assert_eq!((at([2, row]), at([43, row])), (None, None));
+        }
+        assert_eq!((at([10, 59]), at([10, 140])), (None, None));
         assert!(!canvas.is_covered());
-        for y in 0..6 {
-            for x in [0, 2, 4, 6] {
-                canvas.put(piece(x, y));
-            }
-        }
-        canvas.flush(&ctx, [8, 6]);
+        canvas.put(piece([0, 0], size, 9));
+        flush_all(&mut canvas, &ctx, size);
         assert!(canvas.is_covered());
+        screen.take(&ctx);
+        assert_eq!(
+            screen.texel(&canvas, [49, 149], size),
+            Some(Color32::from_gray(9))
+        );
+    }
+
+    #[test]
+    fn what_a_frame_has_no_time_for_waits_for_the_next() {
+        let (ctx, size) = (egui::Context::default(), [2048, 8192]);
+        let mut canvas = Canvas::default();
+        for y in (0..size[1]).step_by(64) {
+            canvas.put(piece([0, y], [size[0], 64], 1));
+        }
+        let mut frames = 0;
+        while !canvas.is_covered() {
+            let before = canvas.covered;
+            canvas.flush(&ctx, size);
+            assert!(canvas.covered > before, "each frame shows something");
+            frames += 1;
+        }
+        assert!(frames > 1 && canvas.pending.is_empty());
+    }
+
+    #[test]
+    fn a_coarse_picture_takes_the_place_of_what_was_there_until_pieces_cover_it() {
+        let (ctx, size) = (egui::Context::default(), [8, 70]);
+        let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+        canvas.put(piece([0, 0], size, 200));
+        flush_all(&mut canvas, &ctx, size);
+        canvas.put(piece([0, 0], size, 201));
+        canvas.put_coarse(CoarseTexels {
+            pixels: ColorImage::filled([2, 18], Color32::from_gray(9)),
+            share: egui::vec2(1.0, 70.0 / 72.0),
+        });
+        canvas.flush(&ctx, size);
+        screen.take(&ctx);
+        assert!(canvas.is_covered());
+        for place in [[0, 0], [7, 69]] {
+            assert_eq!(
+                screen.texel(&canvas, place, size),
+                Some(Color32::from_gray(9))
+            );
+        }
+        canvas.put(piece([2, 2], [1, 1], 50));
+        flush_all(&mut canvas, &ctx, size);
+        screen.take(&ctx);
+        let at = |place| screen.texel(&canvas, place, size);
+        assert_eq!(at([2, 2]), Some(Color32::from_gray(50)));
+        assert_eq!(at([3, 2]), Some(Color32::from_gray(9)), "nothing of before");
+        canvas.put(piece([0, 0], size, 51));
+        flush_all(&mut canvas, &ctx, size);
+        assert!(canvas.coarse.is_none() && canvas.is_covered());
     }
 }

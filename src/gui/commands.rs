@@ -71,6 +71,8 @@ pub enum Command {
     ToggleErrorPlot,
     /// Show or hide the renders of this session.
     ToggleRenders,
+    /// Outline the tiles that are being rendered, or no longer.
+    ToggleTiles,
     /// Show the picture of the render before the shown one.
     ShowOlderRender,
     /// Show the picture of the render after the shown one.
@@ -122,7 +124,7 @@ pub enum TextureUse {
 
 impl Command {
     /// All of them, by menu, but for those of buttons alone.
-    pub const ALL: [Self; 51] = [
+    pub const ALL: [Self; 52] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -164,6 +166,7 @@ impl Command {
         Self::TogglePanel,
         Self::ToggleErrorPlot,
         Self::ToggleRenders,
+        Self::ToggleTiles,
         Self::ShowOlderRender,
         Self::ShowNewerRender,
         Self::Compare,
@@ -214,6 +217,7 @@ impl Command {
             Self::TogglePanel => "Side panel",
             Self::ToggleErrorPlot => "Error plot",
             Self::ToggleRenders => "Renders",
+            Self::ToggleTiles => "Outline tiles at work",
             Self::ShowOlderRender => "Older render",
             Self::ShowNewerRender => "Newer render",
             Self::Compare => "Compare with another render",
@@ -288,6 +292,7 @@ impl Command {
             Self::TogglePanel => "Show or hide the side panel",
             Self::ToggleErrorPlot => "Plot the noise of renders against time",
             Self::ToggleRenders => "Show the renders of this session, to look at them again",
+            Self::ToggleTiles => "Outline the parts of the picture that are being rendered now",
             Self::ShowOlderRender => "Show the picture of the render before this one",
             Self::ShowNewerRender => "Show the picture of the render after this one",
             Self::Compare => "Compare the shown picture with the render before it; again to stop",
@@ -366,6 +371,7 @@ impl Command {
             Self::TogglePanel => const { &[plain(Key::F9)] },
             Self::ToggleErrorPlot => const { &[plain(Key::F8)] },
             Self::ToggleRenders => const { &[plain(Key::F6)] },
+            Self::ToggleTiles => const { &[plain(Key::O)] },
             Self::ShowOlderRender => const { &[plain(Key::PageUp)] },
             Self::ShowNewerRender => const { &[plain(Key::PageDown)] },
             Self::Compare => const { &[plain(Key::C)] },
@@ -399,6 +405,9 @@ impl Command {
         self.shortcuts().iter().map(|keys| match keys.logical_key {
             Key::Questionmark => "?".to_owned(),
             Key::Escape => "Esc".to_owned(),
+            Key::Plus => "+".to_owned(),
+            Key::Minus => "-".to_owned(),
+            Key::Equals => "=".to_owned(),
             _ => ctx.format_shortcut(keys),
         })
     }

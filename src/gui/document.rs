@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::selection::Selection;
 use super::undo::{Snapshot, UndoHistory};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Camera, RadianceMap, Scene, TextureImage};
+use crate::scene::{Camera, Object, RadianceMap, Scene, TextureImage};
 
 /// A scene, the file it belongs to, and its last saved state.
 #[derive(Clone, Debug)]
@@ -191,14 +191,17 @@ pub fn same_picture_but_camera(a: &Scene, b: &Scene) -> bool {
 /// Whether two scenes have the same triangles in the same structure.
 #[must_use]
 pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
-    let shape = |scene: &Scene, index: usize| {
-        let object = &scene.objects[index];
-        (
-            object.placement(),
-            object.copies,
-            object.smooth.then_some(object.crease_angle),
-            object.repair_winding,
-        )
+    let place = |object: &Object| (object.placement(), object.copies);
+    let pairs = || a.objects.iter().zip(&b.objects);
+    same_geometry_but_places(a, b) && pairs().all(|(x, y)| place(x) == place(y))
+}
+
+/// [`same_geometry`], wherever the objects are.
+#[must_use]
+pub fn same_geometry_but_places(a: &Scene, b: &Scene) -> bool {
+    let shape = |object: &Object| {
+        let smooth = object.smooth.then_some(object.crease_angle);
+        (smooth, object.repair_winding)
     };
     a.objects.len() == b.objects.len()
         && a.render.accelerator == b.render.accelerator
@@ -206,8 +209,7 @@ pub fn same_geometry(a: &Scene, b: &Scene) -> bool {
         && a.objects
             .iter()
             .zip(&b.objects)
-            .all(|(x, y)| x.mesh == y.mesh)
-        && (0..a.objects.len()).all(|index| shape(a, index) == shape(b, index))
+            .all(|(x, y)| x.mesh == y.mesh && shape(x) == shape(y))
         && same_shared(&a.meshes, &b.meshes)
 }
 

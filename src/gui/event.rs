@@ -10,7 +10,7 @@ use super::dialogs::files::Answer;
 use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
-use super::picture_buffer::{EncodedTile, PictureBuffer};
+use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
 use super::ray_view::WantedRays;
 use super::report::Findings;
 use super::time_estimate::Subject;
@@ -74,6 +74,8 @@ pub enum Event {
     Placed(Box<Placed>),
     /// The scene can be rendered, or why not.
     Prepared(Result<Box<PreparedScene>, String>),
+    /// A coarse picture of the running render.
+    Coarse(CoarseTexels),
     /// A tile of the running render.
     Tile(EncodedTile),
     /// A piece of a picture that is shown anew.

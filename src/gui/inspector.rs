@@ -98,17 +98,20 @@ fn numbers(rgb: [f32; 3]) -> String {
         .join(" ")
 }
 
-/// Draws the line. `scale`: pixels of the screen per pixel of the picture.
-pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32) {
+/// Draws the line. `scale`: pixels of the screen per pixel of the picture; `is_live`: whether the wheel moves the camera there.
+pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_live: bool) {
     ui.horizontal(|ui| {
         ui.set_min_height(HEIGHT);
         ui.spacing_mut().item_spacing.x = 8.0;
         let zoom = format!("{:.0} %", scale * 100.0);
-        ui.label(RichText::new(zoom).strong().size(12.0)).on_hover_text(
-            "Pixels of the screen per pixel of the picture; turn the wheel over the picture to change it",
-        );
+        let enlarging = if is_live { "press +" } else { "turn the wheel" };
+        ui.label(RichText::new(zoom).strong().size(12.0))
+            .on_hover_text(format!(
+                "Pixels of the screen per pixel of the picture; {enlarging} over the picture to enlarge it"
+            ));
         let Some(inspected) = inspected else {
-            let hint = "Point at the picture to see its values  ·  turn the wheel to enlarge it";
+            let hint =
+                format!("Point at the picture to see its values  ·  {enlarging} to enlarge it");
             ui.label(RichText::new(hint).weak().size(12.0));
             return;
         };

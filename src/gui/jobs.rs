@@ -10,12 +10,13 @@
 //! generation: whatever an older job still sends is dropped, so the window never shows a result it no longer wants. A
 //! job that panics is reported in words like any other failure; the window and its scene go on.
 
+use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::control::CancelToken;
 use crate::render::panic_message;
@@ -95,9 +96,11 @@ impl Lane {
 /// What the window holds of its background work. `E` is what jobs have to say.
 #[derive(Debug)]
 pub struct Jobs<E> {
-    wake: egui::Context,
+    wake: Wake,
     sender: Sender<Message<E>>,
     receiver: Receiver<Message<E>>,
+    /// What came while something was waited for.
+    early: VecDeque<Message<E>>,
     lanes: [LaneState; LANES],
     /// Threads that must end before the program does.
     must_end: Vec<JoinHandle<()>>,
@@ -146,7 +149,17 @@ pub struct Job<E> {
     lane: Lane,
     generation: u64,
     sender: Sender<Message<E>>,
-    wake: egui::Context,
+    wake: Wake,
+}
+
+/// The window to wake when there is news, which may become another one.
+#[derive(Clone, Debug)]
+struct Wake(Arc<Mutex<egui::Context>>);
+
+impl Wake {
+    fn window(&self) -> MutexGuard<'_, egui::Context> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl<E> Job<E> {
@@ -168,7 +181,7 @@ impl<E> Job<E> {
         };
         // A closed window does not listen any more, which is fine.
         if self.sender.send(message).is_ok() {
-            self.wake.request_repaint_after(delay);
+            self.wake.window().request_repaint_after(delay);
         }
     }
 }
@@ -179,12 +192,18 @@ impl<E: Send + 'static> Jobs<E> {
     pub fn new(wake: egui::Context) -> Self {
         let (sender, receiver) = channel();
         Self {
-            wake,
+            wake: Wake(Arc::new(Mutex::new(wake))),
             sender,
             receiver,
+            early: VecDeque::new(),
             lanes: Default::default(),
             must_end: Vec::new(),
         }
+    }
+
+    /// From now on another window is woken, by what runs already too.
+    pub fn set_window(&mut self, window: egui::Context) {
+        *self.wake.window() = window;
     }
 
     /// Runs `work` on a thread of its own, in place of what the lane was doing.
@@ -244,6 +263,23 @@ impl<E: Send + 'static> Jobs<E> {
         self.lanes[lane as usize].threads.load(Ordering::Relaxed)
     }
 
+    /// Waits for the job of the lane to say something, or to end, but no longer than `most`.
+    pub fn wait_for(&mut self, lane: Lane, most: Duration) {
+        let end = Instant::now() + most;
+        let generation = self.lanes[lane as usize].generation;
+        while self.is_busy(lane)
+            && let Ok(message) = self
+                .receiver
+                .recv_timeout(end.saturating_duration_since(Instant::now()))
+        {
+            let is_it = message.lane == lane && message.generation == generation;
+            self.early.push_back(message);
+            if is_it {
+                return;
+            }
+        }
+    }
+
     /// The next thing a job that is still wanted has to say, if there is one. Never waits.
     pub fn next_event(&mut self) -> Option<News<E>> {
         loop {
@@ -251,7 +287,10 @@ impl<E: Send + 'static> Jobs<E> {
                 lane,
                 generation,
                 content,
-            } = self.receiver.try_recv().ok()?;
+            } = match self.early.pop_front() {
+                Some(message) => message,
+                None => self.receiver.try_recv().ok()?,
+            };
             let state = &mut self.lanes[lane as usize];
             if generation != state.generation {
                 continue;
@@ -285,7 +324,6 @@ impl<E> Drop for Jobs<E> {
 mod tests {
     use super::*;
     use crate::render::RenderFault;
-    use std::time::Instant;
 
     fn wait_for<E: Send + 'static>(jobs: &mut Jobs<E>) -> News<E> {
         let deadline = Instant::now() + Duration::from_secs(10);
@@ -358,6 +396,32 @@ mod tests {
         });
         drop(jobs);
         assert_eq!(written.load(Ordering::Relaxed), 1);
+    }
+
+    #[test]
+    fn what_comes_while_another_is_waited_for_is_not_lost() {
+        let mut jobs = Jobs::new(egui::Context::default());
+        jobs.start(Lane::Load, |job| job.send("scene"));
+        let first = wait_for(&mut jobs);
+        assert_eq!(first, News::Event("scene"));
+        let (release, wait) = channel::<()>();
+        jobs.start(Lane::Render, move |job| {
+            let _ = wait.recv();
+            job.send("picture");
+        });
+        let started = Instant::now();
+        jobs.wait_for(Lane::Render, Duration::from_millis(20));
+        assert!(
+            started.elapsed() >= Duration::from_millis(20),
+            "it says nothing"
+        );
+        jobs.start(Lane::SaveScene, move |job| {
+            job.send("saved");
+            release.send(()).unwrap();
+        });
+        jobs.wait_for(Lane::Render, Duration::from_secs(10));
+        let news = [wait_for(&mut jobs), wait_for(&mut jobs)];
+        assert_eq!(news, [News::Event("saved"), News::Event("picture")]);
     }
 
     #[test]

@@ -9,7 +9,7 @@
 //! - [`tool`], [`gizmo`], [`focus`]: what else the mouse does: moving things by handles, choosing what is sharp
 //! - [`ray_view`], [`box_view`]: the rays of a pixel, and the boxes of the structure that they pass
 //! - [`preview`], [`preview_image`]: the scene drawn by the GPU
-//! - [`picture`], [`picture_buffer`], [`canvas`]: the render as it fills in
+//! - [`picture`], [`picture_buffer`], [`canvas`], [`tile_outlines`], [`first_look`]: the render as it fills in
 //! - [`part`], [`region`], [`threads`]: which of its pixels, and who renders them
 //! - [`renders`], [`compare`]: the renders of this session, one against another
 //! - [`zoom`], [`look`], [`inspector`], [`histogram`], [`steps_legend`]: a picture looked at closely
@@ -39,6 +39,7 @@ pub mod edit;
 pub mod error_colors;
 pub mod error_plot;
 pub mod event;
+pub mod first_look;
 pub mod focus;
 pub mod gizmo;
 pub mod histogram;
@@ -67,6 +68,7 @@ pub mod status_bar;
 pub mod steps_legend;
 pub mod theme;
 pub mod threads;
+pub mod tile_outlines;
 pub mod time_estimate;
 pub mod tool;
 pub mod top_bar;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
+use super::first_look::FirstLook;
 use super::part::Part;
-use super::picture_buffer::{EncodedTile, PictureBuffer};
+use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
 use crate::control::Throttle;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
@@ -56,8 +57,12 @@ pub struct Picture {
     pub outcome: Outcome,
     /// Whether another took its place because the scene was edited while this one was looked at.
     pub is_replaced: bool,
-    /// From the click to the first tile on its way to the screen.
+    /// Whether its own job prepares its scene first.
+    pub is_preparing: bool,
+    /// From the click to the first tile, or the coarse picture, on its way to the screen.
     pub first_tile: Option<Duration>,
+    /// Where its render waits until the first look is drawn.
+    pub first_look: FirstLook,
     hold: Hold,
     /// What was edited since it began, and that it is not to be made anew for.
     passed_over: Option<(Scene, Part)>,
@@ -90,7 +95,9 @@ impl Picture {
             progress,
             outcome: Outcome::Running,
             is_replaced: false,
+            is_preparing: false,
             first_tile: None,
+            first_look: FirstLook::default(),
             hold: Hold::default(),
             passed_over: None,
             errors: Vec::new(),
@@ -107,6 +114,14 @@ impl Picture {
             self.first_tile = Some(self.elapsed());
         }
         self.canvas.put(tile);
+    }
+
+    /// Takes in a coarse picture.
+    pub fn take_coarse(&mut self, texels: CoarseTexels) {
+        if self.first_tile.is_none() {
+            self.first_tile = Some(self.elapsed());
+        }
+        self.canvas.put_coarse(texels);
     }
 
     /// Puts the tiles that were taken in on the screen.
@@ -132,10 +147,15 @@ impl Picture {
         self.canvas.is_covered()
     }
 
-    /// What there is to show; `None` before the first tile.
+    /// Whether there is anything to show.
     #[must_use]
-    pub fn texture(&self) -> Option<egui::TextureId> {
-        self.canvas.texture()
+    pub fn is_shown(&self) -> bool {
+        self.canvas.is_shown()
+    }
+
+    /// Draws what there is to show in `place`.
+    pub fn paint(&self, painter: &egui::Painter, place: egui::Rect) {
+        self.canvas.paint(painter, place);
     }
 
     /// Takes in what the render has learnt of its error since the last call.
@@ -156,6 +176,7 @@ impl Picture {
     /// Ends the picture.
     pub fn end(&mut self, outcome: Outcome) {
         self.take_errors();
+        self.is_preparing = false;
         self.elapsed = Some(self.elapsed());
         self.outcome = outcome;
         self.hold.0.allow(usize::MAX);
@@ -210,6 +231,12 @@ impl Picture {
     #[must_use]
     pub fn is_running(&self) -> bool {
         self.outcome == Outcome::Running
+    }
+
+    /// When the render was asked for.
+    #[must_use]
+    pub fn started(&self) -> Instant {
+        self.started
     }
 
     /// Time since the render was asked for, up to its end, without pauses.

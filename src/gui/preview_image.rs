@@ -1,5 +1,6 @@
 //! The preview's texture as egui shows it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::{egui_wgpu, wgpu};
@@ -7,10 +8,12 @@ use eframe::{egui_wgpu, wgpu};
 use super::focus::FocusAid;
 use super::preview::Preview;
 use super::preview::geometry::GpuGeometry;
-use super::preview::moved::Move;
 use super::preview::sky::GpuSky;
 use super::worker::Gpu;
-use crate::scene::Scene;
+use crate::scene::{Move, Scene};
+
+/// How many devices there were.
+static DEVICES: AtomicU64 = AtomicU64::new(0);
 
 /// A preview and its place among egui's textures.
 pub struct PreviewImage {
@@ -18,14 +21,30 @@ pub struct PreviewImage {
     render_state: egui_wgpu::RenderState,
     is_software: bool,
     texture: Option<egui::TextureId>,
+    /// See [`Gpu::number`].
+    number: u64,
     faults: Arc<Mutex<Vec<String>>>,
+    loss: Arc<Mutex<Option<String>>>,
 }
 
 impl PreviewImage {
-    /// A preview on the GPU that draws the window. From now on faults of the GPU, such as a lack of memory, do not end the
-    /// program: see [`PreviewImage::take_faults`].
+    /// A preview on the GPU that draws the window `ctx`. From now on faults of the GPU, such as a lack of memory, do not end the
+    /// program: see [`PreviewImage::take_faults`] and [`PreviewImage::loss`].
     #[must_use]
-    pub fn new(render_state: &egui_wgpu::RenderState) -> Self {
+    pub fn new(render_state: &egui_wgpu::RenderState, ctx: &egui::Context) -> Self {
+        let loss = Arc::new(Mutex::new(None));
+        let (sink, window) = (Arc::clone(&loss), ctx.clone());
+        let told = move |reason, message: String| {
+            let message = message.trim().trim_end_matches('.');
+            let text = match reason {
+                _ if !message.is_empty() => message.to_owned(),
+                wgpu::DeviceLostReason::Destroyed => "it was shut down".to_owned(),
+                wgpu::DeviceLostReason::Unknown => "it does not say why".to_owned(),
+            };
+            *sink.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
+            window.request_repaint();
+        };
+        render_state.device.set_device_lost_callback(told);
         let faults = Arc::new(Mutex::new(Vec::new()));
         let sink = Arc::clone(&faults);
         render_state
@@ -41,8 +60,25 @@ impl PreviewImage {
             render_state: render_state.clone(),
             is_software,
             texture: None,
+            number: DEVICES.fetch_add(1, Ordering::Relaxed),
             faults,
+            loss,
         }
+    }
+
+    /// Asks the driver whether the device is still there: it tells when it is asked for something.
+    pub fn ask_driver(&self) {
+        // What it says comes to `loss`.
+        let _ = self.device().poll(wgpu::PollType::Poll);
+    }
+
+    /// Why the device is of no use any more, as far as its driver has said; `None` as long as it is there.
+    #[must_use]
+    pub fn loss(&self) -> Option<String> {
+        self.loss
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
     }
 
     /// The device and its queue, for workers that upload triangles and images.
@@ -51,7 +87,14 @@ impl PreviewImage {
         Gpu {
             device: self.render_state.device.clone(),
             queue: self.render_state.queue.clone(),
+            number: self.number,
         }
+    }
+
+    /// The number of the device.
+    #[must_use]
+    pub fn device_number(&self) -> u64 {
+        self.number
     }
 
     /// The device.

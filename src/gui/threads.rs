@@ -1,5 +1,6 @@
 //! Which threads render.
 
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 /// How long after the last key, click or move of the mouse the user counts as working in the window.
@@ -40,7 +41,10 @@ impl Threads {
 /// Processor cores, as far as the system tells.
 #[must_use]
 pub fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    // The system reads files to tell, which is too slow for every frame.
+    static CORES: LazyLock<usize> =
+        LazyLock::new(|| std::thread::available_parallelism().map_or(1, usize::from));
+    *CORES
 }
 
 /// When the user last did something in the window.

@@ -23,6 +23,12 @@ struct Stamp {
 }
 
 impl Stamp {
+    /// That of no file.
+    const OTHER: Self = Self {
+        modified: None,
+        bytes: u64::MAX,
+    };
+
     /// That of `path`; `None` where there is no file now.
     fn of(path: &Path) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
@@ -39,6 +45,8 @@ struct Watched {
     /// `None` until it is looked at.
     read: Option<Stamp>,
     seen: Option<Stamp>,
+    /// When reading it began, as far as that is known.
+    began: Option<SystemTime>,
 }
 
 impl Watched {
@@ -50,7 +58,10 @@ impl Watched {
             // It may be about to be replaced.
             return false;
         };
-        let read = *self.read.get_or_insert(now);
+        let is_newer = now.modified.zip(self.began).is_some_and(|(a, b)| a > b);
+        let read = *self
+            .read
+            .get_or_insert(if is_newer { Stamp::OTHER } else { now });
         if read == now || !is_settled {
             return false;
         }
@@ -64,12 +75,17 @@ impl Watched {
 pub struct FileWatch(Arc<Mutex<BTreeMap<PathBuf, Watched>>>);
 
 impl FileWatch {
-    /// Watches these files from now on and no others. Those that were watched before go on being so.
-    pub fn set_files(&self, files: impl IntoIterator<Item = PathBuf>) {
+    /// Watches these files from now on and no others. Those that were watched before go on being so; of the others what was written after
+    /// `began` is a change: they were being read then.
+    pub fn set_files(&self, files: impl IntoIterator<Item = PathBuf>, began: Option<SystemTime>) {
         let mut watched = self.lock();
         let before = std::mem::take(&mut *watched);
         let kept = |path: PathBuf| {
-            let known = before.get(&path).copied().unwrap_or_default();
+            let new = Watched {
+                began,
+                ..Watched::default()
+            };
+            let known = before.get(&path).copied().unwrap_or(new);
             (path, known)
         };
         *watched = files.into_iter().map(kept).collect();
@@ -121,7 +137,7 @@ mod tests {
         let path = folder.path().join("a.off");
         let files = FileWatch::default();
         std::fs::write(&path, "1").unwrap();
-        files.set_files([path.clone()]);
+        files.set_files([path.clone()], None);
         let changed = || files.look().len();
         assert_eq!([changed(), changed()], [0, 0], "nothing has changed");
         std::fs::write(&path, "12").unwrap();
@@ -147,11 +163,28 @@ mod tests {
         let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
         let files = FileWatch::default();
         std::fs::write(&a, "1").unwrap();
-        files.set_files([a.clone()]);
+        files.set_files([a.clone()], None);
         files.look();
         std::fs::write(&a, "12").unwrap();
         std::fs::write(&b, "1").unwrap();
-        files.set_files([a.clone(), b.clone()]);
+        files.set_files([a.clone(), b.clone()], None);
         assert_eq!([files.look(), files.look()].concat(), [a]);
+    }
+
+    #[test]
+    fn a_file_that_changes_while_it_is_read_is_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
+        for path in [&before, &after] {
+            std::fs::write(path, "1").unwrap();
+        }
+        let written = Stamp::of(&before).unwrap().modified.unwrap();
+        let began = written + Duration::from_secs(5);
+        let file = std::fs::File::options().append(true).open(&after).unwrap();
+        file.set_modified(began + Duration::from_secs(5)).unwrap();
+        let files = FileWatch::default();
+        files.set_files([before, after.clone()], Some(began));
+        let found: Vec<_> = (0..4).flat_map(|_| files.look()).collect();
+        assert_eq!(found, [after], "once");
     }
 }

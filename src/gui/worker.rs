@@ -16,6 +16,7 @@ use super::app::Stale;
 use super::commands::TextureUse;
 use super::costs::PAIRS;
 use super::event::{Event, Reloaded};
+use super::first_look::FirstLook;
 use super::jobs::Job;
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
@@ -30,8 +31,9 @@ use crate::control::{Progress, Throttle};
 use crate::io::{self, LoadedScene};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
-    self, ErrorEstimate, Image, Layer, OnRound, PictureMemory, PreparedGeometry, PreparedScene,
-    PrimaryHitStore, RenderOutcome, RenderProgress, Round, RunConfig, TilePixels, Watch,
+    self, CoarsePicture, ErrorEstimate, Image, Layer, OnCoarse, OnRound, PictureMemory,
+    PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, Round,
+    RunConfig, Sketch, SketchStore, TilePixels, Watch,
 };
 use crate::scene::{Object, Scene, SceneError};
 
@@ -48,6 +50,24 @@ pub struct Placed {
     pub object_bounds: Arc<[DBounds]>,
     /// The middle of each object's mesh, in its own coordinates.
     pub object_centers: Arc<[DVec3]>,
+    /// Which device triangles and image are on, see [`Gpu::number`].
+    pub device: Option<u64>,
+}
+
+impl Placed {
+    /// The same where the device may be another one, which has nothing yet.
+    #[must_use]
+    pub fn on(self, device: Option<u64>) -> Self {
+        if self.device == device {
+            return self;
+        }
+        Self {
+            triangles: None,
+            sky: None,
+            device,
+            ..self
+        }
+    }
 }
 
 /// What uploads go to.
@@ -57,6 +77,8 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Takes it there.
     pub queue: wgpu::Queue,
+    /// Its number among the devices of this program: the library that knows them gives several the same name.
+    pub number: u64,
 }
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
@@ -111,22 +133,17 @@ pub fn load_texture(
     });
 }
 
-/// Reads again what has changed on disk. `known`: the scene whose meshes and images a scene file keeps.
-pub fn reload(job: &Job<Event>, stale: Stale, known: Scene) {
+/// Reads again what has changed on disk. `names`: of the meshes or textures in the file; `known`: the scene whose meshes and images a scene file
+/// keeps.
+pub fn reload(job: &Job<Event>, stale: Stale, names: &[String], known: Scene) {
     let (path, progress) = (stale.path(), Progress::new());
     let result = match &stale {
-        Stale::Meshes(_) => {
-            let names = names_in(path, known.meshes.keys());
-            unless_cancelled(io::load_again(path, &names, &job.cancel))
-                .map(|result| result.map(Reloaded::Meshes))
-        }
+        Stale::Meshes(_) => unless_cancelled(io::load_again(path, names, &job.cancel))
+            .map(|result| result.map(Reloaded::Meshes)),
         Stale::Image(_) => unless_cancelled(io::load_image(path, &job.cancel, &progress))
             .map(|result| result.map(Reloaded::Image)),
-        Stale::Textures(_) => {
-            let names = names_in(path, known.textures.keys());
-            unless_cancelled(io::load_textures_again(&names, &job.cancel))
-                .map(|result| result.map(Reloaded::Textures))
-        }
+        Stale::Textures(_) => unless_cancelled(io::load_textures_again(names, &job.cancel))
+            .map(|result| result.map(Reloaded::Textures)),
         Stale::Scene { .. } => unless_cancelled(io::reload_scene(path, &known, &job.cancel))
             .map(|result| result.map(|loaded| Reloaded::Scene(Box::new(loaded)))),
     };
@@ -136,14 +153,8 @@ pub fn reload(job: &Job<Event>, stale: Stale, known: Scene) {
     }
 }
 
-/// Those of `names` that are in the file at `path`.
-fn names_in<'a>(path: &Path, names: impl Iterator<Item = &'a String>) -> Vec<String> {
-    let names = names.filter(|name| Path::new(io::file_and_part(name).0) == path);
-    names.cloned().collect()
-}
-
 /// Prepares `scene`, keeping what is the same of what was placed and prepared before. It is told of twice: when it can be drawn, and when
-/// it can be rendered, which takes a tree. `progress` counts triangles that structures are built over.
+/// it can be rendered, which takes a tree. `progress` counts triangles that structures are built over. Returns what can be rendered.
 pub fn prepare(
     job: &Job<Event>,
     scene: &Scene,
@@ -151,26 +162,32 @@ pub fn prepare(
     prepared_before: Option<&PreparedScene>,
     gpu: Option<&Gpu>,
     progress: &Progress,
-) {
+) -> Option<PreparedScene> {
     let geometry = placed_before.as_ref().map(|placed| &placed.geometry);
     let placed = scene
         .validate()
         .and_then(|()| PreparedGeometry::place(scene, geometry, &job.cancel));
-    let geometry = match unless_cancelled(placed) {
-        None => return,
-        Some(Ok(geometry)) => geometry,
-        Some(Err(problem)) => return job.send(Event::Prepared(Err(problem))),
+    let geometry = match unless_cancelled(placed)? {
+        Ok(geometry) => geometry,
+        Err(problem) => {
+            job.send(Event::Prepared(Err(problem)));
+            return None;
+        }
     };
     let sky = preview_sky(scene, placed_before.as_ref(), gpu);
-    let unchanged = placed_before.filter(|before| Arc::ptr_eq(&before.geometry, &geometry));
+    // What a lost device held is brought to the new one.
+    let is_drawn = |placed: &Placed| placed.triangles.is_some() || gpu.is_none();
+    let unchanged =
+        placed_before.filter(|before| Arc::ptr_eq(&before.geometry, &geometry) && is_drawn(before));
     let placed = unchanged.unwrap_or_else(|| new_geometry(scene, Arc::clone(&geometry), gpu));
     job.send(Event::Placed(Box::new(Placed { sky, ..placed })));
 
     let (cancel, known) = (&job.cancel, prepared_before);
     let prepared = PreparedScene::prepare_placed(scene, &geometry, known, cancel, progress);
-    if let Some(result) = unless_cancelled(prepared) {
-        job.send(Event::Prepared(result.map(Box::new)));
-    }
+    let result = unless_cancelled(prepared)?;
+    let prepared = result.as_ref().ok().cloned();
+    job.send(Event::Prepared(result.map(Box::new)));
+    prepared
 }
 
 /// The image of the background of `scene` on the GPU: that of `previous` where it is the same.
@@ -179,7 +196,7 @@ fn preview_sky(scene: &Scene, previous: Option<&Placed>, gpu: Option<&Gpu>) -> O
     let known = previous.and_then(|previous| previous.sky.as_ref());
     match known.filter(|sky| Arc::ptr_eq(sky.source(), map)) {
         Some(known) => Some(Arc::clone(known)),
-        None => gpu.map(|Gpu { device, queue }| Arc::new(GpuSky::upload(device, queue, map))),
+        None => gpu.map(|Gpu { device, queue, .. }| Arc::new(GpuSky::upload(device, queue, map))),
     }
 }
 
@@ -202,6 +219,7 @@ fn new_geometry(description: &Scene, geometry: Arc<PreparedGeometry>, gpu: Optio
         geometry,
         triangles,
         sky: None,
+        device: gpu.map(|gpu| gpu.number),
         object_bounds: description.objects.iter().map(bounds_of).collect(),
         object_centers: description.objects.iter().map(center_of).collect(),
     }
@@ -216,6 +234,10 @@ pub struct RenderRequest {
     pub scene: Scene,
     /// What was prepared last.
     pub previous: Option<PreparedScene>,
+    /// How to prepare the scene, where its triangles are others by now.
+    pub preparation: Option<Preparation>,
+    /// Where to wait until the first look is drawn; `None` where the render goes on meanwhile.
+    pub first_look: Option<FirstLook>,
     /// What is known of the rays from the eye.
     pub primary_hits: PrimaryHitStore,
     /// Render threads; 0 is one per core.
@@ -230,29 +252,46 @@ pub struct RenderRequest {
     pub tile_delay: Duration,
 }
 
+/// How a render prepares its scene itself: a picture that follows what moves shows where that is first.
+#[derive(Clone, Debug)]
+pub struct Preparation {
+    /// What was placed last.
+    pub placed: Placed,
+    /// What is kept from one sketch to the next.
+    pub sketches: SketchStore,
+    /// What uploads go to.
+    pub gpu: Option<Gpu>,
+    /// How far the structure is.
+    pub progress: Progress,
+    /// Whether something is held that moves on: before it rests, preparing would be in vain.
+    pub is_held: bool,
+}
+
+/// How long something that is held must rest to be rendered as it is.
+const HELD_REST: Duration = Duration::from_millis(150);
+
 /// The share of a render's time that the error of each pixel may take while nobody looks at it.
 const ERROR_LAYER_SHARE: f64 = 0.02;
 
 /// Renders a scene, sending every tile.
 pub fn render(job: &Job<Event>, request: &RenderRequest) {
-    let previous = request.previous.as_ref();
-    let prepared = match PreparedScene::prepare(&request.scene, previous, &job.cancel) {
-        Ok(Some(prepared)) => prepared,
-        Ok(None) => return,
-        Err(error) => {
-            return job.send(Event::RenderFailed {
-                text: error.to_string(),
-                is_short_of_memory: matches!(error, SceneError::TooLittleMemory { .. }),
-            });
-        }
-    };
     let run = RunConfig {
         threads: request.threads,
         cancel: job.cancel.clone(),
         throttle: request.throttle.clone(),
         layers: !request.buffer.layers().is_empty(),
-        coarse_first: true,
         ..RunConfig::default()
+    };
+    let on_coarse = |coarse: &CoarsePicture| {
+        if let Some(texels) = request.buffer.accept_coarse(coarse) {
+            job.send(Event::Coarse(texels));
+            if let Some(look) = &request.first_look {
+                look.wait(&job.cancel);
+            }
+        }
+    };
+    let Some((prepared, is_sketched)) = prepared_to_render(job, request, &run, &on_coarse) else {
+        return;
     };
     let region = request.buffer.part().region();
     let memory = PictureMemory {
@@ -298,6 +337,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     };
     let keeps_error = request.buffer.layers().contains(&Layer::Error);
     let watch = Watch {
+        on_coarse: (!is_sketched).then_some(&on_coarse as OnCoarse<'_>),
         on_tile: Some(&on_tile),
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
         ..Watch::default()
@@ -318,6 +358,65 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     }
     let stats = Box::new(stats);
     job.send(Event::Rendered { hash, stats });
+}
+
+/// The scene of a render, and whether a coarse picture of it is shown already; `None` where there is no such thing, which is told, or when
+/// cancelled.
+fn prepared_to_render(
+    job: &Job<Event>,
+    request: &RenderRequest,
+    run: &RunConfig,
+    on_coarse: OnCoarse<'_>,
+) -> Option<(PreparedScene, bool)> {
+    let (scene, previous) = (&request.scene, request.previous.as_ref());
+    if let Some(preparation) = &request.preparation {
+        let is_sketched = sketch(request, preparation, run, on_coarse)?;
+        let Preparation {
+            placed,
+            gpu,
+            progress,
+            ..
+        } = preparation;
+        let placed = Some(placed.clone());
+        let prepared = prepare(job, scene, placed, previous, gpu.as_ref(), progress);
+        return prepared.map(|prepared| (prepared, is_sketched));
+    }
+    match PreparedScene::prepare(scene, previous, &job.cancel) {
+        Ok(prepared) => prepared.map(|prepared| (prepared, false)),
+        Err(error) => {
+            job.send(Event::RenderFailed {
+                text: error.to_string(),
+                is_short_of_memory: matches!(error, SceneError::TooLittleMemory { .. }),
+            });
+            None
+        }
+    }
+}
+
+/// Shows where things are now by a coarse picture, where that is quicker than preparing the scene, and waits for what is held to rest.
+/// Returns whether it is shown; `None` when cancelled.
+fn sketch(
+    request: &RenderRequest,
+    preparation: &Preparation,
+    run: &RunConfig,
+    on_coarse: OnCoarse<'_>,
+) -> Option<bool> {
+    let (scene, cancel) = (&request.scene, &run.cancel);
+    let previous = request.previous.as_ref();
+    let sketch = previous.map(|known| Sketch::new(scene, known, &preparation.sketches, cancel));
+    // What is wrong with a scene is told when it is prepared.
+    let Some(Ok(Some(sketch))) = sketch else {
+        return (!cancel.is_cancelled()).then_some(false);
+    };
+    sketch.show(request.buffer.part().region(), run, on_coarse)?;
+    let shown = Instant::now();
+    while preparation.is_held && shown.elapsed() < HELD_REST {
+        std::thread::sleep(Duration::from_millis(5));
+        if cancel.is_cancelled() {
+            return None;
+        }
+    }
+    Some(true)
 }
 
 /// Keeps the error of each pixel, and shows it where it is the layer that is looked at.

@@ -31,10 +31,8 @@ impl Bands {
         let settings = scene.settings();
         let region = region.unwrap_or(Region::full(settings.width, settings.height));
         let whole = PictureMemory::of_render(scene, Some(region), run);
-        let is_possible = settings.stop.noise.is_none()
-            && settings.stop.seconds.is_none()
-            && !run.layers
-            && !run.coarse_first;
+        let is_possible =
+            settings.stop.noise.is_none() && settings.stop.seconds.is_none() && !run.layers;
         (is_possible && whole.bytes() > LARGEST_AT_ONCE).then(|| {
             let count = whole.bytes().div_ceil(BAND_BYTES);
             let count = u32::try_from(count).unwrap_or(u32::MAX).min(region.height);

@@ -80,6 +80,11 @@ impl Clock {
         self.cpu_seconds_before + Duration::from_nanos(here).as_secs_f64()
     }
 
+    /// Has so much of the wall time not count.
+    pub fn leave_out(&mut self, time: Duration) {
+        self.uncounted += time;
+    }
+
     /// Does `work`, whose time does not count, on the thread that leads.
     pub fn pause(&mut self, work: impl FnOnce()) {
         let (started, lead_started) = (self.throttle.time_since(self.started), thread_time());

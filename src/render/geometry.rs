@@ -4,6 +4,7 @@
 mod origin;
 mod shading;
 mod shared;
+mod sketch;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use origin::{GeometryOrigin, ObjectShape};
 pub use shading::ShadingNormals;
 use shading::{SmoothNormals, TrueNormals};
 use shared::SharedMeshes;
+pub use sketch::SketchStore;
 
 /// The scene's triangles, placed, narrowed and in an acceleration structure. It depends on the objects and their meshes
 /// alone: moving the camera or editing a light or a material needs no new one.

@@ -11,6 +11,8 @@ mod bands;
 mod camera;
 mod checkpoint;
 mod clock;
+mod coarse;
+mod crew;
 mod direct;
 mod disks;
 pub mod display;
@@ -55,13 +57,14 @@ mod work;
 pub use bands::Bands;
 pub use camera::{CameraRay, PreparedCamera};
 pub use checkpoint::Checkpoint;
+pub use coarse::{CoarsePicture, OnCoarse, Sketch};
 pub use error::{ErrorEstimate, Interval, RELATIVE_FLOOR};
 pub use false_color::{MOST_STEPS, steps_color};
 pub use fault::{RenderFault, keep_panics_quiet, panic_message};
 pub(crate) use fresnel::fresnel;
 pub(crate) use geometry::is_nothing;
 pub use geometry::{
-    PreparedGeometry, PreparedObject, ShadingNormals, StructureChoice, build_structure,
+    PreparedGeometry, PreparedObject, ShadingNormals, SketchStore, StructureChoice, build_structure,
 };
 pub use image::Image;
 pub use layers::Layer;
@@ -69,7 +72,7 @@ pub use memory::{PictureMemory, PictureTooLarge};
 pub use plan::{Feature, Plan, reasons};
 pub use prepare::PreparedScene;
 pub use primary_hits::PrimaryHitStore;
-pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
+pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress, TilesInHand};
 pub use renderer::even_passes;
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,

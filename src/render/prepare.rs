@@ -9,7 +9,7 @@ use super::disks::{DiskHit, VisibleDisks};
 use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
 use super::filter;
-use super::geometry::PreparedGeometry;
+use super::geometry::{PreparedGeometry, SketchStore};
 use super::kernel::Kernel;
 use super::layers::{Gathered, Layer};
 use super::light::PreparedLight;
@@ -141,6 +141,20 @@ impl PreparedScene {
         scene.validate()?;
         match PreparedGeometry::prepare(scene, Some(placed), cancel, progress)? {
             Some(geometry) => Self::with_geometry(scene, geometry, previous, cancel),
+            None => Ok(None),
+        }
+    }
+
+    /// About what `scene` is prepared to, for a [`Sketch`](super::Sketch) of it.
+    pub(super) fn sketch(
+        scene: &Scene,
+        previous: &Self,
+        store: &SketchStore,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, SceneError> {
+        scene.validate()?;
+        match previous.geometry.sketch(scene, store)? {
+            Some(geometry) => Self::with_geometry(scene, geometry, Some(previous), cancel),
             None => Ok(None),
         }
     }
@@ -609,7 +623,7 @@ impl PreparedScene {
         !self.needs(Feature::PixelPoints) && !self.needs(Feature::Lens)
     }
 
-    fn size(&self) -> (u32, u32) {
+    pub(super) fn size(&self) -> (u32, u32) {
         (self.settings.width, self.settings.height)
     }
 

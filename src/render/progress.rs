@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::error::{ErrorEstimate, Interval};
+use super::tiles::Region;
 use crate::control::Progress;
 
 /// The levels of noise whose time is predicted: 10, 3 and 1 per cent.
@@ -16,6 +17,33 @@ pub struct RenderProgress {
     pub samples: Progress,
     rays: Arc<AtomicU64>,
     errors: Arc<Mutex<Vec<ErrorPoint>>>,
+    /// The tiles that are being rendered.
+    pub in_hand: TilesInHand,
+}
+
+/// The tiles that the threads of a render are at, as far as anybody wants to see them.
+#[derive(Clone, Debug, Default)]
+pub struct TilesInHand(Arc<Mutex<Vec<Option<Region>>>>);
+
+impl TilesInHand {
+    /// Where they lie in the full picture, a tile for each thread that works.
+    #[must_use]
+    pub fn tiles(&self) -> Vec<Region> {
+        self.lock().iter().copied().flatten().collect()
+    }
+
+    /// From now on thread number `thread` is at `tile`.
+    pub(super) fn set(&self, thread: usize, tile: Option<Region>) {
+        let mut tiles = self.lock();
+        if tiles.len() <= thread {
+            tiles.resize(thread + 1, None);
+        }
+        tiles[thread] = tile;
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Option<Region>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// The error at a moment of a render.

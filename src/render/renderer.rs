@@ -6,14 +6,14 @@
 //! picture does not depend on threads; only a stop by time depends on the clock.
 
 use std::panic::resume_unwind;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
+use super::coarse::{self, CoarsePicture};
+use super::crew::{Crew, Cut};
 use super::error::{Allotment, ErrorEstimator, Forecast, Outlook};
-use super::fault::{RenderFault, SampleNote, caught};
 use super::film::{Film, block_after};
 use super::kernel::{Layered, Plain};
 use super::layers::Layer;
@@ -22,9 +22,8 @@ use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 use super::run::{Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
 use super::texturing::{Textured, Untextured};
-use super::tile_samples::{SampleCounts, Stops, TileBlock, coarse_tile, sample_tile};
+use super::tile_samples::{SampleCounts, TileBlock, sample_tile};
 use super::tiles::{Region, TilePixels};
-use crate::control::CancelToken;
 use crate::scene::RenderSettings;
 
 /// Side of a tile in pixels: small enough to balance two threads to the end, large enough that handing one out costs nothing.
@@ -69,28 +68,16 @@ pub struct Renderer<'a> {
     layers: &'a [Layer],
     shared: Mutex<Shared>,
     course: Course,
-    pool: rayon::ThreadPool,
-    threads: usize,
+    crew: Crew<'a>,
     clock: Clock,
     /// When a checkpoint was kept last, or the render began.
     last_kept: Mutex<Instant>,
-    /// The first sample at which the program failed.
-    fault: Mutex<Option<RenderFault>>,
-    /// Ends the work of the other threads then.
-    halt: CancelToken,
 }
 
 /// What follows on samples of all pixels.
 enum Next {
     End(Ending),
     ChoosePixels,
-}
-
-/// What ends a render in the middle of a pass.
-enum Cut {
-    Cancelled,
-    Interrupted,
-    Failed(RenderFault),
 }
 
 impl Shared {
@@ -151,8 +138,8 @@ impl<'a> Renderer<'a> {
             errors,
             expected_samples,
         } = checkpoint;
-        let threads = run.thread_count();
-        let clock = Clock::start_at(seconds, cpu_seconds, threads, &run.throttle);
+        let crew = Crew::new(run);
+        let clock = Clock::start_at(seconds, cpu_seconds, crew.threads(), &run.throttle);
         progress.samples.set_total(expected_samples);
         progress.samples.advance(shared.film.total_samples());
         for point in errors {
@@ -168,15 +155,9 @@ impl<'a> Renderer<'a> {
             layers: run.layers_of(scene),
             shared: Mutex::new(shared),
             course,
-            pool: rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .expect("threads can be started"),
-            threads,
+            crew,
             clock,
             last_kept: Mutex::new(Instant::now()),
-            fault: Mutex::new(None),
-            halt: CancelToken::new(),
         }
     }
 
@@ -207,8 +188,19 @@ impl<'a> Renderer<'a> {
     }
 
     fn take_samples(&mut self) -> Result<Ending, Cut> {
-        if self.run.coarse_first {
-            self.deliver_coarse_picture()?;
+        if let Some(on_coarse) = self.watch.on_coarse {
+            let region = self.lock().film.region();
+            let watched = Mutex::new(Duration::ZERO);
+            let on_coarse = |picture: &CoarsePicture| {
+                let began = Instant::now();
+                on_coarse(picture);
+                *watched.lock().expect("no thread panics with it") += began.elapsed();
+            };
+            let shown = coarse::show(self.scene, region, &self.crew, &on_coarse);
+            self.clock.note_lead();
+            let watched = watched.into_inner().expect("no thread panics with it");
+            self.clock.leave_out(watched);
+            shown?;
         }
         if !self.course.chooses_pixels()
             && let Next::End(ending) = self.render_evenly()?
@@ -233,7 +225,7 @@ impl<'a> Renderer<'a> {
             render_seconds: seconds,
             cpu_seconds,
             first_tile_seconds: first_tile_seconds.unwrap_or_default(),
-            threads: self.threads,
+            threads: self.crew.threads(),
             rays: counts.rays,
             samples: film.total_samples(),
             samples_per_pixel: film.mean_samples(),
@@ -423,77 +415,19 @@ impl<'a> Renderer<'a> {
         &self,
         work: &(dyn Fn(usize, Region, &mut TileBlock) -> Option<()> + Sync),
     ) -> Result<(), Cut> {
-        let next_tile = AtomicUsize::new(0);
-        let is_cut = || {
-            [&self.run.cancel, &self.run.interrupt, &self.halt]
-                .iter()
-                .any(|token| token.is_cancelled())
-        };
-        let is_over = || next_tile.load(Ordering::Relaxed) >= self.tiles.len() || is_cut();
-        self.pool.broadcast(|thread| {
-            let mut block = TileBlock::default();
-            loop {
-                self.run.throttle.wait_for_turn(thread.index(), is_over);
-                let number = next_tile.fetch_add(1, Ordering::Relaxed);
-                let Some(&tile) = self.tiles.get(number) else {
-                    break;
-                };
-                if is_cut() || work(number, tile, &mut block).is_none() {
-                    break;
-                }
-                self.clock.note(thread.index());
-            }
-            // The others need not wait for their turn any more.
-            self.run.throttle.wake();
-        });
-        self.clock.note_lead();
-        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(fault) = &*fault {
-            return Err(Cut::Failed(fault.clone()));
-        }
-        if self.run.cancel.is_cancelled() {
-            return Err(Cut::Cancelled);
-        }
-        if self.run.interrupt.is_cancelled() {
-            return Err(Cut::Interrupted);
-        }
-        Ok(())
-    }
-
-    /// Has samples taken as `take` does, which says at which it is; `None` when they are stopped, or the program fails at one.
-    fn sample<T>(&self, take: impl FnOnce(Stops<'_>, &SampleNote) -> Option<T>) -> Option<T> {
-        let note = SampleNote::default();
-        let stops = Stops {
-            cancel: &self.run.cancel,
-            halt: &self.halt,
-            throttle: &self.run.throttle,
-        };
-        caught(&note, || take(stops, &note)).unwrap_or_else(|found| {
-            let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
-            fault.get_or_insert(found);
-            self.halt.cancel();
-            None
-        })
-    }
-
-    fn deliver_coarse_picture(&self) -> Result<(), Cut> {
-        let Some(on_tile) = self.watch.on_tile else {
-            return Ok(());
-        };
-        self.for_each_tile(&|_, tile, _| {
-            let take = if self.scene.does(Feature::Textures) {
-                coarse_tile::<Plain<Textured>>
-            } else {
-                coarse_tile::<Plain<Untextured>>
-            };
-            let rgb = self.sample(|stops, note| take(self.scene, tile, stops, note))?;
-            on_tile(&TilePixels {
-                region: tile,
-                rgb: &rgb,
-                layers: &[],
+        let in_hand = &self.progress.in_hand;
+        let result = self
+            .crew
+            .for_each(self.tiles.len(), &|number, thread, block| {
+                let tile = self.tiles[number];
+                in_hand.set(thread, Some(tile));
+                let done = work(number, tile, block);
+                in_hand.set(thread, None);
+                self.clock.note(thread);
+                done
             });
-            Some(())
-        })
+        self.clock.note_lead();
+        result
     }
 
     /// From now on `pass` is going on, and no tile has it.
@@ -523,7 +457,8 @@ impl<'a> Renderer<'a> {
                 (false, false) => sample_tile::<Layered<Untextured>>,
                 (false, true) => sample_tile::<Layered<Textured>>,
             };
-            this.sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))?;
+            this.crew
+                .sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))?;
             let mut shared = this.lock();
             shared.add(number, tile, block, &this.clock);
             let means = this.watch.on_tile.map(|_| shared.film.means(tile));
@@ -576,12 +511,13 @@ impl<'a> Renderer<'a> {
             return;
         };
         let film = &self.shared.get_mut().expect("no thread panicked").film;
-        self.course.allotment = self.pool.install(|| {
+        self.course.allotment = self.crew.pool().install(|| {
             estimator.update(film, selected);
             (is_adaptive && film.mean_samples() * 2.0 >= f64::from(LEAST_SAMPLES))
                 .then(|| Allotment::new(film, estimator))
         });
-        self.pool
+        self.crew
+            .pool()
             .broadcast(|thread| self.clock.note(thread.index()));
         self.clock.note_lead();
     }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Image;
 use super::checkpoint::Checkpoint;
+use super::coarse::OnCoarse;
 use super::error::{ErrorEstimate, ErrorEstimator};
 use super::film::Film;
 use super::layers::Layer;
@@ -27,8 +28,6 @@ pub struct RunConfig {
     pub throttle: Throttle,
     /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
     pub layers: bool,
-    /// Whether to deliver a picture of one sample per block of pixels first, whose rays are not counted: for whoever waits.
-    pub coarse_first: bool,
 }
 
 impl RunConfig {
@@ -212,6 +211,8 @@ pub struct CheckpointKeeper<'a> {
 /// Who watches a render.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
+    /// Is shown coarse pictures, before any tile. Their rays are not counted.
+    pub on_coarse: Option<OnCoarse<'a>>,
     /// Is shown tiles.
     pub on_tile: Option<OnTile<'a>>,
     /// Is shown rounds. The render waits for it, with its clock stopped.

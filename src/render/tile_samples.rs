@@ -22,9 +22,6 @@ const _: () = assert!(
     "full packets"
 );
 
-/// Side of the blocks of the coarse picture, in pixels.
-const COARSE_BLOCK: u32 = 8;
-
 /// Which samples a pass takes.
 #[derive(Clone, Copy, Debug)]
 pub struct PassWork<'a> {
@@ -150,7 +147,7 @@ pub struct Stops<'a> {
 
 impl Stops<'_> {
     /// Whether somebody asks to end. Waits while the render is paused.
-    fn is_asked(self) -> bool {
+    pub fn is_asked(self) -> bool {
         self.throttle.wait_while_paused();
         self.cancel.is_cancelled() || self.halt.is_cancelled()
     }
@@ -237,42 +234,6 @@ pub fn sample_tile<K: Kernel>(
 /// A number of rays; what is more than the largest gives that.
 fn few(rays: u64) -> u32 {
     u32::try_from(rays).unwrap_or(u32::MAX)
-}
-
-/// A picture of `tile` from the first sample of the middle pixel of each block, at which `note` says it is; `None` when stopped.
-pub fn coarse_tile<K: Kernel>(
-    scene: &PreparedScene,
-    tile: Region,
-    stops: Stops<'_>,
-    note: &SampleNote,
-) -> Option<Vec<[f32; 3]>> {
-    let width = tile.width as usize;
-    let mut rgb = vec![[0.0; 3]; tile.pixel_count()];
-    for top in (0..tile.height).step_by(COARSE_BLOCK as usize) {
-        for left in (0..tile.width).step_by(COARSE_BLOCK as usize) {
-            if stops.is_asked() {
-                return None;
-            }
-            let (right, bottom) = (
-                tile.width.min(left + COARSE_BLOCK),
-                tile.height.min(top + COARSE_BLOCK),
-            );
-            let (x, y) = (
-                tile.x + u32::midpoint(left, right - 1),
-                tile.y + u32::midpoint(top, bottom - 1),
-            );
-            note.set(((x, y), 0));
-            let mut tally = K::Tally::default();
-            let [begun, ..] = scene.camera_samples(&[(x, y)], 0, None, &mut tally);
-            let begun = begun.expect("there is one pixel");
-            let sample = scene.gathered::<K>(&begun, &mut tally);
-            for row in top..bottom {
-                let start = row as usize * width;
-                rgb[start + left as usize..start + right as usize].fill(sample.radiance.to_array());
-            }
-        }
-    }
-    Some(rgb)
 }
 
 #[cfg(test)]

@@ -7,7 +7,8 @@ use raymini::control::CancelToken;
 use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::{DVec3, Degrees, power_of_two};
 use raymini::render::{
-    Image, PreparedScene, Region, RenderOutcome, RenderProgress, RunConfig, TilePixels, render,
+    CoarsePicture, Image, PreparedScene, Region, RenderOutcome, RenderProgress, RunConfig,
+    TilePixels, Watch, render, render_watched,
 };
 use raymini::scene::{
     AcceleratorChoice, Background, Camera, Light, Material, Mode, Object, PhongModel,
@@ -667,30 +668,44 @@ fn a_coarse_picture_comes_first_where_asked_for() {
     let mut scene = shards_scene();
     scene.render.samples_per_pixel = 3;
     let (prepared, progress) = (prepare(&scene), RenderProgress::default());
-    let coarse = std::sync::Mutex::new(Image::black(48, 32));
-    let covered = std::sync::Mutex::new(0);
-    let config = RunConfig {
-        coarse_first: true,
-        ..RunConfig::default()
+    let shown = std::sync::Mutex::new(Vec::new());
+    let on_coarse = |coarse: &CoarsePicture| {
+        assert_eq!(progress.samples.done(), 0);
+        shown.lock().expect("no panic").push(coarse.clone());
     };
-    let on_tile = |tile: &TilePixels<'_>| {
-        let mut covered = covered.lock().expect("no panic");
-        if *covered < 48 * 32 {
-            assert_eq!(progress.samples.done(), 0);
-            let mut coarse = coarse.lock().expect("no panic");
-            tile.region.copy_into(tile.rgb, &mut coarse);
-        }
-        *covered += tile.region.pixel_count();
+    let on_tile = |_: &TilePixels<'_>| assert!(!shown.lock().expect("no panic").is_empty());
+    let watch = Watch {
+        on_coarse: Some(&on_coarse),
+        on_tile: Some(&on_tile),
+        ..Watch::default()
     };
-    let outcome = render(&prepared, None, &config, &progress, Some(&on_tile));
+    let config = RunConfig::default();
+    let outcome = render_watched(&prepared, None, &config, &progress, watch);
     let outcome = outcome.expect("nobody cancels");
-    let coarse = coarse.into_inner().expect("no panic");
-    for y in 0..32 {
-        for x in 0..48 {
-            assert_eq!(coarse.pixel(x, y), coarse.pixel(x / 8 * 8, y / 8 * 8));
+    let shown = shown.into_inner().expect("no panic");
+    assert!(shown.is_sorted_by(|a, b| a.side > b.side));
+    // A block looks like the first sample of the pixel in its middle.
+    scene.render.stop.passes = Some(1);
+    let first = render(
+        &prepare(&scene),
+        None,
+        &config,
+        &RenderProgress::default(),
+        None,
+    );
+    let first = first.expect("nobody cancels").image;
+    for coarse in &shown {
+        let [columns, rows] = coarse.size();
+        for (number, &rgb) in coarse.rgb.iter().enumerate() {
+            let middle =
+                |index: usize| u32::try_from(index).unwrap() * coarse.side + (coarse.side - 1) / 2;
+            let (x, y) = (middle(number % columns), middle(number / columns));
+            if x < 48 && y < 32 && columns * rows > 1 {
+                assert_eq!(rgb, first.pixel(x, y));
+            }
         }
     }
-    assert_ne!(coarse, Image::black(48, 32));
+    assert!(progress.in_hand.tiles().is_empty());
     let plain = render(&prepared, None, &RunConfig::default(), &progress, None);
     let plain = plain.expect("nobody cancels");
     assert_eq!(outcome.image.hash(), plain.image.hash());

@@ -10,12 +10,12 @@ use raymini::gui::orbit::PictureSize;
 use raymini::gui::pick;
 use raymini::gui::preview::Preview;
 use raymini::gui::preview::geometry::GpuGeometry;
-use raymini::gui::preview::moved::Move;
 use raymini::gui::preview::sky::GpuSky;
 use raymini::gui::worker::preview_mesh;
 use raymini::io;
 use raymini::math::{DVec2, DVec3, Degrees};
 use raymini::render::{self, PreparedScene, RenderProgress, RunConfig, display};
+use raymini::scene::Move;
 use raymini::scene::{
     Background, Camera, Copies, ImageAxes, Mode, Object, PhongModel, RadianceMap, Scene, Shadows,
     ToneCurve,

@@ -272,13 +272,13 @@ fn a_region_is_restored_and_not_compared_with_another() {
 fn the_time_of_a_render_is_told_when_asked_for() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
-    assert!(window.has("time?"));
+    assert!(window.has("How long?"));
     assert_eq!(window.app().estimated_time(), None);
-    window.click("time?");
+    window.click("How long?");
     window.until("the time is known", |app| app.estimated_time().is_some());
     let short = window.app().estimated_time().unwrap();
     assert!(!short.is_bound && short.seconds.value > 0.0);
-    assert!(short.seconds.contains(short.seconds.value) && !window.has("time?"));
+    assert!(short.seconds.contains(short.seconds.value) && !window.has("How long?"));
 
     // A thousand times the samples take longer, and that is another question.
     set_samples(&mut window, 4_000);

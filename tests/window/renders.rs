@@ -58,8 +58,7 @@ fn renders_are_looked_at_again_and_saved() {
     window.click("Show render 1");
     assert_eq!(number_on_screen(&window), Some(1));
     window.until("it is on the screen", |app| {
-        app.picture_on_screen()
-            .is_some_and(|p| p.texture().is_some())
+        app.picture_on_screen().is_some_and(Picture::is_shown)
     });
     assert!(window.says(&hashes[0][..16]));
     assert!(window.says("direct, 160 × 120, 4 samples"));
@@ -102,8 +101,7 @@ fn renders_are_looked_at_again_and_saved() {
     window.harness.run_steps(3);
     window.press(Modifiers::NONE, Key::PageUp);
     window.until("it is on the screen", |app| {
-        app.picture_on_screen()
-            .is_some_and(|p| p.texture().is_some())
+        app.picture_on_screen().is_some_and(Picture::is_shown)
     });
     let shown = window.app().picture_on_screen().unwrap();
     assert!((shown.scene.display.exposure - 1.5).abs() < 1e-12);

@@ -1,7 +1,6 @@
 //! Cameras to come back to.
 
 use super::App;
-use crate::gui::top_bar::View;
 use crate::scene::Bookmark;
 use crate::scene::free_name;
 
@@ -31,8 +30,8 @@ impl App {
         let index = start.rem_euclid(count.cast_signed().max(1)).cast_unsigned();
         if let Some(bookmark) = scene.bookmarks.get(index) {
             scene.camera = bookmark.camera;
-            self.view = View::Preview;
             self.messages.news(bookmark.name.clone());
+            self.show_camera_view();
         }
     }
 }

@@ -158,7 +158,7 @@ impl App {
         let b = Arc::clone(&comparison.buffer);
         let largest = self.largest_texture();
         self.jobs.start(Lane::Compare, move |job| {
-            let compared = compare::compare_buffers(&a, &b, largest, is_running);
+            let compared = compare::compare_buffers(&a, &b, largest, is_running, &job.cancel);
             match compared {
                 Ok((distance, difference)) => {
                     let size = difference.texture_size();

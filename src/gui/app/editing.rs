@@ -6,7 +6,7 @@ use crate::gui::edit;
 use crate::gui::orbit;
 use crate::gui::panels::NAME_FIELD;
 use crate::gui::selection::Selection;
-use crate::gui::top_bar::{EditState, View};
+use crate::gui::top_bar::EditState;
 
 impl App {
     /// What the menu Edit offers.
@@ -33,7 +33,7 @@ impl App {
             Command::Paste => {
                 if let Some(part) = self.clipboard.clone() {
                     self.selection = edit::paste(&mut self.document.scene, part);
-                    self.view = View::Preview;
+                    self.show_camera_view();
                 }
             }
             Command::Duplicate => {
@@ -86,7 +86,7 @@ impl App {
     ) {
         self.selection = selection;
         if orbit::is_moved(&camera_before, &self.document.scene.camera) {
-            self.view = View::Preview;
+            self.show_camera_view();
         }
         self.messages.news(news);
     }

@@ -135,6 +135,12 @@ impl App {
         });
     }
 
+    /// [`Self::keep_work`], however short a time ago the last write was.
+    pub(super) fn keep_work_at_once(&mut self, ctx: &egui::Context) {
+        self.keeping.started = None;
+        self.keep_work(ctx);
+    }
+
     pub(super) fn work_kept(&mut self, result: Result<(), String>) {
         if let Err(error) = result {
             self.not_kept(&error);

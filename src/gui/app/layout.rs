@@ -15,12 +15,13 @@ use crate::gui::event::Event;
 use crate::gui::focus::FocusAid;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
+use crate::gui::picture::Picture;
 use crate::gui::renders::{self, StripState};
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
 use crate::gui::theme;
-use crate::gui::top_bar::{self, Recent, View};
-use crate::gui::viewport::{self, Viewport, ViewportScene};
+use crate::gui::top_bar::{self, Recent};
+use crate::gui::viewport::{self, ViewportScene};
 use crate::gui::zoom::Place;
 use crate::gui::{compare, error_colors, error_plot, inspector, steps_legend};
 use crate::io;
@@ -81,8 +82,10 @@ impl App {
         self.error_plot.open = open;
         let render = self.renders_ui(ui, bar(12, 8));
         if self.picture_on_screen().is_some() {
+            let is_live = self.is_live_view();
             Panel::bottom("pixel").frame(bar(12, 1)).show(ui, |ui| {
-                inspector::inspector_ui(ui, self.inspected.as_ref(), self.zoom.scale());
+                let scale = self.zoom.scale();
+                inspector::inspector_ui(ui, self.inspected.as_ref(), scale, is_live);
             });
         }
         CentralPanel::default()
@@ -102,7 +105,7 @@ impl App {
         let state = StripState {
             present: self.picture.as_ref(),
             shown: self.shown_number(),
-            can_save: shown.is_some_and(|picture| picture.texture().is_some()),
+            can_save: shown.is_some_and(Picture::is_shown),
         };
         let response = Panel::bottom("renders")
             .frame(frame)
@@ -205,6 +208,7 @@ impl App {
         self.reload_question_ui(ui);
         self.comparison_bar_ui(ui);
         let area = ui.available_rect_before_wrap();
+        self.follow_edits(ui.ctx());
         let showing_picture = self.picture_on_screen().is_some();
         let scene = self.picture_on_screen().map(|picture| &picture.scene);
         let settings = &scene.unwrap_or(&self.document.scene).render;
@@ -219,13 +223,22 @@ impl App {
                 pixels_per_point,
             });
         }
-        viewport::backdrop_ui(ui, area, frame);
         if self.document.scene.objects.is_empty() {
             self.viewport.release();
+            viewport::backdrop_ui(ui, area, frame, false);
             self.empty_ui(ui, area);
             hovered_files_ui(ui, area);
             return;
         }
+        // The camera moves before what it sees is drawn.
+        if self.region.is_drawing {
+            self.viewport.release();
+        } else {
+            self.interact_ui(ui, frame, area);
+            self.follow_edits(ui.ctx());
+        }
+        let showing_picture = self.picture_on_screen().is_some();
+        viewport::backdrop_ui(ui, area, frame, self.is_preview_hidden());
         // Behind an enlarged picture it would be larger than a texture may be, and behind a whole one nobody sees it.
         if !showing_picture || !self.zoom.is_enlarged() && !self.is_preview_hidden() {
             self.preview_ui(ui, frame, showing_picture);
@@ -234,29 +247,32 @@ impl App {
             self.picture_ui(ui, frame, area);
         }
         if self.region.is_drawing {
-            self.viewport.release();
             self.region.draw_ui(ui, frame, area, size);
-        } else {
-            self.interact_ui(ui, frame, area);
         }
+        self.overlays_ui(ui, frame, area);
+        self.region.outline_ui(ui, frame, area, size);
+        hovered_files_ui(ui, area);
+    }
+
+    /// Draws what lies over preview and picture, and says what is in them.
+    fn overlays_ui(&mut self, ui: &mut Ui, frame: Rect, area: Rect) {
         self.trace_asked_ray();
         self.update_boxes();
-        if !showing_picture {
+        if self.is_camera_view() {
             let scene = &self.document.scene;
-            Viewport::markers_ui(ui, frame, scene, &self.selection);
+            viewport::markers_ui(ui, frame, scene, &self.selection);
             let moved = self.selected_move();
             viewport::box_ui(ui, frame, scene, &self.selected_bounds(), |corner| {
                 moved.map_or(corner, |moved| moved.apply(corner))
             });
         }
         self.tools_ui(ui, frame, area);
-        if showing_picture {
+        if self.picture_on_screen().is_some() {
             let name = self.shown_name();
             if let Some(comparison) = &mut self.comparison {
                 comparison.show_ui(ui, frame, frame.intersect(area), &name);
             }
         }
-        self.region.outline_ui(ui, frame, area, size);
         let picture = self.picture_on_screen();
         if let Some(picture) = picture.filter(|p| p.scene.render.mode == Mode::Steps) {
             steps_legend::legend_ui(ui, frame.intersect(area), &picture.scene.display);
@@ -264,7 +280,6 @@ impl App {
         if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
             error_colors::legend_ui(ui, frame.intersect(area), scale);
         }
-        hovered_files_ui(ui, area);
     }
 
     /// Draws the bar over two compared pictures, where they are looked at.
@@ -335,18 +350,19 @@ impl App {
 
     /// Draws what of the picture lies in `area`.
     fn picture_ui(&self, ui: &Ui, frame: Rect, area: Rect) {
-        let picture = self.shown_picture();
-        if let Some((texture, picture)) = picture.and_then(|p| Some((p.texture()?, p))) {
+        if let Some(picture) = self.shown_picture() {
             let painter = ui.painter().with_clip_rect(area);
             let place = picture.buffer.part().rect_in(frame);
-            image_ui(&painter, texture, place, Color32::WHITE);
+            picture.paint(&painter, place);
+            self.tile_outlines.outlines_ui(ui, frame, area, picture);
         }
     }
 
-    /// Lets the mouse work on the scene. Moving the camera brings the preview back.
+    /// Lets the mouse work on the scene. Moving the camera brings the preview back, or the picture that follows it.
     fn interact_ui(&mut self, ui: &Ui, frame: Rect, area: Rect) {
-        let picture = self.picture_on_screen();
-        let is_picture = picture.is_some();
+        let is_picture = self.picture_on_screen().is_some();
+        let is_camera_view = self.is_camera_view();
+        let picture = self.picture_on_screen().filter(|_| !is_camera_view);
         let picture = picture.map(|picture| {
             let settings = &picture.scene.render;
             let size = [settings.width, settings.height];
@@ -368,10 +384,10 @@ impl App {
             center,
             picture,
         };
-        let zoom = is_picture.then_some(&mut self.zoom);
+        let zoom = (!is_camera_view).then_some(&mut self.zoom);
         let viewport = &mut self.viewport;
         if viewport.interact_ui(ui, frame, area, zoom, &mut view) {
-            self.view = View::Preview;
+            self.show_camera_view();
         }
         if is_picture {
             self.inspect_ui(ui);

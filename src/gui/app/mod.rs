@@ -14,9 +14,11 @@
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `seeing`: pixels and brightness of the picture on the screen
 //! - `rendering`: preparing, rendering, showing the picture
+//! - `live`: the picture that follows every change
 //! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
 //! - `measuring`: what effects cost
+//! - `surviving`: going on in another window when the graphics device is lost
 //! - `timing`: how long a render will take
 //! - `news`: what jobs have to say
 //! - `obeying`: what the user asks for by name
@@ -29,6 +31,7 @@ mod comparing;
 mod editing;
 mod keeping;
 mod layout;
+mod live;
 mod measuring;
 mod news;
 mod obeying;
@@ -39,6 +42,7 @@ mod renders;
 mod reporting;
 mod saving;
 mod seeing;
+mod surviving;
 mod timing;
 mod tools;
 mod tracing;
@@ -68,6 +72,7 @@ use super::report::ReportWindow;
 use super::selection::Selection;
 use super::theme;
 use super::threads::{Attention, Threads};
+use super::tile_outlines::TileOutlines;
 use super::time_estimate::TimeState;
 use super::top_bar::{Phase, Recent, TopBarState, View};
 use super::undo::Gesture;
@@ -77,7 +82,7 @@ use super::zoom::Zoom;
 use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
-use crate::render::{Layer, PreparedScene, PrimaryHitStore};
+use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore};
 use crate::scene::Scene;
 
 pub use reloading::Stale;
@@ -117,6 +122,8 @@ pub struct App {
     prepared: Option<PreparedState>,
     /// What the rays from the eye hit in the last render.
     primary_hits: PrimaryHitStore,
+    /// What is kept from one sketch of moving objects to the next.
+    sketches: SketchStore,
     /// The scene that was last handed over to prepare.
     preparing: Option<Scene>,
     /// How far its acceleration structure is.
@@ -162,6 +169,7 @@ pub struct App {
     after_saving: Option<Intent>,
     may_close: bool,
     panel_open: bool,
+    tile_outlines: TileOutlines,
     threads: Threads,
     attention: Attention,
     /// The part of the picture that is rendered.
@@ -198,9 +206,13 @@ impl App {
             gesture: Gesture::default(),
             view: View::Preview,
             viewport: Viewport::default(),
-            preview: creation.wgpu_render_state.as_ref().map(PreviewImage::new),
+            preview: creation
+                .wgpu_render_state
+                .as_ref()
+                .map(|state| PreviewImage::new(state, &creation.egui_ctx)),
             prepared: None,
             primary_hits: PrimaryHitStore::default(),
+            sketches: SketchStore::default(),
             preparing: None,
             build_progress: Progress::new(),
             problem: None,
@@ -234,6 +246,7 @@ impl App {
             after_saving: None,
             may_close: false,
             panel_open: true,
+            tile_outlines: TileOutlines::default(),
             threads: Threads::default(),
             attention: Attention::default(),
             region: RegionTool::default(),
@@ -328,6 +341,11 @@ impl App {
         &self.messages
     }
 
+    /// Takes all banners away, as if somebody had read them.
+    pub fn dismiss_messages(&mut self) {
+        self.messages.clear();
+    }
+
     /// What shows over the window.
     #[must_use]
     pub fn dialog(&self) -> Option<&Dialog> {
@@ -400,10 +418,11 @@ impl App {
             is_drawing_region: self.region.is_drawing,
             has_region: self.region.is_chosen(),
             is_measuring: self.is_measuring_costs(),
-            has_picture: self.shown_picture().is_some_and(|p| p.texture().is_some()),
+            has_picture: self.shown_picture().is_some_and(Picture::is_shown),
             panel_open: self.panel_open,
             error_plot_open: self.error_plot.open,
             renders_open: self.renders.open,
+            are_tiles_outlined: self.tile_outlines.are_shown,
             can_compare: self.can_compare(),
             is_picture_shown: self.picture_on_screen().is_some(),
             is_comparing: self.comparison.is_some(),
@@ -465,7 +484,10 @@ impl App {
 
     /// What the graphics driver complains about becomes a banner; the window goes on.
     fn take_gpu_faults(&mut self) {
-        for fault in self.preview.iter().flat_map(PreviewImage::take_faults) {
+        // Of a device that is lost nothing else is of interest.
+        let preview = self.preview.iter();
+        let preview = preview.filter(|preview| preview.loss().is_none());
+        for fault in preview.flat_map(PreviewImage::take_faults) {
             self.messages
                 .error("The graphics driver reports a fault", fault);
         }
@@ -474,6 +496,9 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        if let Some(picture) = self.picture.as_ref().filter(|p| p.first_tile.is_some()) {
+            picture.first_look.set_drawn();
+        }
         self.take_news(ctx);
         self.take_gpu_faults();
         if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {

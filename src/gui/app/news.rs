@@ -59,6 +59,11 @@ impl App {
             } => self.texture_loaded(&path, &material, texture, result),
             Event::Placed(placed) => self.placed(*placed),
             Event::Prepared(result) => self.prepared(result.map(|prepared| *prepared)),
+            Event::Coarse(texels) => {
+                if let Some(picture) = &mut self.picture {
+                    picture.take_coarse(texels);
+                }
+            }
             Event::Tile(tile) => {
                 if let Some(picture) = &mut self.picture {
                     picture.take_tile(tile);

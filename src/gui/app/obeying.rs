@@ -7,6 +7,7 @@ use crate::gui::dialogs::files::FilePurpose;
 use crate::gui::jobs::Lane;
 use crate::gui::orbit;
 use crate::gui::preview;
+use crate::gui::selection::Selection;
 use crate::gui::tool::Tool;
 use crate::gui::top_bar::View;
 use crate::math::DBounds;
@@ -48,7 +49,7 @@ impl App {
             Command::FrameSelected => self.frame(&self.selected_bounds()),
             Command::ResetCamera => {
                 self.document.scene.camera = self.document.home;
-                self.view = View::Preview;
+                self.show_camera_view();
             }
             Command::AddBookmark => self.add_bookmark(),
             Command::NextBookmark => self.go_to_next_bookmark(1),
@@ -64,6 +65,9 @@ impl App {
             Command::TogglePanel => self.panel_open = !self.panel_open,
             Command::ToggleErrorPlot => self.error_plot.open = !self.error_plot.open,
             Command::ToggleRenders => self.renders.open = !self.renders.open,
+            Command::ToggleTiles => {
+                self.tile_outlines.are_shown = !self.tile_outlines.are_shown;
+            }
             Command::ShowOlderRender | Command::ShowNewerRender => self.show_neighbour(command),
             Command::Compare => self.toggle_comparison(),
             Command::CompareFile => self.ask_for_path(FilePurpose::Compare),
@@ -91,10 +95,11 @@ impl App {
         let scene = &mut self.document.scene;
         let size = preview::uniforms::picture_size(scene);
         scene.camera = orbit::frame_all(&scene.camera, size, bounds);
-        self.view = View::Preview;
+        self.show_camera_view();
     }
 
-    /// Puts the tool away that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the window of the report closes.
+    /// Puts the tool away that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the
+    /// window of the report closes, or nothing is selected any more but the camera.
     fn cancel(&mut self) {
         if self.region.is_drawing {
             self.region.stop();
@@ -108,8 +113,11 @@ impl App {
         } else if self.loading.take().is_some() {
             self.jobs.cancel(Lane::Load);
             self.messages.news("Loading cancelled");
-        } else {
+        } else if self.report.open {
             self.report.open = false;
+        } else {
+            self.selection = Selection::Camera;
+            self.viewport.look_away();
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Instant, SystemTime};
 
 use super::{App, Loading};
 use crate::control::Progress;
@@ -18,6 +19,7 @@ use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
 use crate::io::{self, LoadedScene, Model, RadianceFile, TextureFile};
+use crate::render::SketchStore;
 use crate::scene::{Background, Material, presets};
 
 impl App {
@@ -118,6 +120,7 @@ impl App {
 
     pub(super) fn begin_loading(&mut self, what: String) -> Progress {
         let progress = Progress::new();
+        self.reloading.began = Some(SystemTime::now());
         self.loading = Some(Loading {
             what,
             progress: progress.clone(),
@@ -171,6 +174,7 @@ impl App {
         self.view = View::Preview;
         self.prepared = None;
         self.primary_hits.clear();
+        self.sketches = SketchStore::default();
         self.cancel_measuring_costs();
         self.costs = CostState::Unknown;
         self.stop_estimating_time();
@@ -180,7 +184,8 @@ impl App {
         if let Some(picture) = self.picture.take() {
             self.keep_render(picture);
         }
-        self.waiting_render = None;
+        // What follows every change follows this one.
+        self.waiting_render = self.is_live.then(Instant::now);
     }
 
     pub(super) fn model_loaded(&mut self, path: &Path, result: Result<Box<Model>, String>) {
@@ -218,7 +223,7 @@ impl App {
             let title = "The scene cannot be framed and lit";
             self.messages.error(title, error.to_string());
         }
-        self.view = View::Preview;
+        self.show_camera_view();
     }
 
     pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {
@@ -244,7 +249,7 @@ impl App {
         scene.images.insert(image.clone(), Arc::new(file.map));
         scene.background = with_image(&scene.background, image, scene.camera.up);
         self.selection = Selection::Background;
-        self.view = View::Preview;
+        self.show_camera_view();
         self.messages.news(format!("The background is {shown}"));
     }
 

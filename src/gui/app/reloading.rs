@@ -7,6 +7,7 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use egui::{Frame, Margin, RichText, Ui};
 
@@ -70,6 +71,8 @@ pub struct Reloading {
     reading: Option<Stale>,
     /// What the watched files were found from.
     sources: Sources,
+    /// When reading began last.
+    pub(super) began: Option<SystemTime>,
     /// Whether the scene file has changed beside unsaved work.
     pub(super) asks: bool,
 }
@@ -80,36 +83,50 @@ impl Reloading {
         self.stale.clear();
         self.reading = None;
         self.asks = false;
+        self.sources = Sources::default();
     }
 }
 
-/// A scene's file and the names of what was read for it. They change seldom; to find the files that they are in takes looking at disks.
+/// A scene's file and the names of all that was ever read for it: undoing may bring back what the scene has no more.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Sources {
     own: Option<PathBuf>,
-    meshes: Vec<String>,
-    images: Vec<String>,
-    textures: Vec<String>,
+    meshes: BTreeSet<String>,
+    images: BTreeSet<String>,
+    textures: BTreeSet<String>,
 }
 
 impl Sources {
-    fn of(document: &Document) -> Self {
+    /// Takes in those of `document`.
+    fn add(&mut self, document: &Document) {
         let scene = &document.scene;
-        Self {
-            own: document.path().map(Path::to_owned),
-            meshes: scene.meshes.keys().cloned().collect(),
-            images: scene.images.keys().cloned().collect(),
-            textures: scene.textures.keys().cloned().collect(),
-        }
+        self.own = document.path().map(Path::to_owned);
+        self.meshes.extend(scene.meshes.keys().cloned());
+        self.images.extend(scene.images.keys().cloned());
+        self.textures.extend(scene.textures.keys().cloned());
     }
 
-    /// Whether they are still those of `document`.
-    fn are_of(&self, document: &Document) -> bool {
+    /// Whether those of `document` are among them.
+    fn have(&self, document: &Document) -> bool {
         let scene = &document.scene;
         self.own.as_deref() == document.path()
-            && self.meshes.iter().eq(scene.meshes.keys())
-            && self.images.iter().eq(scene.images.keys())
-            && self.textures.iter().eq(scene.textures.keys())
+            && scene.meshes.keys().all(|name| self.meshes.contains(name))
+            && scene.images.keys().all(|name| self.images.contains(name))
+            && scene
+                .textures
+                .keys()
+                .all(|name| self.textures.contains(name))
+    }
+
+    /// The names of what is to be read again for `stale`.
+    fn names_for(&self, stale: &Stale) -> Vec<String> {
+        let names = match stale {
+            Stale::Meshes(_) => &self.meshes,
+            Stale::Textures(_) => &self.textures,
+            Stale::Image(_) | Stale::Scene { .. } => return Vec::new(),
+        };
+        let names = names.iter().filter(|name| is_in(name, stale.path()));
+        names.cloned().collect()
     }
 
     /// The files, each once.
@@ -131,12 +148,17 @@ fn is_in(name: &str, path: &Path) -> bool {
 impl App {
     /// Watches the files that the scene came from.
     pub(super) fn watch_files(&mut self) {
-        if self.reloading.sources.are_of(&self.document) {
+        if self.reloading.sources.have(&self.document) {
             return;
         }
-        let sources = Sources::of(&self.document);
-        self.reloading.watch.set_files(sources.files());
-        self.reloading.sources = sources;
+        let Reloading {
+            sources,
+            watch,
+            began,
+            ..
+        } = &mut self.reloading;
+        sources.add(&self.document);
+        watch.set_files(sources.files(), *began);
         if !self.jobs.is_busy(Lane::Watch) {
             let files = self.reloading.watch.clone();
             self.jobs
@@ -147,10 +169,10 @@ impl App {
     /// Takes in that files have changed.
     pub(super) fn files_changed(&mut self, paths: Vec<PathBuf>) {
         for path in paths {
-            let scene = &self.document.scene;
-            let has_meshes = scene.meshes.keys().any(|name| is_in(name, &path));
-            let has_textures = scene.textures.keys().any(|name| is_in(name, &path));
-            let is_image = scene.images.contains_key(&*path.to_string_lossy());
+            let sources = &self.reloading.sources;
+            let has_meshes = sources.meshes.iter().any(|name| is_in(name, &path));
+            let has_textures = sources.textures.iter().any(|name| is_in(name, &path));
+            let is_image = sources.images.contains(&*path.to_string_lossy());
             let is_own = self.is_own(&path);
             // One file may be several of them.
             if has_meshes {
@@ -207,9 +229,11 @@ impl App {
         let first = self.reloading.stale.iter().position(is_part).unwrap_or(0);
         if let Some(stale) = self.reloading.stale.remove(first) {
             let known = self.document.scene.clone();
+            let names = self.reloading.sources.names_for(&stale);
             self.reloading.reading = Some(stale.clone());
-            self.jobs
-                .start(Lane::Reload, move |job| worker::reload(job, stale, known));
+            self.jobs.start(Lane::Reload, move |job| {
+                worker::reload(job, stale, &names, known);
+            });
         }
     }
 

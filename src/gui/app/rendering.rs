@@ -18,7 +18,7 @@ use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::preview_image::PreviewImage;
 use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
-use crate::gui::worker::{self, Placed, RenderRequest};
+use crate::gui::worker::{self, Placed, Preparation, RenderRequest};
 use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
 use crate::scene::Display;
 
@@ -30,7 +30,22 @@ impl App {
         }
         self.preparing.as_ref().is_some_and(|scene| {
             same_geometry(scene, &self.document.scene) && same_image(scene, &self.document.scene)
-        }) && !self.jobs.is_busy(Lane::Prepare)
+        }) && !self.is_preparing()
+            && !self.lacks_upload()
+    }
+
+    /// Whether the graphics device is a new one, which has nothing of the scene yet.
+    fn lacks_upload(&self) -> bool {
+        let has_nothing = |state: &PreparedState| state.placed.triangles.is_none();
+        self.problem.is_none()
+            && self.preview.is_some()
+            && self.prepared.as_ref().is_some_and(has_nothing)
+    }
+
+    /// Whether a job prepares the scene: one of its own, or that of a render.
+    fn is_preparing(&self) -> bool {
+        let by_render = self.picture.as_ref().is_some_and(|p| p.is_preparing);
+        by_render || self.jobs.is_busy(Lane::Prepare)
     }
 
     /// Whether a render runs or waits for its geometry.
@@ -47,7 +62,15 @@ impl App {
             self.waiting_render = None;
             return;
         }
-        if self.jobs.is_busy(Lane::Prepare) || self.is_in_hand() {
+        if !self.is_prepared()
+            && self.can_sketch()
+            && let Some(asked) = self.waiting_render.take()
+        {
+            self.jobs.cancel(Lane::Prepare);
+            let preparation = self.preparation();
+            return self.start_render(asked, preparation);
+        }
+        if self.is_preparing() || self.is_in_hand() {
             return;
         }
         if !self.is_prepared() {
@@ -64,12 +87,14 @@ impl App {
                 worker::prepare(job, &scene, placed, prepared, gpu, &progress);
             });
         } else if let Some(asked) = self.waiting_render.take() {
-            self.start_render(asked);
+            self.start_render(asked, None);
         }
     }
 
     /// From now on the preview shows the scene that is being prepared.
     pub(super) fn placed(&mut self, placed: Placed) {
+        // The device that it was uploaded to may be lost by now.
+        let placed = placed.on(self.preview.as_ref().map(PreviewImage::device_number));
         let bounds = world_bounds(&placed.geometry);
         let mut before = self.prepared.take();
         self.prepared = Some(PreparedState {
@@ -82,9 +107,17 @@ impl App {
     }
 
     pub(super) fn prepared(&mut self, result: Result<PreparedScene, String>) {
+        let by_render = self.picture.as_mut().filter(|picture| picture.is_preparing);
+        if let Some(picture) = by_render {
+            picture.is_preparing = false;
+            if result.is_err() {
+                picture.end(Outcome::Failed);
+            }
+        }
         match result {
             Ok(prepared) => {
                 self.problem = None;
+                free(std::mem::take(&mut self.sketches));
                 if let Some(state) = &mut self.prepared {
                     let geometry = Arc::clone(prepared.geometry());
                     let geometry = std::mem::replace(&mut state.placed.geometry, geometry);
@@ -111,7 +144,7 @@ impl App {
         self.update_background_work();
     }
 
-    fn start_render(&mut self, asked: Instant) {
+    pub(super) fn start_render(&mut self, asked: Instant, preparation: Option<Preparation>) {
         let scene = self.document.scene.clone();
         let largest = self.largest_texture();
         let part = self.wanted_part();
@@ -153,6 +186,9 @@ impl App {
             self.keep_render(previous);
         }
         picture.number = self.render_count + 1;
+        picture.is_preparing = preparation.is_some();
+        let is_awaited = self.is_live && self.is_drawn_by_processor();
+        let first_look = is_awaited.then(|| picture.first_look.clone());
         let number = picture.number;
         let throttle = picture.throttle().clone();
         self.picture = Some(picture);
@@ -162,6 +198,8 @@ impl App {
             number,
             scene,
             previous: self.prepared.as_ref().and_then(|p| p.prepared.clone()),
+            preparation,
+            first_look,
             primary_hits: self.primary_hits.clone(),
             threads: self.threads.count(),
             throttle,
@@ -232,39 +270,6 @@ impl App {
         }
     }
 
-    /// Has a render follow every change from now on, beginning with the scene as it is, or no longer.
-    pub(super) fn toggle_live(&mut self) {
-        self.is_live = !self.is_live;
-        if self.is_live {
-            self.hide_past_render();
-            let is_there = self.picture.as_ref().is_some_and(|p| !self.is_outdated(p));
-            if is_there {
-                self.view = View::Picture;
-            } else {
-                self.ask_for_render();
-            }
-        }
-    }
-
-    /// Starts a render anew whose scene was edited while it is looked at, where it runs or is to follow every change. In the preview,
-    /// editing goes on beside it.
-    pub(super) fn restart_edited_render(&mut self) {
-        let is_shown = self.view == View::Picture && self.shown_render.is_none();
-        let picture = self.picture.as_ref().filter(|_| is_shown);
-        let can_start = self.problem.is_none() && !self.report.is_running();
-        // What is edited in a pause shows in the preview, and in the picture when Render is pressed.
-        let picture =
-            picture.filter(|picture| !picture.is_paused() && !self.goes_on_as_it_was(picture));
-        let is_followed = self.is_live && can_start && self.waiting_render.is_none();
-        let is_wanted = |p: &Picture| (p.is_running() || is_followed) && self.is_outdated(p);
-        if picture.is_some_and(is_wanted) {
-            if let Some(picture) = &mut self.picture {
-                picture.is_replaced = true;
-            }
-            self.ask_for_render();
-        }
-    }
-
     /// Time between two frames while a render runs and the user does nothing. Where the processor draws the window, each
     /// frame takes time from the render.
     pub(super) fn refresh_interval(&self) -> Duration {
@@ -285,7 +290,7 @@ impl App {
             return self.ask_for_render();
         }
         self.messages.error("Cannot render", text);
-        if self.picture.as_ref().is_some_and(|p| p.texture().is_none()) {
+        if self.picture.as_ref().is_some_and(|p| !p.is_shown()) {
             self.view = View::Preview;
         }
     }
@@ -305,6 +310,9 @@ impl App {
     }
 
     pub(super) fn end_picture(&mut self, outcome: Outcome) {
+        if self.picture.as_ref().is_some_and(|p| p.is_preparing) {
+            self.preparing = None;
+        }
         if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
             picture.end(outcome);
         }
@@ -334,7 +342,15 @@ impl App {
     /// Has the picture that is looked at encoded anew. One that runs shows nothing before its first tile.
     pub(super) fn encode_picture(&mut self) {
         let shown = self.shown_picture();
-        let shown = shown.filter(|picture| !picture.is_running() || picture.texture().is_some());
+        if shown.is_some_and(|picture| !picture.is_running() || picture.is_shown()) {
+            self.show_pixels_again();
+        }
+    }
+
+    /// Shows what there is of the picture that is looked at, where it is not on the screen any more.
+    pub(super) fn show_pixels_again(&mut self) {
+        let shown = self.shown_picture();
+        let shown = shown.filter(|picture| !picture.is_running() || picture.first_tile.is_some());
         let shown = shown.map(|picture| (picture.number, Arc::clone(&picture.buffer)));
         if let Some((number, buffer)) = shown {
             self.jobs.start(Lane::Encode, move |job| {
@@ -350,7 +366,7 @@ impl App {
     }
 
     /// Whether all that was edited since `picture` began was edited while it was paused, or the render of it was cancelled.
-    fn goes_on_as_it_was(&self, picture: &Picture) -> bool {
+    pub(super) fn goes_on_as_it_was(&self, picture: &Picture) -> bool {
         let passed_over = picture.passed_over();
         passed_over.is_some_and(|(scene, part)| {
             part == self.wanted_part() && same_picture(scene, &self.document.scene)

@@ -5,12 +5,10 @@ use egui::{Key, Modifiers, Rect, Ui};
 use super::App;
 use crate::gui::focus::{self, FocusAid};
 use crate::gui::gizmo::Axis;
-use crate::gui::preview::moved::Move;
 use crate::gui::selection::Selection;
 use crate::gui::tool::{self, Tool};
-use crate::gui::top_bar::View;
 use crate::math::DVec3;
-use crate::scene::Scene;
+use crate::scene::{Move, Scene};
 
 /// What can be done while a handle is held.
 const HELD_KEYS: &str = "X, Y, Z along one axis  ·  Ctrl snaps  ·  Esc cancels";
@@ -24,7 +22,7 @@ impl App {
             tool
         };
         if self.viewport.tool.has_handles() {
-            self.view = View::Preview;
+            self.show_camera_view();
         }
     }
 
@@ -42,9 +40,9 @@ impl App {
             if take_cut(ctx) {
                 self.viewport.constrain_handle(Axis::X);
             }
-            if pressed(Key::Escape) {
-                self.viewport.cancel_handle(&mut self.document.scene);
-            }
+        }
+        if self.viewport.is_part_held() && pressed(Key::Escape) {
+            self.viewport.put_back(&mut self.document.scene);
         }
         let is_free = !egui::Popup::is_any_open(ctx) && !ctx.egui_wants_keyboard_input();
         if !is_free {
@@ -67,7 +65,7 @@ impl App {
     pub(super) fn tools_ui(&mut self, ui: &mut Ui, frame: Rect, area: Rect) {
         let scene = &self.document.scene;
         let visible = frame.intersect(area);
-        if self.view == View::Preview {
+        if self.is_camera_view() {
             let pointer = ui.input(|input| input.pointer.hover_pos());
             let pointer = pointer.filter(|&place| visible.contains(place));
             let part = (&self.selection, self.selected_center());
@@ -86,7 +84,7 @@ impl App {
         if !lines.is_empty() {
             tool::note_ui(ui, visible, &lines);
         }
-        if self.picture_on_screen().is_none()
+        if self.is_camera_view()
             && let Some(tool) = tool::tools_ui(ui, area, self.viewport.tool)
         {
             self.choose_tool(tool);
@@ -95,7 +93,7 @@ impl App {
 
     /// What to say beside the handles of `tool`.
     fn handle_words(&self, tool: Tool) -> Vec<String> {
-        if self.view != View::Preview {
+        if !self.is_camera_view() {
             return Vec::new();
         }
         let part = self

@@ -7,7 +7,6 @@ use crate::gui::document::{same_geometry, same_picture_but_camera};
 use crate::gui::jobs::Lane;
 use crate::gui::ray_view::{RayView, WantedRays};
 use crate::gui::tool::Tool;
-use crate::gui::top_bar::View;
 use crate::render::SampleTrace;
 
 impl App {
@@ -50,7 +49,7 @@ impl App {
         match result {
             Ok(trace) => {
                 self.rays = Some(RayView::new(wanted, trace));
-                self.view = View::Preview;
+                self.show_camera_view();
             }
             Err(error) => self.messages.error("No rays can be shown", error),
         }

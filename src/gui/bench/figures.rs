@@ -92,6 +92,8 @@ pub struct WindowFigures {
     pub frames: Vec<FrameFigures>,
     /// From asking for a cancel until no thread renders.
     pub cancel_ms: Spread,
+    /// From the loss of the graphics device until all is there again, in a new window.
+    pub loss_ms: Spread,
     /// From an edit to the new picture.
     pub restarts: Vec<RestartFigures>,
 }
@@ -156,6 +158,8 @@ impl WindowFigures {
             let name = format!("from {edit} until that is drawn");
             lines.push((name, screen_ms, Some(RESTART_BAR)));
         }
+        let name = "from losing the graphics device until all is there again".to_owned();
+        lines.push((name, &self.loss_ms, None));
         for (name, spread, bar) in &lines {
             row(name, spread, *bar);
         }

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::app::{App, AppOptions, FileDialogs};
-use super::start::{self, GuiError};
+use super::start::{self, GuiError, Survivor};
 use crate::analysis::report::Machine;
 pub use figures::{FrameFigures, RestartFigures, Spread, WindowFigures};
 use script::{Ending, Script};
@@ -44,12 +44,12 @@ pub fn measure(request: &BenchRequest) -> Result<WindowFigures, GuiError> {
     start::open(move |creation| {
         let render_state = creation.wgpu_render_state.as_ref();
         let adapter = render_state.map(|state| state.adapter.get_info().name);
-        Box::new(Bench {
+        Bench {
             app: App::new(creation, options),
             script: Script::new(repeats),
             adapter: adapter.unwrap_or_else(|| "none".to_owned()),
             ending: place,
-        })
+        }
     })?;
     let ending = ending.lock().unwrap_or_else(PoisonError::into_inner).take();
     let reason = match ending {
@@ -122,5 +122,24 @@ impl eframe::App for Bench {
             self.app.ui(ui, frame);
             self.script.end_frame(&self.app, &ctx);
         }
+    }
+}
+
+impl Survivor for Bench {
+    fn ask_driver(&self) {
+        self.app.ask_driver();
+    }
+
+    fn loss(&self) -> Option<String> {
+        self.app.loss()
+    }
+
+    fn move_to(&mut self, creation: &eframe::CreationContext<'_>, loss: &str) {
+        self.app.move_to(creation, loss);
+        self.script.window_moved(&mut self.app);
+    }
+
+    fn give_up(&mut self) {
+        self.app.give_up();
     }
 }

@@ -127,6 +127,17 @@ enum Task {
         edit: Edit,
         phase: RestartPhase,
     },
+    Loss(LossPhase),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum LossPhase {
+    Start,
+    /// The graphics device is gone since.
+    Lost(Instant),
+    /// A window is there again; the preview is still to come.
+    Moved(Instant),
+    Done,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,6 +173,7 @@ pub struct Script {
     cpu: [Vec<f64>; Doing::ALL.len()],
     intervals: [Vec<f64>; Doing::ALL.len()],
     cancels: Vec<f64>,
+    losses: Vec<f64>,
     tiles: [Vec<f64>; Edit::ALL.len()],
     screens: [Vec<f64>; Edit::ALL.len()],
     is_software: bool,
@@ -201,6 +213,7 @@ impl Script {
                 edit,
                 phase: RestartPhase::Rest(None),
             }));
+            tasks.push_back(Task::Loss(LossPhase::Start));
         }
         Self {
             task: tasks.pop_front().expect("there is one"),
@@ -212,6 +225,7 @@ impl Script {
             cpu: Default::default(),
             intervals: Default::default(),
             cancels: Vec::new(),
+            losses: Vec::new(),
             tiles: Default::default(),
             screens: Default::default(),
             is_software: false,
@@ -256,6 +270,7 @@ impl Script {
                 })
                 .into(),
             cancel_ms: take(&mut self.cancels),
+            loss_ms: take(&mut self.losses),
             restarts: Edit::ALL
                 .into_iter()
                 .filter(|edit| !self.tiles[*edit as usize].is_empty())
@@ -297,6 +312,7 @@ impl Script {
             Task::Frames { .. } => self.measure_frame(app, ctx, events, last),
             Task::Cancel(_) => self.begin_cancel(app, events),
             Task::Restart { .. } => self.begin_restart(app, ctx, events),
+            Task::Loss(_) => self.begin_loss(app),
         };
         if is_done {
             self.next_task();
@@ -467,6 +483,38 @@ impl Script {
         false
     }
 
+    fn begin_loss(&mut self, app: &App) -> bool {
+        let Task::Loss(phase) = &mut self.task else {
+            return true;
+        };
+        self.wake = Some(Duration::ZERO);
+        match *phase {
+            LossPhase::Start => {
+                app.lose_device();
+                *phase = LossPhase::Lost(Instant::now());
+            }
+            // The preview was drawn by the frame before.
+            LossPhase::Moved(lost) if !app.is_settling() => {
+                self.losses.push(milliseconds(lost.elapsed()));
+                *phase = LossPhase::Done;
+                return true;
+            }
+            LossPhase::Lost(_) | LossPhase::Moved(_) => {}
+            LossPhase::Done => return true,
+        }
+        false
+    }
+
+    /// What is measured goes on in another window.
+    pub fn window_moved(&mut self, app: &mut App) {
+        if let Task::Loss(phase) = &mut self.task
+            && let LossPhase::Lost(lost) = *phase
+        {
+            *phase = LossPhase::Moved(lost);
+            app.dismiss_messages();
+        }
+    }
+
     /// A frame is drawn as far as the window itself does that; the graphics driver comes next.
     pub fn end_frame(&mut self, app: &App, ctx: &egui::Context) {
         if let Some(delay) = self.wake.take() {
@@ -492,7 +540,7 @@ impl Script {
                     ctx.request_repaint();
                 }
             }
-            Task::SetUp { .. } | Task::Frames { .. } => {}
+            Task::SetUp { .. } | Task::Frames { .. } | Task::Loss(_) => {}
         }
     }
 }

@@ -9,11 +9,10 @@ mod wipe;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::TextureId;
-
 use super::canvas::Canvas;
 use super::picture_buffer::{EncodedTile, PictureBuffer};
-use crate::analysis::{Metrics, mean_flip, scaled_difference};
+use crate::analysis::{Metrics, mean_flip_unless, scaled_difference};
+use crate::control::CancelToken;
 use crate::render::Image;
 use crate::scene::{Choice, Display};
 
@@ -80,27 +79,34 @@ pub fn compare_buffers(
     b: &PictureBuffer,
     largest_texture: u32,
     is_changing: bool,
+    cancel: &CancelToken,
 ) -> Compared {
     let (a_part, b_part) = (a.part(), b.part());
     if a_part.of == b_part.of && a_part != b_part {
         return Err("they show different parts of the picture".to_owned());
     }
-    compare(&a.image(), &b.image(), largest_texture, is_changing)
+    compare(&a.image(), &b.image(), largest_texture, is_changing, cancel)
 }
 
 /// Measures how far `a` is from `b`, and draws where; `largest_texture`: see [`PictureBuffer::new`]. What they look like takes time, and
-/// is left out where one of them `is_changing`.
+/// is left out where one of them `is_changing`, or when cancelled.
 ///
 /// # Errors
 /// When the sizes differ, in words.
-pub fn compare(a: &Image, b: &Image, largest_texture: u32, is_changing: bool) -> Compared {
+pub fn compare(
+    a: &Image,
+    b: &Image,
+    largest_texture: u32,
+    is_changing: bool,
+    cancel: &CancelToken,
+) -> Compared {
     let metrics = Metrics::measure(a, b).map_err(|error| error.to_string())?;
     let white = metrics.white();
     let difference = scaled_difference(a, b, white).map_err(|error| error.to_string())?;
     let flip = if is_changing {
         None
     } else {
-        mean_flip(a, b).ok()
+        mean_flip_unless(a, b, cancel).ok().flatten()
     };
     let distance = Distance {
         rmse: metrics.errors.rmse(),
@@ -230,19 +236,27 @@ impl Comparison {
         self.difference.flush(ctx, self.difference_size);
     }
 
-    fn other(&self) -> Option<TextureId> {
-        self.other.texture()
+    /// Takes all off the screen; the difference is drawn anew.
+    pub fn hide(&mut self) {
+        self.other = Canvas::default();
+        self.difference = Canvas::default();
+        self.measured = None;
     }
 
-    fn difference(&self) -> Option<TextureId> {
+    fn other(&self) -> Option<&Canvas> {
+        Some(&self.other).filter(|canvas| canvas.is_shown())
+    }
+
+    fn difference(&self) -> Option<&Canvas> {
         let is_known = matches!(self.distance, Some(Ok(_)));
-        self.difference.texture().filter(|_| is_known)
+        Some(&self.difference).filter(|canvas| is_known && canvas.is_shown())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::mean_flip;
 
     fn comparison() -> Comparison {
         let buffer = PictureBuffer::of_image(Image::black(4, 4), Display::default(), 64);
@@ -260,14 +274,15 @@ mod tests {
             pixels: vec![[1.0; 3]; 2],
             ..a.clone()
         };
-        let (distance, difference) = compare(&a, &b, 64, false).unwrap();
+        let wanted = CancelToken::new();
+        let (distance, difference) = compare(&a, &b, 64, false, &wanted).unwrap();
         assert!((distance.rmse - 0.125_f64.sqrt()).abs() < 1e-12);
         assert!((distance.relmse - 0.125 / 1.01).abs() < 1e-6);
         assert_eq!((distance.differing_pixels, distance.white), (1, 0.5));
         assert_eq!(distance.flip, mean_flip(&a, &b).ok());
-        assert_eq!(compare(&a, &b, 64, true).unwrap().0.flip, None);
+        assert_eq!(compare(&a, &b, 64, true, &wanted).unwrap().0.flip, None);
         assert_eq!(difference.image().pixels, [[0.0; 3], [1.0; 3]]);
-        let error = compare(&a, &Image::black(3, 1), 64, true).unwrap_err();
+        let error = compare(&a, &Image::black(3, 1), 64, true, &wanted).unwrap_err();
         assert!(error.contains("2×1 and 3×1"), "{error}");
     }
 

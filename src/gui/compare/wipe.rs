@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, CursorIcon, FontId, Id, Key, Rect, Sense, Stroke, Ui, Vec2};
 
 use super::{Comparison, Mode};
+use crate::gui::canvas::Canvas;
 
 /// How far beside the divider the mouse takes hold of it, in points.
 const REACH: f32 = 7.0;
@@ -30,12 +31,10 @@ impl Comparison {
     }
 
     /// Draws B, or the difference, which are of one part of the picture.
-    fn picture_ui(&self, ui: &Ui, frame: Rect, clip: Rect, texture: Option<egui::TextureId>) {
+    fn picture_ui(&self, ui: &Ui, frame: Rect, clip: Rect, canvas: Option<&Canvas>) {
         let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
-        if let Some(texture) = texture {
-            let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            let place = self.buffer.part().rect_in(frame);
-            painter.image(texture, place, whole, Color32::WHITE);
+        if let Some(canvas) = canvas {
+            canvas.paint(&painter, self.buffer.part().rect_in(frame));
             return;
         }
         let words = match &self.distance {

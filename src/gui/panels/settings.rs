@@ -73,7 +73,7 @@ fn threads_ui(ui: &mut Ui, threads: &mut Threads) {
     let cores = cores();
     let mut choices = vec![(Threads::All, format!("All cores ({cores})"))];
     if cores > 1 {
-        let text = "All, one free while you work".to_owned();
+        let text = "All, one left to you".to_owned();
         choices.insert(0, (Threads::Courteous, text));
     } else if *threads == Threads::Courteous {
         *threads = Threads::All;

@@ -9,12 +9,12 @@ mod reading;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use egui::{Color32, ColorImage};
+use egui::{Color32, ColorImage, Vec2};
 
 use super::look::Look;
 use super::part::Part;
 use crate::control::CancelToken;
-use crate::render::{Image, Layer, Region, TilePixels};
+use crate::render::{CoarsePicture, Image, Layer, Region, TilePixels};
 use crate::scene::Display;
 
 /// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
@@ -30,6 +30,15 @@ pub struct EncodedTile {
     pub position: [usize; 2],
     /// Size and colours.
     pub pixels: ColorImage,
+}
+
+/// A coarse picture as the screen shows it.
+#[derive(Clone, Debug)]
+pub struct CoarseTexels {
+    /// A texel for each block of pixels.
+    pub pixels: ColorImage,
+    /// What of their width and height the picture takes: blocks at its edges are cut off.
+    pub share: Vec2,
 }
 
 /// The linear picture so far, shared by the threads that fill it and those that show or save it.
@@ -50,8 +59,11 @@ pub struct PictureBuffer {
 
 #[derive(Debug)]
 struct BufferState {
-    /// The picture, then its layers.
+    /// The picture, then its layers; none of them before the first is needed, see [`Self::planes`].
     planes: Vec<Image>,
+    /// How many there are, and their size.
+    count: usize,
+    size: [u32; 2],
     /// Which of them is on the screen.
     shown: usize,
     display: Display,
@@ -60,6 +72,16 @@ struct BufferState {
 }
 
 impl BufferState {
+    /// The picture, then its layers. They are made by whoever asks first, which is a thread that renders: it takes longer than the window has.
+    fn planes(&mut self) -> &mut Vec<Image> {
+        if self.planes.is_empty() {
+            let [width, height] = self.size;
+            let black = || Image::black(width, height);
+            self.planes = std::iter::repeat_with(black).take(self.count).collect();
+        }
+        &mut self.planes
+    }
+
     /// How to show values of `layer`, or of the picture.
     fn look(&self, layer: Option<Layer>) -> Look {
         match layer {
@@ -83,16 +105,10 @@ impl PictureBuffer {
         let Region { width, height, .. } = part.region;
         let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
         let planes = 1 + layers.len();
-        // Ask first: the allocation below ends the program where there is no room. It takes zeroed pages, which cost
-        // nothing until they are used.
+        // Ask first: allocating ends the program where there is no room.
         Vec::<[f32; 3]>::new()
             .try_reserve_exact(count.checked_mul(planes)?)
             .ok()?;
-        let black = || Image {
-            width,
-            height,
-            pixels: vec![[0.0; 3]; count],
-        };
         Some(Self {
             part,
             width,
@@ -101,7 +117,9 @@ impl PictureBuffer {
             layers,
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
-                planes: std::iter::repeat_with(black).take(planes).collect(),
+                planes: Vec::new(),
+                count: planes,
+                size: [width, height],
                 shown: 0,
                 display,
                 error_scale: None,
@@ -121,6 +139,8 @@ impl PictureBuffer {
             layers: Vec::new(),
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
+                count: 1,
+                size: [image.width, image.height],
                 planes: vec![image],
                 shown: 0,
                 display,
@@ -150,6 +170,10 @@ impl PictureBuffer {
         let mut state = self.lock();
         state.shown = 0;
         self.is_bare.store(true, Ordering::Relaxed);
+        state.count = 1;
+        if state.planes.is_empty() {
+            return Vec::new();
+        }
         state.planes.split_off(1)
     }
 
@@ -175,13 +199,13 @@ impl PictureBuffer {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        self.lock().planes[0].clone()
+        self.lock().planes()[0].clone()
     }
 
     /// Its layers so far.
     #[must_use]
     pub fn layer_images(&self) -> Vec<(Layer, Image)> {
-        let images = self.lock().planes[1..].to_vec();
+        let images = self.lock().planes()[1..].to_vec();
         self.layers().iter().copied().zip(images).collect()
     }
 
@@ -216,7 +240,7 @@ impl PictureBuffer {
         if let Some(index) = self.layers().iter().position(|&kept| kept == Layer::Error) {
             let scale = super::error_colors::scale_of(&errors);
             let mut state = self.lock();
-            state.planes[index + 1] = errors;
+            state.planes()[index + 1] = errors;
             state.error_scale = Some(scale);
         }
     }
@@ -237,9 +261,9 @@ impl PictureBuffer {
         };
         let (display, rgb) = {
             let mut state = self.lock();
-            // The coarse picture that comes first has no layers, and the error, which is the last, comes in no tile.
+            // The error, which is the last, comes in no tile.
             let planes = std::iter::once(tile.rgb).chain(tile.layers.iter().map(Vec::as_slice));
-            for (image, rgb) in state.planes.iter_mut().zip(planes) {
+            for (image, rgb) in state.planes().iter_mut().zip(planes) {
                 region.copy_into(rgb, image);
             }
             let shown = state
@@ -266,6 +290,32 @@ impl PictureBuffer {
         )
     }
 
+    /// Takes in a coarse picture of the part that is kept and returns what to show; `None` where a layer is on the screen: it has none.
+    #[must_use]
+    pub fn accept_coarse(&self, coarse: &CoarsePicture) -> Option<CoarseTexels> {
+        let display = {
+            let mut state = self.lock();
+            let rows = state.planes()[0]
+                .pixels
+                .chunks_exact_mut(self.width as usize);
+            for (row, pixels) in (0..).zip(rows) {
+                for (pixel, rgb) in pixels.iter_mut().zip(coarse.row(row)) {
+                    *pixel = rgb;
+                }
+            }
+            (state.shown == 0).then_some(state.display)?
+        };
+        let look = Look::Light(display);
+        let size = coarse.size();
+        let pixels = coarse.rgb.iter().map(|&rgb| look.color(rgb)).collect();
+        let share =
+            |pixels: u32, blocks: usize| pixels as f32 / (blocks as f32 * coarse.side as f32);
+        Some(CoarseTexels {
+            pixels: ColorImage::new(size, pixels),
+            share: Vec2::new(share(self.width, size[0]), share(self.height, size[1])),
+        })
+    }
+
     /// Encodes the whole picture anew, band by band.
     pub fn encode_all(&self, cancel: &CancelToken, mut show: impl FnMut(EncodedTile)) {
         for top in (0..self.height).step_by((ROWS_PER_BAND * self.step) as usize) {
@@ -274,12 +324,13 @@ impl PictureBuffer {
             }
             let rows = top..(top + ROWS_PER_BAND * self.step).min(self.height);
             let (band, look) = {
-                let state = self.lock();
+                let mut state = self.lock();
+                let shown = state.shown;
                 let row = self.width as usize;
                 let range = rows.start as usize * row..rows.end as usize * row;
                 (
-                    state.planes[state.shown].pixels[range].to_vec(),
-                    state.look(self.layer(state.shown)),
+                    state.planes()[shown].pixels[range].to_vec(),
+                    state.look(self.layer(shown)),
                 )
             };
             let encode = |x: u32, y: u32| {
@@ -478,11 +529,17 @@ mod tests {
         let shown = buffer.accept(&whole).unwrap();
         assert_eq!(shown.pixels.pixels[0], Color32::WHITE);
         // The coarse picture has none, so the layer on the screen stays as it was.
-        let coarse = TilePixels {
-            layers: &[],
-            ..whole
+        let coarse = CoarsePicture {
+            region,
+            side: 16,
+            rgb: vec![[0.5; 3]],
         };
-        assert!(buffer.accept(&coarse).is_none());
+        assert!(buffer.accept_coarse(&coarse).is_none());
+        assert_eq!(buffer.image().pixel(15, 15), [0.5; 3]);
+        buffer.set_shown(None);
+        let texels = buffer.accept_coarse(&coarse).unwrap();
+        assert_eq!(texels.pixels.size, [1, 1]);
+        assert_eq!(texels.share, Vec2::splat(1.0));
         buffer.set_shown(Some(Layer::Ambient));
         assert_ne!(
             buffer.accept(&whole).unwrap().pixels.pixels[0],
@@ -533,6 +590,7 @@ mod tests {
         let buffer =
             PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
         buffer.set_shown(Some(Layer::Error));
+        assert_eq!(buffer.layer_images().len(), 2);
         let bytes = buffer.bytes();
         assert_eq!(buffer.take_layers().len(), 2);
         assert_eq!(buffer.bytes(), bytes / 3);

@@ -22,7 +22,8 @@ impl PictureBuffer {
         }
         let state = self.lock();
         let layer = self.layer(state.shown);
-        let linear = state.planes[state.shown].pixel(x, y);
+        // Before the first tile there is nothing.
+        let linear = state.planes.get(state.shown)?.pixel(x, y);
         let error = self.layers().iter().position(|&kept| kept == Layer::Error);
         let error = error.filter(|_| state.error_scale.is_some() && layer.is_none());
         Some(PixelValues {
@@ -44,9 +45,10 @@ impl PictureBuffer {
         let mut histogram = Histogram::default();
         for y in 0..self.height {
             // The window may want the picture in between.
-            let state = self.lock();
-            let look = state.look(self.layer(state.shown));
-            let image = &state.planes[state.shown];
+            let mut state = self.lock();
+            let shown = state.shown;
+            let look = state.look(self.layer(shown));
+            let image = &state.planes()[shown];
             // Another column first in each row, so that no column is left out.
             let first = y % u32::try_from(step).unwrap_or(u32::MAX);
             for x in (first..self.width).step_by(step) {
@@ -69,10 +71,11 @@ impl PictureBuffer {
         let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize);
         for y in 0..size[1] {
             // The window may want the picture in between.
-            let state = self.lock();
+            let mut state = self.lock();
+            let look = Look::Light(state.display);
             for x in 0..size[0] {
-                let rgb = self.mean_of_block(&state.planes[0], [x * block, y * block], block);
-                pixels.push(Look::Light(state.display).color(rgb));
+                let rgb = self.mean_of_block(&state.planes()[0], [x * block, y * block], block);
+                pixels.push(look.color(rgb));
             }
         }
         ColorImage::new(size.map(|side| side as usize), pixels)

@@ -6,12 +6,10 @@
 //!
 //! - [`pack`], [`geometry`]: triangles and where copies of them are, packed and uploaded by a worker when they change
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
-//! - [`moved`]: objects that are elsewhere by now
 //! - [`sky`]: the background's image, uploaded by a worker too
 //! - `pipeline`, `target`: programs and textures
 
 pub mod geometry;
-pub mod moved;
 pub mod pack;
 mod pipeline;
 pub mod sky;
@@ -25,9 +23,9 @@ use eframe::wgpu;
 
 use super::focus::FocusAid;
 use crate::math::DVec3;
-use crate::scene::Scene;
+use crate::scene::{Move, Scene};
 use geometry::GpuGeometry;
-use moved::Move;
+
 use pipeline::{ObjectUniforms, Pipelines};
 use sky::{GpuSky, SkyUniform};
 use target::{IdTarget, Target};

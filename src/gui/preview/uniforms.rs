@@ -4,12 +4,11 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::geometry::GpuGeometry;
-use super::moved::Move;
 use super::object_color;
 use crate::gui::focus::{FocusAid, blur_scale};
 use crate::gui::orbit::PictureSize;
 use crate::math::{Bounds, DMat3, DVec3, ScaledRotation, SceneFrame};
-use crate::scene::{Background, Light, Material, Mode, Object, PhongModel, Scene, ToneCurve};
+use crate::scene::{Background, Light, Material, Mode, Move, Object, PhongModel, Scene, ToneCurve};
 
 /// Most lights the preview shows; a picture has no such limit.
 pub const MAX_LIGHTS: usize = 256;

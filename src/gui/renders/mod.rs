@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{ColorImage, TextureHandle, TextureOptions};
+use egui::{ColorImage, ImageData, TextureHandle, TextureOptions};
 
 use super::part::Part;
 use super::picture::{Outcome, Picture};
@@ -133,7 +133,27 @@ pub struct Renders {
     pub open: bool,
     entries: Vec<Entry>,
     /// Small pictures by number, of the present render too.
-    thumbnails: Vec<(usize, TextureHandle)>,
+    thumbnails: Vec<Thumbnail>,
+}
+
+/// A small picture of a render.
+struct Thumbnail {
+    number: usize,
+    /// As it is on the screen.
+    texture: TextureHandle,
+    /// Of a render whose pixels are gone it is all there is, should the window need another texture.
+    image: Arc<ColorImage>,
+}
+
+impl Thumbnail {
+    fn new(ctx: &egui::Context, number: usize, image: Arc<ColorImage>) -> Self {
+        let shown = ImageData::Color(Arc::clone(&image));
+        Self {
+            number,
+            texture: ctx.load_texture("thumbnail", shown, TextureOptions::LINEAR),
+            image,
+        }
+    }
 }
 
 impl std::fmt::Debug for Renders {
@@ -194,7 +214,7 @@ impl Renders {
     pub fn forget(&mut self, number: usize) -> Vec<Freed> {
         let index = self.entries.iter().position(|e| e.facts.number == number);
         let entry = index.map(|index| self.entries.remove(index));
-        self.thumbnails.retain(|(known, _)| *known != number);
+        self.forget_thumbnail(number);
         let picture = entry.and_then(|entry| entry.picture);
         picture.map(Freed::of).into_iter().collect()
     }
@@ -262,21 +282,27 @@ impl Renders {
 
     /// Takes in the small picture of render `number`.
     pub fn set_thumbnail(&mut self, ctx: &egui::Context, number: usize, image: ColorImage) {
-        let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
-        self.thumbnails.retain(|(known, _)| *known != number);
-        self.thumbnails.push((number, texture));
+        self.forget_thumbnail(number);
+        self.thumbnails
+            .push(Thumbnail::new(ctx, number, Arc::new(image)));
     }
 
     /// Forgets the small picture of render `number`: it is not that of a render that took the number over.
     pub fn forget_thumbnail(&mut self, number: usize) {
-        self.thumbnails.retain(|(known, _)| *known != number);
+        self.thumbnails.retain(|known| known.number != number);
+    }
+
+    /// Shows all small pictures in another window.
+    pub fn move_to(&mut self, ctx: &egui::Context) {
+        for known in &mut self.thumbnails {
+            *known = Thumbnail::new(ctx, known.number, Arc::clone(&known.image));
+        }
     }
 
     fn thumbnail(&self, number: usize) -> Option<&TextureHandle> {
         let mut thumbnails = self.thumbnails.iter();
-        thumbnails
-            .find(|(known, _)| *known == number)
-            .map(|(_, texture)| texture)
+        let known = thumbnails.find(|known| known.number == number);
+        known.map(|known| &known.texture)
     }
 }
 

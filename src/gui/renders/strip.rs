@@ -135,17 +135,16 @@ impl Renders {
         let painter = ui.painter();
         painter.rect_filled(frame, CornerRadius::ZERO, theme::backdrop(ui.visuals()));
         let present = state.present.filter(|p| p.number == facts.number);
-        // A running render has no small picture yet: what is on the screen serves.
-        let on_screen = present.and_then(Picture::texture);
-        let small = self.thumbnail(facts.number).map(egui::TextureHandle::id);
-        let Some(texture) = small.or(on_screen) else {
-            return;
-        };
+        let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
         let ratio = ratio_of(facts);
         let width = frame.width().min(frame.height() * ratio);
         let inside = Rect::from_center_size(frame.center(), Vec2::new(width, width / ratio));
-        let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-        painter.image(texture, inside, whole, Color32::WHITE);
+        if let Some(small) = self.thumbnail(facts.number) {
+            painter.image(small.id(), inside, whole, Color32::WHITE);
+        } else if let Some(picture) = present {
+            // A running render has no small picture yet: what is on the screen serves.
+            picture.paint(painter, inside);
+        }
     }
 
     /// What can be done with a render.

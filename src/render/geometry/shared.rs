@@ -15,7 +15,7 @@ use crate::math::{DVec3, Degrees, ScaledRotation, SceneFrame, Vec3};
 const WORTH_SHARING: u64 = 4096;
 
 /// The meshes that objects share.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SharedMeshes {
     meshes: Vec<SharedMesh>,
     indices: HashMap<MeshIdentity, usize>,

@@ -1,10 +1,9 @@
-//! Objects that were moved since their triangles were prepared: the preview draws them where they are now, so that an object in the
-//! hand follows it however large its mesh is.
-
+use super::{Object, Placement};
 use crate::math::{DMat3, DVec3, ScaledRotation, SceneFrame};
-use crate::scene::Object;
 
-/// What happened to an object: `after = turn · before + shift`, in the world.
+/// What happened to an object that went elsewhere: `after = turn · before + shift`, in the world.
+///
+/// It lets an object be shown where it is now by triangles that were prepared where it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     turn: ScaledRotation,
@@ -16,13 +15,19 @@ impl Move {
     /// would each go elsewhere.
     #[must_use]
     pub fn between(before: &Object, after: &Object) -> Option<Self> {
-        let (from, to) = (before.placement(), after.placement());
         let is_same = before.mesh == after.mesh && before.copies == after.copies;
-        let only_shifted = from.linear == to.linear;
-        if from == to || !is_same || (before.copies.total() > 1 && !only_shifted) {
+        let is_one = before.copies.total() == 1;
+        let (from, to) = (before.placement(), after.placement());
+        Self::between_places(&from, &to).filter(|moved| is_same && (is_one || moved.only_shifts()))
+    }
+
+    /// What brings the place `from` to the place `to`; `None` where that is nothing, or nothing that numbers can say.
+    #[must_use]
+    pub fn between_places(from: &Placement, to: &Placement) -> Option<Self> {
+        if from == to {
             return None;
         }
-        let turn = if only_shifted {
+        let turn = if from.linear == to.linear {
             DMat3::IDENTITY
         } else {
             to.linear * from.linear.inverse()
@@ -41,8 +46,27 @@ impl Move {
         self.turn.apply(point) + self.shift
     }
 
-    /// The turn, and what is added after it to places that are seen from `eye` (world), in units of the prepared scene.
-    pub(super) fn seen_from(&self, eye: DVec3, frame: &SceneFrame) -> (ScaledRotation, DVec3) {
+    /// Whether it neither turns nor scales.
+    #[must_use]
+    pub fn only_shifts(&self) -> bool {
+        *self.turn.matrix() == DMat3::IDENTITY
+    }
+
+    /// What it does to directions.
+    #[must_use]
+    pub fn turn(&self) -> &ScaledRotation {
+        &self.turn
+    }
+
+    /// Where the origin of the prepared scene goes, in the scene prepared with `frame`.
+    #[must_use]
+    pub fn shift_in(&self, frame: &SceneFrame) -> DVec3 {
+        frame.prepared_from_world(self.apply(frame.world_from_prepared(DVec3::ZERO)))
+    }
+
+    /// The turn, and what is added after it to places that are seen from `eye` (world), in units of the scene prepared with `frame`.
+    #[must_use]
+    pub fn seen_from(&self, eye: DVec3, frame: &SceneFrame) -> (ScaledRotation, DVec3) {
         (self.turn, (self.apply(eye) - eye) * frame.scale())
     }
 }
@@ -50,6 +74,7 @@ impl Move {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::DBounds;
     use crate::scene::Copies;
 
     #[test]
@@ -68,10 +93,17 @@ mod tests {
         };
         assert_eq!(Move::between(&before, &before), None);
         let moved = Move::between(&before, &after).unwrap();
+        let frame = SceneFrame::around(&DBounds {
+            min: DVec3::new(-3.0, 1.0, 2.0),
+            max: DVec3::new(5.0, 2.0, 7.0),
+        });
         for point in [DVec3::ZERO, DVec3::X, DVec3::new(0.2, -3.0, 7.0)] {
             let from = before.placement().world_from_object(point);
             let to = after.placement().world_from_object(point);
             assert!(moved.apply(from).distance(to) < 1e-12);
+            let [from, to] = [from, to].map(|point| frame.prepared_from_world(point));
+            let prepared = moved.turn().apply(from) + moved.shift_in(&frame);
+            assert!(prepared.distance(to) < 1e-12);
         }
     }
 

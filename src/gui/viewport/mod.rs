@@ -2,13 +2,16 @@
 //!
 //! The frame has the ratio of the picture and lies on whole pixels of the screen. Positions in it are given in points from
 //! its top left corner.
+//!
+//! - `markers`: those of lights
 
-use egui::{Color32, CornerRadius, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+mod markers;
+
+use egui::{CornerRadius, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
 use super::gizmo::motion::Placed;
 use super::gizmo::shape::{Shape, Viewed, handle_at};
 use super::gizmo::{Axis, Handle, HandleDrag, Part};
-use super::icons;
 use super::orbit::{self, DistanceLimits, PictureSize};
 use super::pick::{self, Picked};
 use super::selection::Selection;
@@ -18,6 +21,8 @@ use super::zoom::Zoom;
 use crate::math::{DBounds, DVec2, DVec3};
 use crate::render::PreparedGeometry;
 use crate::scene::{Camera, Light, RenderSettings, Scene};
+pub use markers::markers_ui;
+use markers::{Mark, marker_at, move_light};
 
 /// Room around the frame, in points.
 const MARGIN: f32 = 14.0;
@@ -25,9 +30,6 @@ const MARGIN: f32 = 14.0;
 const HALF_TURNS_PER_HEIGHT: f64 = 1.0;
 /// How much nearer one point of scrolling comes.
 const ZOOM_PER_POINT: f64 = 0.0025;
-/// Radius within which a marker is hit, in points.
-const MARKER_REACH: f32 = 11.0;
-
 /// What a drag does, decided when it starts.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 enum Drag {
@@ -38,24 +40,16 @@ enum Drag {
     Pan {
         depth: f64,
     },
-    /// A light, or what it is turned towards, kept at its depth.
+    /// A light, or what it is turned towards, kept at its depth; the light as it was.
     Light {
         mark: Mark,
         depth: f64,
+        before: Light,
     },
     /// The handle in [`Viewport::held`].
     Handle,
     /// The picture that is looked at.
     Picture,
-}
-
-/// What a marker stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Mark {
-    /// The light's place in the scene.
-    light: usize,
-    /// Whether it is what the light is turned towards.
-    is_target: bool,
 }
 
 /// What the central area remembers from frame to frame.
@@ -109,11 +103,26 @@ pub fn frame_in(area: Rect, settings: &RenderSettings, pixels_per_point: f32) ->
     )
 }
 
-/// Draws the ground around the frame and an edge.
-pub fn backdrop_ui(ui: &Ui, area: Rect, frame: Rect) {
+/// Draws the ground around the frame and an edge; below the frame too, unless something `covers` all of that.
+pub fn backdrop_ui(ui: &Ui, area: Rect, frame: Rect, covers: bool) {
     let visuals = ui.visuals();
     let painter = ui.painter().with_clip_rect(area);
-    painter.rect_filled(area, CornerRadius::ZERO, theme::backdrop(visuals));
+    let ground = theme::backdrop(visuals);
+    let hidden = frame.intersect(area);
+    if covers && hidden.is_positive() {
+        // Where the processor draws, a pixel that is drawn over costs as much as one that is seen.
+        let Rect { min, max } = hidden;
+        for visible in [
+            Rect::from_min_max(area.min, Pos2::new(area.max.x, min.y)),
+            Rect::from_min_max(Pos2::new(area.min.x, max.y), area.max),
+            Rect::from_min_max(Pos2::new(area.min.x, min.y), Pos2::new(min.x, max.y)),
+            Rect::from_min_max(Pos2::new(max.x, min.y), Pos2::new(area.max.x, max.y)),
+        ] {
+            painter.rect_filled(visible, CornerRadius::ZERO, ground);
+        }
+    } else {
+        painter.rect_filled(area, CornerRadius::ZERO, ground);
+    }
     painter.rect_stroke(
         frame,
         CornerRadius::ZERO,
@@ -201,12 +210,22 @@ impl Viewport {
         self.held.as_ref().map(HandleDrag::in_words)
     }
 
-    /// Lets go of the handle that is held, and puts what it moved back.
-    pub fn cancel_handle(&mut self, scene: &mut Scene) {
+    /// Lets go of the handle or the marker that is held, and puts what it moved back.
+    pub fn put_back(&mut self, scene: &mut Scene) {
         if let Some(held) = self.held.take() {
             held.cancel(scene);
         }
+        if let Drag::Light { mark, before, .. } = self.drag
+            && let Some(light) = scene.lights.get_mut(mark.light)
+        {
+            *light = before;
+        }
         self.drag = Drag::None;
+    }
+
+    /// Forgets what was pointed at last.
+    pub fn look_away(&mut self) {
+        self.aimed = None;
     }
 
     /// Whether an object or a light, or what that is turned towards, is held. It is known by its place in the scene, so nothing else may
@@ -355,7 +374,12 @@ impl Viewport {
                 _ if self.held.is_some() => Drag::Handle,
                 Some((mark, depth)) => {
                     self.point_at(mark, view.selection);
-                    Drag::Light { mark, depth }
+                    let before = view.scene.lights[mark.light];
+                    Drag::Light {
+                        mark,
+                        depth,
+                        before,
+                    }
                 }
                 None if primary && !shift => Drag::Orbit,
                 None => Drag::Pan {
@@ -389,7 +413,7 @@ impl Viewport {
             Drag::Pan { depth } => {
                 view.scene.camera = orbit::pan(&view.scene.camera, size, from, to, depth);
             }
-            Drag::Light { mark, depth } => move_light(view.scene, size, mark, depth, to),
+            Drag::Light { mark, depth, .. } => move_light(view.scene, size, mark, depth, to),
             Drag::Handle => {
                 let snap = ui.input(|input| input.modifiers.command);
                 if let Some(held) = &mut self.held {
@@ -425,22 +449,6 @@ impl Viewport {
             view.scene.camera = orbit::look_at(&view.scene.camera, picked.point);
         } else {
             *view.selection = Selection::Object(picked.object).within(view.scene);
-        }
-    }
-
-    /// Draws the markers of the lights over the preview.
-    pub fn markers_ui(ui: &Ui, frame: Rect, scene: &Scene, selection: &Selection) {
-        let painter = ui.painter().with_clip_rect(frame);
-        for (index, light) in scene.lights.iter().enumerate() {
-            let is_selected = *selection == Selection::Light(index);
-            rim_ui(&painter, frame, scene, light, is_selected);
-            if is_selected {
-                target_ui(&painter, frame, scene, light);
-            }
-            let Some((position, _)) = marker_position(scene, frame, light.position()) else {
-                continue;
-            };
-            marker(&painter, position, light.emission(), is_selected);
         }
     }
 }
@@ -505,139 +513,6 @@ fn depth_under(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> 
     picked_at(view, size, position)
         .and_then(|picked| orbit::depth_of(camera, picked.point))
         .unwrap_or_else(|| camera.eye.distance(camera.target))
-}
-
-/// Puts a light, or its target, under `to` at `depth`; not where the light would shine nowhere then.
-fn move_light(scene: &mut Scene, size: PictureSize, mark: Mark, depth: f64, to: DVec2) {
-    let Some(direction) = orbit::view_direction(&scene.camera, size, to) else {
-        return;
-    };
-    let place = scene.camera.eye + direction * depth;
-    let Some(light) = scene.lights.get_mut(mark.light) else {
-        return;
-    };
-    let mut moved = *light;
-    if mark.is_target {
-        moved.turn_to(place);
-    } else {
-        moved.move_to(place);
-    }
-    let shines = match moved {
-        Light::Point { .. } => true,
-        Light::Disk { center, facing, .. } => facing.normal(center).is_some(),
-    };
-    if place.is_finite() && shines {
-        *light = moved;
-    }
-}
-
-/// Where the marker of a place is on the screen, and its depth.
-fn marker_position(scene: &Scene, frame: Rect, place: DVec3) -> Option<(Pos2, f64)> {
-    let (position, depth) = orbit::project(&scene.camera, picture_size(frame), place)?;
-    #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
-    let offset = Vec2::new(position.x as f32, position.y as f32);
-    let position = frame.min + offset;
-    frame.contains(position).then_some((position, depth))
-}
-
-/// What the marker under `position` stands for, and its depth; the nearest marker of several. Lights have one each, the selected one
-/// also where it is turned towards.
-fn marker_at(
-    scene: &Scene,
-    selection: &Selection,
-    frame: Rect,
-    position: Pos2,
-) -> Option<(Mark, f64)> {
-    let lights = scene.lights.iter().enumerate();
-    let marks = lights.flat_map(|(index, light)| {
-        let target = light
-            .target()
-            .filter(|_| *selection == Selection::Light(index));
-        let mark = |is_target| Mark {
-            light: index,
-            is_target,
-        };
-        let place = [(mark(false), Some(light.position())), (mark(true), target)];
-        place
-            .into_iter()
-            .filter_map(|(mark, place)| Some((mark, place?)))
-    });
-    let markers = marks.filter_map(|(mark, place)| {
-        let (marker, depth) = marker_position(scene, frame, place)?;
-        Some((mark, depth, marker.distance(position)))
-    });
-    markers
-        .filter(|(_, _, distance)| *distance <= MARKER_REACH)
-        .min_by(|a, b| a.2.total_cmp(&b.2))
-        .map(|(mark, depth, _)| (mark, depth))
-}
-
-/// Draws what the selected light is turned towards.
-fn target_ui(painter: &egui::Painter, frame: Rect, scene: &Scene, light: &Light) {
-    let Some(target) = light.target() else { return };
-    let ends = [light.position(), target].map(|end| on_screen(scene, frame, end));
-    if let [Some(from), Some(to)] = ends {
-        let stroke = Stroke::new(1.2, theme::ACCENT);
-        let dashes = egui::Shape::dashed_line(&[from, to], stroke, 6.0, 5.0);
-        painter.extend(dashes);
-    }
-    if let Some((center, _)) = marker_position(scene, frame, target) {
-        painter.circle(
-            center,
-            6.0,
-            Color32::from_black_alpha(120),
-            Stroke::new(1.6, theme::ACCENT),
-        );
-        painter.circle_filled(center, 2.0, theme::ACCENT);
-    }
-}
-
-/// A small sun of the light's colour.
-fn marker(painter: &egui::Painter, center: Pos2, intensity: DVec3, selected: bool) {
-    let edge = if selected {
-        theme::ACCENT
-    } else {
-        Color32::from_black_alpha(170)
-    };
-    icons::sun(painter, center, 4.5, icons::hue_of(intensity), edge);
-    if selected {
-        painter.circle_stroke(center, 12.5, Stroke::new(1.6, theme::ACCENT));
-    }
-}
-
-/// Draws the rim of a disk light.
-fn rim_ui(painter: &egui::Painter, frame: Rect, scene: &Scene, light: &Light, is_selected: bool) {
-    const CORNERS: u32 = 64;
-    let Light::Disk {
-        center,
-        facing,
-        radius,
-        ..
-    } = *light
-    else {
-        return;
-    };
-    let Some((x, y)) = facing.normal(center).map(DVec3::any_orthonormal_pair) else {
-        return;
-    };
-    let corner = |index: u32| {
-        let angle = std::f64::consts::TAU * f64::from(index) / f64::from(CORNERS);
-        on_screen(
-            scene,
-            frame,
-            center + (x * angle.cos() + y * angle.sin()) * radius,
-        )
-    };
-    let color = if is_selected {
-        theme::ACCENT
-    } else {
-        icons::hue_of(light.emission())
-    };
-    for index in 0..CORNERS {
-        if let (Some(a), Some(b)) = (corner(index), corner(index + 1)) {
-            painter.line_segment([a, b], Stroke::new(1.4, color));
-        }
-    }
 }
 
 /// Where a world point is on the screen; `None` behind the eye.
