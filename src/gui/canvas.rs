@@ -21,8 +21,9 @@ const OPTIONS: TextureOptions = TextureOptions {
 };
 /// Rows of a band, in texels.
 const BAND: usize = 64;
-/// What a frame may spend on pieces. The driver takes about as long again.
+/// What a frame may spend on pieces, and how many texels it may hand on: the driver takes its time for each.
 const BUDGET: Duration = Duration::from_micros(700);
+const MOST_TEXELS: usize = 1 << 17;
 
 /// The textures that show a picture, and what is to go there.
 #[derive(Default)]
@@ -88,9 +89,11 @@ impl Canvas {
         }
         let started = Instant::now();
         let mut runs = joined(std::mem::take(&mut self.pending)).into_iter();
+        let mut texels = 0;
         for run in runs.by_ref() {
+            texels += run.pixels.pixels.len();
             self.show(ctx, run);
-            if started.elapsed() > BUDGET {
+            if texels >= MOST_TEXELS || started.elapsed() > BUDGET {
                 break;
             }
         }
