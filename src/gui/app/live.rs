@@ -15,7 +15,7 @@ use crate::gui::top_bar::View;
 use crate::gui::worker::Preparation;
 
 /// How long a frame may wait for a first look at what was edited.
-const FIRST_LOOK: Duration = Duration::from_millis(40);
+const FIRST_LOOK: Duration = Duration::from_millis(80);
 
 impl App {
     /// Has a render follow every change from now on, beginning with the scene as it is, or no longer.
