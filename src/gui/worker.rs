@@ -175,11 +175,17 @@ pub fn prepare(
         }
     };
     let sky = preview_sky(scene, placed_before.as_ref(), gpu);
+    let painted_before = placed_before
+        .as_ref()
+        .and_then(|before| before.triangles.clone());
     // What a lost device held is brought to the new one.
     let is_drawn = |placed: &Placed| placed.triangles.is_some() || gpu.is_none();
     let unchanged =
         placed_before.filter(|before| Arc::ptr_eq(&before.geometry, &geometry) && is_drawn(before));
-    let placed = unchanged.unwrap_or_else(|| new_geometry(scene, Arc::clone(&geometry), gpu));
+    let mut placed = unchanged.unwrap_or_else(|| new_geometry(scene, Arc::clone(&geometry), gpu));
+    if let Some((triangles, gpu)) = placed.triangles.as_mut().zip(gpu) {
+        *triangles = triangles.painted(gpu, scene, painted_before.as_deref(), &job.cancel)?;
+    }
     job.send(Event::Placed(Box::new(Placed { sky, ..placed })));
 
     let (cancel, known) = (&job.cancel, prepared_before);

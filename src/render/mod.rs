@@ -81,6 +81,7 @@ pub use run::{
 pub use sampler::{Decision, Dimension, Sampler, Turns};
 pub use surface::SurfacePoint;
 pub use tally::RayPurpose;
+pub use texturing::{Meaning, Pyramid};
 pub use tiles::{Region, TilePixels};
 pub use trace::{Met, MetSurface, SampleTrace, TraceError, TracedRay, trace_sample};
 pub use used::Used;

@@ -15,6 +15,7 @@ use crate::gui::part::Part;
 use crate::gui::pick::world_bounds;
 use crate::gui::picture::{Outcome, Picture};
 use crate::gui::picture_buffer::PictureBuffer;
+use crate::gui::preview::paint::same_paint;
 use crate::gui::preview_image::PreviewImage;
 use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
@@ -23,13 +24,14 @@ use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
 use crate::scene::Display;
 
 impl App {
-    /// Whether the scene's triangles and image, as they are now, have been prepared (or found impossible to prepare).
+    /// Whether the scene's triangles and images, as they are now, have been prepared (or found impossible to prepare).
     pub(super) fn is_prepared(&self) -> bool {
         if self.document.scene.objects.is_empty() {
             return true;
         }
         self.preparing.as_ref().is_some_and(|scene| {
-            same_geometry(scene, &self.document.scene) && same_image(scene, &self.document.scene)
+            let now = &self.document.scene;
+            same_geometry(scene, now) && same_image(scene, now) && same_paint(scene, now)
         }) && !self.is_preparing()
             && !self.lacks_upload()
     }

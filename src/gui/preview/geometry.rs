@@ -2,11 +2,16 @@
 //! objects share is there once, with a place for every copy.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use eframe::wgpu;
 
+use super::paint::{GpuImage, GpuPaint};
+use crate::control::CancelToken;
+use crate::gui::worker::Gpu;
 use crate::math::{Bounds, DVec3, ScaledRotation, SceneFrame, Vec3};
+use crate::scene::Scene;
 
 /// A triangle's corner as the GPU reads it: position in the prepared scene, and a unit normal in 16 bits per axis.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -77,6 +82,8 @@ pub struct PreviewObject {
     pub places: Range<u32>,
     /// From the corners' directions to those of the prepared scene.
     pub turn: ScaledRotation,
+    /// Whether its corners are those of the mesh, rather than placed in the scene.
+    pub is_shared: bool,
 }
 
 /// The triangles of one scene on the GPU.
@@ -89,7 +96,8 @@ pub struct GpuGeometry {
     /// For each object, how its copies are turned.
     pub(super) turns: Vec<ScaledRotation>,
     places: wgpu::Buffer,
-    chunks: Vec<Chunk>,
+    chunks: Arc<[Chunk]>,
+    paint: GpuPaint,
 }
 
 /// Part of the triangles: a GPU limits the size of one buffer.
@@ -101,10 +109,14 @@ struct Chunk {
 
 /// All copies of the part of one object that is in a chunk.
 #[derive(Clone, Debug)]
-struct Draw {
-    object: u32,
+pub(super) struct Draw {
+    pub(super) object: u32,
     /// Corners within the chunk.
-    corners: Range<u32>,
+    pub(super) corners: Range<u32>,
+    /// Number of the first among the corners of the object.
+    pub(super) first: usize,
+    /// Whether corners are those of the mesh, rather than placed in the scene.
+    pub(super) is_shared: bool,
     places: Range<u32>,
 }
 
@@ -130,21 +142,86 @@ impl GpuGeometry {
             turns: mesh.objects.iter().map(|object| object.turn).collect(),
             places: vertex_buffer(device, "preview places", &mesh.places[..places]),
             chunks,
+            paint: GpuPaint::default(),
         }
     }
 
-    /// Draws every object with all copies; `choose` makes an object's number its uniform.
+    /// The same triangles with the images and colours that vary over the objects of `scene`; what is the same as in `previous` is kept.
+    /// `None` when cancelled.
+    #[must_use]
+    pub fn painted(
+        self: &Arc<Self>,
+        gpu: &Gpu,
+        scene: &Scene,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+    ) -> Option<Arc<Self>> {
+        let draws = self.chunks.iter().flat_map(|chunk| &chunk.draws);
+        let none = GpuPaint::default();
+        let known = previous.map_or(&none, |previous| &previous.paint);
+        let paint = GpuPaint::upload(gpu, scene, draws, known, cancel)?;
+        if paint.is_empty() && self.paint.is_empty() {
+            return Some(Arc::clone(self));
+        }
+        Some(Arc::new(Self {
+            frame: self.frame,
+            bounds: self.bounds,
+            turns: self.turns.clone(),
+            places: self.places.clone(),
+            chunks: Arc::clone(&self.chunks),
+            paint,
+        }))
+    }
+
+    /// Whether the image that lies on object `index` of `scene` now is here, and whether its vertices' colours are and count.
+    pub(super) fn shows(&self, scene: &Scene, index: usize) -> [bool; 2] {
+        self.paint.shows(scene, index)
+    }
+
+    /// Draws every object with all copies, or only those over which nothing varies; `choose` makes an object's number its uniform.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
+        only_plain: bool,
         choose: impl Fn(&mut wgpu::RenderPass<'_>, u32),
     ) {
         pass.set_vertex_buffer(1, self.places.slice(..));
-        for chunk in &self.chunks {
+        for chunk in &*self.chunks {
             pass.set_vertex_buffer(0, chunk.buffer.slice(..));
             for draw in &chunk.draws {
-                choose(pass, draw.object);
-                pass.draw(draw.corners.clone(), draw.places.clone());
+                if !only_plain || self.paint.of_draw(draw).is_none() {
+                    choose(pass, draw.object);
+                    pass.draw(draw.corners.clone(), draw.places.clone());
+                }
+            }
+        }
+    }
+
+    /// Whether anything varies over an object.
+    pub(super) fn is_painted(&self) -> bool {
+        !self.paint.is_empty()
+    }
+
+    /// Draws all copies of the objects over which something varies; `choose` makes an object's number its uniform, and its image the
+    /// texture.
+    pub(super) fn draw_painted(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        choose: impl Fn(&mut wgpu::RenderPass<'_>, u32, &GpuImage),
+    ) {
+        pass.set_vertex_buffer(1, self.places.slice(..));
+        for chunk in &*self.chunks {
+            for draw in &chunk.draws {
+                let Some((corners, image)) = self.paint.of_draw(draw) else {
+                    continue;
+                };
+                choose(pass, draw.object, image);
+                // Their corners are numbered from 0 in both buffers.
+                let start = u64::from(draw.corners.start) * size_of::<Vertex>() as u64;
+                pass.set_vertex_buffer(0, chunk.buffer.slice(start..));
+                pass.set_vertex_buffer(2, corners.slice(..));
+                let count = draw.corners.end - draw.corners.start;
+                pass.draw(0..count, draw.places.clone());
             }
         }
     }
@@ -161,11 +238,14 @@ impl Chunk {
             let start = object.corners.start.max(range.start);
             let end = object.corners.end.min(range.end);
             let places = object.places.start..object.places.end.min(most_places);
+            let first = start - object.corners.start;
             let within = |corner: usize| u32::try_from(corner - range.start).ok();
             (start < end && !places.is_empty()).then_some(())?;
             Some(Draw {
                 object: u32::try_from(index).ok()?,
                 corners: within(start)?..within(end)?,
+                first,
+                is_shared: object.is_shared,
                 places,
             })
         };
@@ -181,7 +261,12 @@ impl Chunk {
     }
 }
 
-fn vertex_buffer<T: Pod>(device: &wgpu::Device, label: &str, content: &[T]) -> wgpu::Buffer {
+/// A buffer of vertices.
+pub(super) fn vertex_buffer<T: Pod>(
+    device: &wgpu::Device,
+    label: &str,
+    content: &[T],
+) -> wgpu::Buffer {
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size_of_val(content) as u64,

@@ -6,11 +6,13 @@
 //!
 //! - [`pack`], [`geometry`]: triangles and where copies of them are, packed and uploaded by a worker when they change
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
+//! - [`paint`]: colours and images that vary over objects, uploaded by a worker too
 //! - [`sky`]: the background's image, uploaded by a worker too
 //! - `pipeline`, `target`: programs and textures
 
 pub mod geometry;
 pub mod pack;
+pub mod paint;
 mod pipeline;
 pub mod sky;
 mod sky_light;
@@ -170,7 +172,7 @@ impl Preview {
                 &target.depth,
                 wgpu::Color::TRANSPARENT,
             );
-            self.draw_objects(&mut pass, &self.pipelines.object_ids, geometry);
+            self.draw_objects(&mut pass, &self.pipelines.object_ids, geometry, false);
         }
         self.queue.submit([encoder.finish()]);
         let ids = target::read_back(&self.device, &self.queue, &target.ids)?;
@@ -237,7 +239,8 @@ impl Preview {
             pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
             pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
             pass.draw(0..3, 0..1);
-            self.draw_objects(&mut pass, &self.pipelines.objects, geometry);
+            self.draw_objects(&mut pass, &self.pipelines.objects, geometry, true);
+            self.draw_painted_objects(&mut pass, geometry);
         }
         self.queue.submit([encoder.finish()]);
     }
@@ -247,6 +250,7 @@ impl Preview {
         pass: &mut wgpu::RenderPass<'_>,
         pipeline: &wgpu::RenderPipeline,
         geometry: &GpuGeometry,
+        only_plain: bool,
     ) {
         let Some(objects) = &self.objects else {
             return;
@@ -254,7 +258,19 @@ impl Preview {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
         pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
-        geometry.draw(pass, |pass, index| objects.choose(pass, index));
+        geometry.draw(pass, only_plain, |pass, index| objects.choose(pass, index));
+    }
+
+    /// Draws the objects over which images or colours vary, into the pass that has drawn the others.
+    fn draw_painted_objects(&self, pass: &mut wgpu::RenderPass<'_>, geometry: &GpuGeometry) {
+        let Some(objects) = self.objects.as_ref().filter(|_| geometry.is_painted()) else {
+            return;
+        };
+        pass.set_pipeline(&self.pipelines.painted_objects);
+        geometry.draw_painted(pass, |pass, index, image| {
+            objects.choose(pass, index);
+            pass.set_bind_group(3, &image.bind_group, &[]);
+        });
     }
 }
 

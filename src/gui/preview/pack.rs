@@ -33,6 +33,7 @@ pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
                 corners: corners.clone(),
                 places: mesh.add_places(places.map(Place::new)),
                 turn: *turn,
+                is_shared: true,
             }
         } else {
             let ids = object.triangles.clone();
@@ -41,6 +42,7 @@ pub fn preview_mesh(geometry: &PreparedGeometry) -> PreviewMesh {
                 corners: mesh.add_corners(corners, object.triangles_per_copy, normals),
                 places: 0..1,
                 turn: ScaledRotation::new(DMat3::IDENTITY),
+                is_shared: false,
             }
         };
         mesh.objects.push(drawn);

@@ -3,6 +3,7 @@
 use eframe::wgpu;
 
 use super::geometry::{Place, Vertex};
+use super::paint::{self, PaintVertex};
 use super::sky::SkyBinding;
 use super::uniforms::{ObjectUniform, ViewUniform};
 
@@ -18,6 +19,8 @@ pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 pub(super) struct Pipelines {
     pub(super) sky: wgpu::RenderPipeline,
     pub(super) objects: wgpu::RenderPipeline,
+    /// Objects over which images or colours vary.
+    pub(super) painted_objects: wgpu::RenderPipeline,
     pub(super) object_ids: wgpu::RenderPipeline,
     pub(super) view: wgpu::Buffer,
     pub(super) bind_group: wgpu::BindGroup,
@@ -43,8 +46,16 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
-        let groups = [&view_layout, &sky_image.layout, &object_layout].map(Some);
-        let (sky_layout, objects_layout) = (layout(&groups[..2]), layout(&groups));
+        let paint_layout = paint::layout(device);
+        let groups = [
+            &view_layout,
+            &sky_image.layout,
+            &object_layout,
+            &paint_layout,
+        ]
+        .map(Some);
+        let [sky_layout, objects_layout, painted_layout] =
+            [2, 3, 4].map(|count| layout(&groups[..count]));
         let view = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("preview view"),
             size: size_of::<ViewUniform>() as u64,
@@ -85,6 +96,18 @@ impl Pipelines {
                 fragment: "object_id",
                 format: ID_FORMAT,
                 samples: 1,
+                ..objects
+            }),
+            painted_objects: program(&Program {
+                label: "preview painted objects",
+                layout: &painted_layout,
+                vertex: "painted_vertex",
+                buffers: &[
+                    Some(vertex_layout()),
+                    Some(place_layout()),
+                    Some(paint_vertex_layout()),
+                ],
+                fragment: "painted_color",
                 ..objects
             }),
             objects: program(&objects),
@@ -237,6 +260,17 @@ const fn place_layout() -> wgpu::VertexBufferLayout<'static> {
     wgpu::VertexBufferLayout {
         array_stride: size_of::<Place>() as u64,
         step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &ATTRIBUTES,
+    }
+}
+
+/// The layout of [`PaintVertex`].
+const fn paint_vertex_layout() -> wgpu::VertexBufferLayout<'static> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 2] =
+        wgpu::vertex_attr_array![4 => Float32x2, 5 => Float16x4];
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<PaintVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &ATTRIBUTES,
     }
 }

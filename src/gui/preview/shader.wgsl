@@ -2,7 +2,8 @@
 //
 // Positions are taken relative to the eye before anything is multiplied, and the eye comes in two parts, so that a vertex
 // close to the eye keeps all its digits; so does the place of a copy. Images as background are in `sky.wgsl`, compiled with this
-// file. Two passes share the vertex stage: colour for the screen, and object ids.
+// file. Two passes share the vertex stage: colour for the screen, and object ids. Objects over which an image or the colours of
+// vertices vary have entry points of their own; the others know nothing of textures.
 
 const MAX_LIGHTS: u32 = 256u;
 
@@ -17,6 +18,11 @@ const MODE_AO: u32 = 6u;
 const KIND_MIRROR: u32 = 1u;
 const KIND_GLASS: u32 = 2u;
 const KIND_EMITTER: u32 = 3u;
+
+// Bits of `Object.about.w`: it was moved, an image lies on it, its vertices have colours.
+const MOVED: u32 = 1u;
+const IMAGE: u32 = 2u;
+const COLORS: u32 = 4u;
 
 const TONE_ACES: u32 = 1u;
 const PHONG_CLASSIC: u32 = 1u;
@@ -61,7 +67,7 @@ struct Object {
     specular: vec4f,
     // `w`: what shortens turned directions to the length they had.
     id_color: vec4f,
-    // Index of the object, kind of its material, 1 where its copies are mirrored, 1 where it was moved since.
+    // Index of the object, kind of its material, 1 where its copies are mirrored, what there is beside one colour at one place.
     about: vec4u,
     // From the directions of its triangles to those of the prepared scene.
     turn: mat3x3f,
@@ -72,6 +78,8 @@ struct Object {
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(2) @binding(0) var<uniform> object: Object;
+@group(3) @binding(0) var image: texture_2d<f32>;
+@group(3) @binding(1) var image_sampler: sampler;
 
 struct VertexInput {
     @location(0) position: vec3f,
@@ -88,12 +96,12 @@ struct Fragment {
     @location(1) normal: vec3f,
 }
 
-@vertex
-fn vertex(in: VertexInput) -> Fragment {
+// Where a corner is, and its normal.
+fn placed(in: VertexInput) -> Fragment {
     let turned = object.turn * in.position;
     var position = ((in.place_high - view.eye_high.xyz) + turned) + (in.place_low - view.eye_low.xyz);
     var normal = (object.turn * in.normal.xyz) * object.id_color.w;
-    if object.about.w == 1u {
+    if (object.about.w & MOVED) != 0u {
         position = object.moved * position + object.shift.xyz;
         normal = normalize(object.moved * normal);
     }
@@ -108,6 +116,25 @@ fn vertex(in: VertexInput) -> Fragment {
     out.position = position;
     out.normal = normal;
     return out;
+}
+
+@vertex
+fn vertex(in: VertexInput) -> Fragment {
+    return placed(in);
+}
+
+struct PaintedFragment {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) on_image: vec2f,
+    @location(3) color: vec3f,
+}
+
+@vertex
+fn painted_vertex(in: VertexInput, @location(4) on_image: vec2f, @location(5) color: vec4f) -> PaintedFragment {
+    let plain = placed(in);
+    return PaintedFragment(plain.clip, plain.position, plain.normal, on_image, color.rgb);
 }
 
 // Radiance of the background in a unit direction.
@@ -149,11 +176,11 @@ fn reflecting_outwards(n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
 }
 
 // All lights, without shadows. `n`, `geometric`: shading and geometric normal on the side of `wo`, the unit vector to the
-// eye.
-fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
+// eye; `diffuse`: what is reflected in all directions.
+fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f, diffuse: vec3f) -> vec3f {
     let shininess = object.specular.w;
     let mirrored = reflect(-wo, reflecting_outwards(n, geometric, wo));
-    var radiance = background_light(n) * object.diffuse.rgb;
+    var radiance = background_light(n) * diffuse;
     for (var i = 0u; i < min(view.choices.w, MAX_LIGHTS); i++) {
         let to_light = view.lights[i].position.xyz - in.position;
         let squared = dot(to_light, to_light);
@@ -165,10 +192,10 @@ fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
         let lobe = pow(max(dot(mirrored, wi), 0.0), shininess);
         var scattered: vec3f;
         if view.choices.z == PHONG_CLASSIC {
-            scattered = object.diffuse.rgb * cosine + object.specular.rgb * lobe;
+            scattered = diffuse * cosine + object.specular.rgb * lobe;
         } else {
             let peak = (shininess + 2.0) / (2.0 * PI);
-            scattered = (object.diffuse.rgb / PI + object.specular.rgb * (peak * lobe)) * cosine;
+            scattered = (diffuse / PI + object.specular.rgb * (peak * lobe)) * cosine;
         }
         let normal = view.lights[i].normal;
         let turned = select(1.0, max(dot(normal.xyz, -wi), 0.0), normal.w > 0.5);
@@ -230,7 +257,26 @@ fn with_focus(color: vec4f, nearness: f32, width: f32) -> vec4f {
 
 @fragment
 fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let shown = shaded(in, front);
+    return focused(in, shaded(in, front, object.diffuse.rgb));
+}
+
+// The same where an image or the colours of vertices vary over the object.
+@fragment
+fn painted_color(in: PaintedFragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    var diffuse = object.diffuse.rgb;
+    let texel = textureSample(image, image_sampler, in.on_image).rgb;
+    if (object.about.w & IMAGE) != 0u {
+        diffuse *= texel;
+    }
+    if (object.about.w & COLORS) != 0u {
+        diffuse *= in.color;
+    }
+    let plain = Fragment(in.clip, in.position, in.normal);
+    return focused(plain, shaded(plain, front, diffuse));
+}
+
+// What is shown of a point, with what is to be seen of the focus.
+fn focused(in: Fragment, shown: vec4f) -> vec4f {
     let nearness = 1.0 / max(dot(in.position, view.forward.xyz), 1e-18) - view.focus.z;
     let width = fwidth(nearness);
     if view.focus.x < 0.5 {
@@ -239,7 +285,8 @@ fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f
     return with_focus(shown, nearness, width);
 }
 
-fn shaded(in: Fragment, front: bool) -> vec4f {
+// `diffuse`: what a matt surface reflects in all directions.
+fn shaded(in: Fragment, front: bool, diffuse: vec3f) -> vec4f {
     let wo = normalize(-in.position);
     let across = normalize(cross(dpdx(in.position), dpdy(in.position)));
     let geometric = select(-across, across, dot(across, wo) >= 0.0);
@@ -253,7 +300,7 @@ fn shaded(in: Fragment, front: bool) -> vec4f {
             return displayed(vec3f(length(in.position) * view.forward.w));
         }
         case MODE_ALBEDO: {
-            return displayed(object.diffuse.rgb + object.specular.rgb);
+            return displayed(diffuse + object.specular.rgb);
         }
         case MODE_FACING: {
             let cosine = abs(dot(n, wo));
@@ -274,7 +321,7 @@ fn shaded(in: Fragment, front: bool) -> vec4f {
             if object.about.y != 0u {
                 return displayed(smooth_surface(reflecting_outwards(n, geometric, wo), wo));
             }
-            return displayed(direct(in, n, geometric, wo));
+            return displayed(direct(in, n, geometric, wo, diffuse));
         }
     }
 }

@@ -142,6 +142,11 @@ fn focus(scene: &Scene, frame: &SceneFrame, aid: FocusAid) -> [f32; 4] {
     vec4(DVec3::new(kind, scale, reciprocal), 0.0)
 }
 
+/// What there is beside one colour at one place, as the shader knows it: it was moved, an image lies on it, its vertices have colours.
+const MOVED: u32 = 1;
+const IMAGE: u32 = 2;
+const COLORS: u32 = 4;
+
 /// The shader's `Object`: an object's material, how its triangles are turned, and where they have gone since.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -168,12 +173,15 @@ impl ObjectUniform {
             let object = scene.objects.get(index);
             let material = object.and_then(|object| scene.material_of(object).ok());
             let mut material = material.unwrap_or_default();
-            if let Some(object) = object {
+            let [has_image, has_colors] = geometry.shows(scene, index);
+            if let Some(object) = object.filter(|_| !has_image) {
                 take_mean_color(scene, object, &mut material);
             }
             let moved = moves.get(index).copied().flatten();
             let moved = moved.map(|moved| moved.seen_from(eye, &geometry.frame));
-            Self::new(&material, index, turn, moved)
+            let mut uniform = Self::new(&material, index, turn, moved);
+            uniform.about[3] |= IMAGE * u32::from(has_image) + COLORS * u32::from(has_colors);
+            uniform
         };
         geometry.turns.iter().enumerate().map(uniform).collect()
     }
@@ -215,7 +223,7 @@ impl ObjectUniform {
                 u32::try_from(object).unwrap_or(u32::MAX),
                 kind,
                 u32::from(turn.is_mirrored() != moved.is_mirrored()),
-                u32::from(is_moved),
+                MOVED * u32::from(is_moved),
             ],
             turn: [x_axis, y_axis, z_axis].map(|axis| vec4(axis, 0.0)),
             moved: [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| vec4(axis, 0.0)),
@@ -281,7 +289,9 @@ fn mode_number(mode: Mode) -> u32 {
 pub(super) fn vec4(v: DVec3, w: f64) -> [f32; 4] {
     [v.x as f32, v.y as f32, v.z as f32, w as f32]
 }
-/// Multiplies the diffuse colour by the mean of the image that lies on `object`, if one does: the preview shows no more of it.
+
+/// Multiplies the diffuse colour by the mean of the image that lies on `object`, if one does: all there is to show until the image is
+/// uploaded.
 fn take_mean_color(scene: &Scene, object: &Object, material: &mut Material) {
     let mesh = scene.meshes.get(&object.mesh);
     let is_mapped = mesh.is_some_and(|mesh| mesh.texture_coordinates.is_some());

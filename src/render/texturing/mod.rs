@@ -24,7 +24,7 @@ use crate::memory::require;
 use crate::scene::{Scene, SceneError, TextureImage};
 use footprint::Footprint;
 use object::TexturedObject;
-use pyramid::{Meaning, Pyramid};
+pub use pyramid::{Meaning, Pyramid};
 
 /// What a form of the code that takes samples knows of textures, along one path.
 pub trait Texturing: Copy {

@@ -52,12 +52,14 @@ const MOST_TAPS: f64 = 16.0;
 impl Pyramid {
     /// Memory that all sizes of `image` take beside itself at most, in bytes, as far as that is not the same for all images: a third of its
     /// texels, and of what is a row or a column at last as many again.
+    #[must_use]
     pub fn foreseen_bytes(image: &TextureImage) -> u64 {
         let sides = u64::from(image.width()) + u64::from(image.height());
         (image.texels().len() as u64 / 3 + sides) * size_of::<Vec3>() as u64
     }
 
     /// All sizes of `image`; `None` when cancelled.
+    #[must_use]
     pub fn new(image: &Arc<TextureImage>, meaning: Meaning, cancel: &CancelToken) -> Option<Self> {
         let most = match image.texels() {
             Texels::Bytes(_) => u16::from(u8::MAX),
@@ -93,20 +95,32 @@ impl Pyramid {
         }
     }
 
+    /// The image it is of.
+    #[must_use]
+    pub fn image(&self) -> &TextureImage {
+        &self.image
+    }
+
+    /// How many sizes there are, that of the image and that of one texel included.
+    #[must_use]
+    pub fn level_count(&self) -> usize {
+        self.smaller.len() + 1
+    }
+
     /// Whether it was made from that.
-    pub fn is_of(&self, image: &Arc<TextureImage>, meaning: Meaning) -> bool {
+    pub(super) fn is_of(&self, image: &Arc<TextureImage>, meaning: Meaning) -> bool {
         Arc::ptr_eq(&self.image, image) && self.meaning == meaning
     }
 
     /// Memory beside that of the image, in bytes.
-    pub fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         let smaller = self.smaller.iter().map(|level| size_of_val(&*level.texels));
         size_of_val(&*self.values) + smaller.sum::<usize>()
     }
 
     /// The mean of the image over `area`, about: over as many squares in a row as it is longer than wide, up to [`MOST_TAPS`], each
     /// a mixture of the two sizes whose texels are nearest to it.
-    pub fn mean(&self, area: &Area) -> Vec3 {
+    pub(super) fn mean(&self, area: &Area) -> Vec3 {
         let (width, height) = self.size(0);
         let size = DVec2::new(width as f64, height as f64);
         let Axes { long, short } = Axes::of(area.sides.map(|side| side * size));
@@ -177,17 +191,22 @@ impl Pyramid {
         upper.lerp(lower, over_y)
     }
 
-    /// Texels per row, and rows.
-    fn size(&self, level: usize) -> (usize, usize) {
+    /// Texels per row, and rows, of a level; level 0 is the image, each other has half the sides of the one before, rounded down.
+    #[must_use]
+    pub fn size(&self, level: usize) -> (usize, usize) {
         match level.checked_sub(1) {
             None => (self.image.width() as usize, self.image.height() as usize),
             Some(smaller) => (self.smaller[smaller].width, self.smaller[smaller].height),
         }
     }
 
-    /// The texel in column `x` and row `y` from the top.
+    /// The texel in column `x` and row `y` from the top of a level: a linear colour, or a normal.
+    ///
+    /// # Panics
+    /// Where there is none.
+    #[must_use]
     #[inline]
-    fn texel(&self, level: usize, x: usize, y: usize) -> Vec3 {
+    pub fn texel(&self, level: usize, x: usize, y: usize) -> Vec3 {
         if let Some(smaller) = level.checked_sub(1) {
             let level = &self.smaller[smaller];
             return level.texels[y * level.width + x];
