@@ -133,11 +133,17 @@ impl Effect {
         scene
     }
 
-    /// Whether the picture of `scene` has it.
-    fn is_in(self, scene: &Scene) -> bool {
+    /// Those that the picture of `scene` has.
+    pub(super) fn all_of(scene: &Scene) -> Vec<Self> {
+        let plan = Plan::of(scene).ok();
+        let all = Self::ALL.into_iter();
+        all.filter(|effect| effect.is_in(scene, plan)).collect()
+    }
+
+    /// Whether the picture of `scene`, whose plan that is, has it.
+    fn is_in(self, scene: &Scene, plan: Option<Plan>) -> bool {
         let settings = &scene.render;
-        let plan = Plan::of(scene);
-        let needs = |feature| plan.as_ref().is_ok_and(|plan| plan.needs(feature));
+        let needs = |feature| plan.is_some_and(|plan| plan.needs(feature));
         let is_direct = settings.mode == Mode::Direct;
         let has_material = |is: fn(&Material) -> bool| {
             let used = scene
@@ -328,10 +334,7 @@ impl Trial {
         pairs: usize,
         mut is_done: impl FnMut(usize, usize),
     ) -> Result<Option<Costs>, SceneError> {
-        let effects: Vec<_> = Effect::ALL
-            .into_iter()
-            .filter(|effect| effect.is_in(&self.scene))
-            .collect();
+        let effects = Effect::all_of(&self.scene);
         let plan = self.prepared.plan();
         let left_out: Vec<_> = Feature::ALL
             .into_iter()

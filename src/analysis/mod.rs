@@ -2,6 +2,7 @@
 //! prints nothing.
 
 pub mod bench;
+pub mod contributions;
 pub mod cost;
 mod difference;
 mod flip;

@@ -6,6 +6,7 @@ mod bench;
 mod check;
 mod checkpoint;
 mod compare;
+mod contributions;
 mod convert;
 mod costs;
 mod info;

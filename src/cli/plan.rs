@@ -8,7 +8,9 @@ use clap::Args;
 use clap::builder::RangedI64ValueParser;
 use serde::Serialize;
 
+use super::contributions::MeasuredContributions;
 use super::costs::{LEAST_PAIRS, MeasuredCosts};
+use crate::analysis::contributions::LONGER_SIDE;
 use crate::analysis::cost::Trial;
 use crate::analysis::pilot::estimate_time;
 use crate::control::CancelToken;
@@ -17,7 +19,7 @@ use crate::render::{
     Decision, Feature, Interval, PictureMemory, PreparedScene, RunConfig, Used, Work, even_passes,
     reasons,
 };
-use crate::scene::{Choice, Mode, Scene, Stop};
+use crate::scene::{Choice, Mode, RenderSettings, Scene, Stop};
 
 /// Pairs of renders for an estimate of what effects cost.
 const ROUGH_PAIRS: u16 = 3;
@@ -53,11 +55,21 @@ pub struct PlanArguments {
           value_parser = pairs_parser())]
     measure: Option<u16>,
 
+    /// Write what each effect and each light brings into this folder: the picture with it minus the picture without, small and of the
+    /// same samples, in colours and as it is, with its figures as JSON
+    #[arg(long, value_name = "DIR")]
+    contributions: Option<PathBuf>,
+
+    /// Pixels of these pictures along their longer side
+    #[arg(long, value_name = "PIXELS", default_value_t = LONGER_SIDE, requires = "contributions",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(RenderSettings::MAX_SIDE)))]
+    contribution_side: u32,
+
     /// Show of all that is left out that it is, in the built-in demo, changed to what each case takes: counted, and done for nothing by
     /// so many pairs of small renders, 6 to 1000; as a table in Markdown, in some minutes
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
           value_parser = pairs_parser(),
-          conflicts_with_all = ["scene", "size", "mode", "spp", "assignments", "measure"])]
+          conflicts_with_all = ["scene", "size", "mode", "spp", "assignments", "measure", "contributions"])]
     proofs: Option<u16>,
 
     /// Print the facts as JSON
@@ -105,6 +117,9 @@ struct Facts {
     is_bound: bool,
     threads: usize,
     costs: MeasuredCosts,
+    /// What effects and lights bring, where that is wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contributions: Option<MeasuredContributions>,
 }
 
 /// Means over samples spread over the picture.
@@ -144,6 +159,14 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let pairs = arguments.measure.unwrap_or(ROUGH_PAIRS);
     let costs = MeasuredCosts::of(&trial, pairs)?;
     let seconds = trial.estimated_seconds(scene)?;
+    let contributions = match &arguments.contributions {
+        None => None,
+        Some(folder) => {
+            let side = arguments.contribution_side;
+            let written = MeasuredContributions::write(scene, &prepared, side, folder)?;
+            Some(written.ok_or_else(|| anyhow!("rendering was cancelled"))?)
+        }
+    };
     let run = RunConfig::default();
     let time = estimate_time(scene, &prepared, None, &run)?;
     let time = time.ok_or_else(|| anyhow!("measuring was cancelled"))?;
@@ -167,12 +190,19 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         is_bound: time.is_bound,
         threads: run.thread_count(),
         costs: costs.ok_or_else(|| anyhow!("measuring was cancelled"))?,
+        contributions,
     };
     if arguments.json {
-        super::say(&serde_json::to_string_pretty(&facts)?)
-    } else {
-        super::say(describe(&facts).trim_end())
+        return super::say(&serde_json::to_string_pretty(&facts)?);
     }
+    super::say(describe(&facts).trim_end())?;
+    let written = facts
+        .contributions
+        .as_ref()
+        .zip(arguments.contributions.as_ref());
+    written.map_or(Ok(()), |(contributions, folder)| {
+        super::say(&contributions.describe(folder))
+    })
 }
 
 /// Reads a number of pairs to measure.

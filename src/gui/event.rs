@@ -15,6 +15,7 @@ use super::ray_view::WantedRays;
 use super::report::Findings;
 use super::time_estimate::Subject;
 use super::worker::Placed;
+use crate::analysis::contributions::{Contribution, Contributor};
 use crate::analysis::cost::Costs;
 use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
@@ -114,6 +115,13 @@ pub enum Event {
     },
     /// The rays of a camera sample, or why there are none.
     Traced {
+    /// What an effect or a light brings is known; `None` where the scene cannot be rendered without.
+    ContributionFound {
+        /// The effect or light.
+        contributor: Contributor,
+        /// What it brings.
+        contribution: Option<Box<Contribution>>,
+    },
         /// Of which sample.
         wanted: Box<WantedRays>,
         /// They.

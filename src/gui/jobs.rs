@@ -58,6 +58,8 @@ pub enum Lane {
     Time,
     /// Rendering balls of materials.
     Balls,
+    /// Rendering what effects and lights bring.
+    Contributions,
     /// Taking a camera sample again.
     Trace,
     /// Waiting for the desktop to show a folder.
@@ -76,7 +78,7 @@ pub enum Lane {
     Reload,
 }
 
-const LANES: usize = 25;
+const LANES: usize = 26;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.

@@ -15,7 +15,7 @@
 //! - [`zoom`], [`look`], [`inspector`], [`histogram`], [`steps_legend`]: a picture looked at closely
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
-//! - [`costs`], [`time_estimate`]: what effects cost, and how long all takes
+//! - [`costs`], [`contributions`], [`time_estimate`]: what effects cost, what they bring, and how long all takes
 //! - [`balls`]: what materials look like
 //! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`keeping`]: what outlives the window
@@ -32,6 +32,7 @@ pub mod box_view;
 pub mod canvas;
 pub mod commands;
 pub mod compare;
+pub mod contributions;
 pub mod costs;
 pub mod dialogs;
 pub mod document;

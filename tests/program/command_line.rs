@@ -641,3 +641,45 @@ fn a_plan_says_what_is_left_out_and_why_and_what_it_costs() {
     succeed(folder.path(), &render);
     assert_eq!(json(&folder.path().join("a.json"))["costs"], Value::Null);
 }
+
+/// Two lights and nothing else that shines: together they bring the whole picture, and shadows take from it.
+#[test]
+fn what_lights_and_shadows_bring_is_written_as_pictures_and_figures() {
+    let folder = folder();
+    let path = folder.path();
+    let text = succeed(
+        path,
+        &["plan", "scene.toml", "--contributions", "out", "--json"],
+    );
+    let facts: Value = serde_json::from_str(&text).expect("is JSON");
+    let written = std::fs::read_to_string(path.join("out/contributions.json")).expect("is there");
+    let written: Value = serde_json::from_str(&written).expect("is JSON");
+    assert_eq!(facts["contributions"], written);
+    assert_eq!(
+        (&written["width"], &written["height"]),
+        (&64.into(), &48.into())
+    );
+    let contributions = written["contributions"].as_array().expect("a list");
+    let share = |name: &str| {
+        let mut all = contributions.iter();
+        let found = all.find(|contribution| contribution["name"] == name);
+        found.expect("is listed")["mean_share"]
+            .as_f64()
+            .expect("a number")
+    };
+    let lights = share("light 1") + share("light 2");
+    assert!((lights - 1.0).abs() < 1e-5, "{lights}");
+    assert!(share("shadows") < 0.0);
+    for contribution in contributions {
+        for file in ["change", "radiance", "without"] {
+            let name = contribution[file].as_str().expect("a name");
+            assert!(path.join("out").join(name).is_file(), "{name}");
+        }
+    }
+    assert!(path.join("out/whole.png").is_file());
+    let complaint = fail(path, 1, &["plan", "--contributions", "scene.toml"]);
+    assert!(
+        complaint.contains("scene.toml: cannot make the folder"),
+        "{complaint}"
+    );
+}

@@ -4,6 +4,7 @@
 #![cfg(feature = "gui")]
 
 mod compare;
+mod contributions;
 mod driver;
 mod edit;
 mod everyday;

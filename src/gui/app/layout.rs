@@ -191,6 +191,7 @@ impl App {
                             structure,
                             costs: &self.costs,
                             balls: &mut self.balls,
+                            contributions: &mut self.contributions,
                             boxes: &mut self.boxes,
                             can_measure_costs,
                             commands,

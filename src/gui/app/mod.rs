@@ -7,6 +7,7 @@
 //!
 //! - `bookmarks`: cameras to come back to
 //! - `comparing`: the shown picture against another
+//! - `contributing`: what effects and lights bring
 //! - `editing`: undoing, copying, removing
 //! - `keeping`: unsaved work and recent files on disk
 //! - `opening`: scenes and meshes from files
@@ -29,6 +30,7 @@
 mod bookmarks;
 mod comparing;
 mod editing;
+mod contributing;
 mod keeping;
 mod layout;
 mod live;
@@ -56,6 +58,7 @@ use super::commands::Command;
 use super::compare::Comparison;
 use super::costs::CostState;
 use super::dialogs::{Dialog, Intent};
+use super::contributions::Contributions;
 use super::document::Document;
 use super::edit::Part;
 use super::error_plot::ErrorPlot;
@@ -156,6 +159,7 @@ pub struct App {
     /// The rays of the pixel that was clicked last.
     rays: Option<RayView>,
     boxes: BoxView,
+    contributions: Contributions,
     report: ReportWindow,
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
@@ -235,6 +239,7 @@ impl App {
             rays: None,
             boxes: BoxView::default(),
             report: ReportWindow::default(),
+            contributions: Contributions::default(),
             waiting_report: None,
             loading: None,
             reloading: reloading::Reloading::default(),
@@ -283,6 +288,12 @@ impl App {
     /// The last render, running or ended.
     #[must_use]
     pub fn picture(&self) -> Option<&Picture> {
+    /// What is known of what effects and lights bring.
+    #[must_use]
+    pub fn contributions(&self) -> &Contributions {
+        &self.contributions
+    }
+
         self.picture.as_ref()
     }
 
@@ -543,6 +554,8 @@ impl eframe::App for App {
         for command in commands {
             self.carry_out(&ctx, command);
         }
+        let display = self.document.scene.display;
+        self.contributions.window_ui(&ctx, &display);
 
         self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
         if !self.gesture.goes_on(&ctx) {
@@ -568,6 +581,7 @@ impl eframe::App for App {
         self.update_histogram();
         self.watch_files();
         self.reload_next();
+        self.update_contributions(&ctx);
         self.keep_work(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);

@@ -92,6 +92,10 @@ impl App {
             Event::Rendered { hash, stats } => self.rendered(hash, stats),
             Event::RenderFailed {
                 text,
+            Event::ContributionFound {
+                contributor,
+                contribution,
+            } => self.contributions.put(ctx, contributor, contribution),
                 is_short_of_memory,
             } => self.render_failed(&text, is_short_of_memory),
             Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
@@ -130,6 +134,7 @@ impl App {
         }
         let text =
             format!("This is a fault of the program, and your scene is still here: {message}");
+            Lane::Contributions => self.contributions.give_up(),
         self.messages.error("Something went wrong", text);
     }
 }

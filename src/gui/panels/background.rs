@@ -3,6 +3,7 @@ use std::path::Path;
 use egui::{Ui, Vec2};
 
 use super::PanelState;
+use crate::analysis::contributions::Contributor;
 use crate::gui::commands::Command;
 use crate::gui::widgets::{
     Number, combo_row_ui, light_row_ui, number_row_ui, row_ui, vector_row_ui,
@@ -84,6 +85,8 @@ pub fn background_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             up_ui(ui, "The direction of the image's top; any length", up);
         }
     }
+    let contributions = &mut *state.contributions;
+    contributions.row_ui(ui, &Contributor::Background, "Of the light in the picture");
 }
 
 /// The image's name as a button that asks for another; returns whether it was clicked.

@@ -3,6 +3,7 @@ use std::f64::consts::PI;
 use egui::Ui;
 
 use super::{PanelState, command_button_ui};
+use crate::analysis::contributions::Contributor;
 use crate::gui::commands::Command;
 use crate::gui::orbit;
 use crate::gui::preview::uniforms::picture_size;
@@ -111,6 +112,9 @@ pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
             );
         }
     }
+    let contributor = Contributor::Light(index);
+    let contributions = &mut *state.contributions;
+    contributions.row_ui(ui, &contributor, "Of the light in the picture");
     copy_and_remove_ui(ui, state);
 }
 

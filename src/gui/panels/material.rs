@@ -4,6 +4,7 @@ use egui::{RichText, Ui, Vec2};
 
 use super::presets::presets_ui;
 use super::{NAME_FIELD, PanelState, command_button_ui};
+use crate::analysis::contributions::Contributor;
 use crate::gui::commands::{Command, TextureUse};
 use crate::gui::edit;
 use crate::gui::selection::Selection;
@@ -28,6 +29,9 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     presets_ui(ui, state.balls, name, material);
     let asked = reflectance_ui(ui, material);
     state.commands.extend(asked);
+    let contributor = Contributor::Emitter(name.to_owned());
+    let contributions = &mut *state.contributions;
+    contributions.row_ui(ui, &contributor, "Of the light in the picture");
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         command_button_ui(

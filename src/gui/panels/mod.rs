@@ -19,6 +19,7 @@ pub(super) use settings::StructureInUse;
 use super::balls::Balls;
 use super::box_view::BoxView;
 use super::commands::Command;
+use super::contributions::Contributions;
 use super::costs::CostState;
 use super::histogram::Histogram;
 use super::region::RegionTool;
@@ -52,6 +53,8 @@ pub struct PanelState<'a> {
     pub structure: Option<StructureInUse>,
     /// What materials look like.
     pub balls: &'a mut Balls,
+    /// What effects and lights bring.
+    pub contributions: &'a mut Contributions,
     /// The boxes of the structure that the preview shows.
     pub boxes: &'a mut BoxView,
     /// What effects cost.
@@ -89,9 +92,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         settings::image_ui(ui, state);
         state.boxes.choice_ui(ui);
     });
-    section_ui(ui, "Effects", true, |ui| {
-        settings::effects_ui(ui, &mut state.scene.render);
-    });
+    section_ui(ui, "Effects", true, |ui| settings::effects_ui(ui, state));
     section_ui(ui, "Plan", false, |ui| plan::plan_ui(ui, state));
     section_ui(ui, "Display", true, |ui| {
         if let Some(histogram) = state.histogram {

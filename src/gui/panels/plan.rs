@@ -3,6 +3,7 @@ use egui::{Grid, Label, ProgressBar, RichText, Ui};
 use super::PanelState;
 use crate::analysis::cost::{Costs, Share};
 use crate::gui::commands::Command;
+use crate::gui::contributions::Contributions;
 use crate::gui::costs::CostState;
 use crate::gui::document::same_picture;
 use crate::render::{Used, reasons};
@@ -14,6 +15,7 @@ pub fn plan_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     ui.add_space(6.0);
     used_ui(ui, &Used::of(state.scene));
     ui.add_space(6.0);
+    contributions_ui(ui, state.contributions);
     match state.costs {
         CostState::Measuring(progress) => {
             #[expect(clippy::cast_possible_truncation, reason = "a part of a bar")]
@@ -69,6 +71,22 @@ fn used_ui(ui: &mut Ui, used: &Used) {
     for fact in used.facts() {
         ui.add(Label::new(fact).wrap());
     }
+}
+
+/// What each effect and each light brings.
+fn contributions_ui(ui: &mut Ui, contributions: &mut Contributions) {
+    let all = contributions.present().to_vec();
+    if all.is_empty() {
+        return;
+    }
+    ui.label(RichText::new("What each brings").strong())
+        .on_hover_text(
+            "The picture with it minus the picture without, small and of the same samples",
+        );
+    for contributor in all {
+        contributions.row_ui(ui, &contributor, &contributor.name());
+    }
+    ui.add_space(6.0);
 }
 
 fn costs_ui(ui: &mut Ui, costs: &Costs) {

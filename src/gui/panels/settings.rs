@@ -1,6 +1,9 @@
 use egui::Ui;
 
 use super::PanelState;
+use crate::analysis::contributions::Contributor;
+use crate::analysis::cost::Effect;
+use crate::gui::contributions::Contributions;
 use crate::gui::threads::{Threads, cores};
 use crate::gui::widgets::{
     Number, choice_row_ui, combo_row_ui, counted, integer_row_ui, number_row_ui,
@@ -248,12 +251,20 @@ fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     }
 }
 
-/// What the picture leaves out or adds, each a switch of its own.
-pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+/// What the picture leaves out or adds, each a switch of its own, with what it brings beside it.
+pub fn effects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let settings = &mut state.scene.render;
+    let contributions = &mut *state.contributions;
     match settings.mode {
         Mode::Direct => {
             shadows_ui(ui, settings);
-            occlusion_ui(ui, settings);
+            for (effect, text) in [
+                (Effect::Shadows, "Shadows bring"),
+                (Effect::SoftShadows, "Soft in place of hard"),
+            ] {
+                contributions.row_ui(ui, &Contributor::Effect(effect), text);
+            }
+            occlusion_ui(ui, settings, contributions);
             phong_ui(ui, settings);
         }
         Mode::Path => path_ui(ui, settings),
@@ -261,42 +272,61 @@ pub fn effects_ui(ui: &mut Ui, settings: &mut RenderSettings) {
         _ => {}
     }
     if settings.mode.shows_light() {
-        switch_row_ui(
-            ui,
-            "Mirror",
-            "Whether mirrors reflect; grey otherwise",
-            &mut settings.mirror,
-        );
-        switch_row_ui(
-            ui,
-            "Glass",
-            "Whether glass reflects and refracts; grey otherwise",
-            &mut settings.glass,
-        );
-        integer_row_ui(
-            ui,
-            "Bounces",
-            "Most times light is scattered on its way: 1 is direct light, each mirror or side of glass takes one more",
-            &mut settings.max_bounces,
-            0..=RenderSettings::MAX_BOUNCES,
-            0.1,
-        );
-    }
-    if settings.mode.shows_light() {
+        contributions.beside_ui(ui, &Contributor::Effect(Effect::Mirrors), |ui| {
+            let meaning = "Whether mirrors reflect; grey otherwise";
+            switch_row_ui(ui, "Mirror", meaning, &mut settings.mirror);
+        });
+        contributions.beside_ui(ui, &Contributor::Effect(Effect::Glass), |ui| {
+            let meaning = "Whether glass reflects and refracts; grey otherwise";
+            switch_row_ui(ui, "Glass", meaning, &mut settings.glass);
+        });
+        contributions.beside_ui(ui, &Contributor::Effect(Effect::IndirectLight), |ui| {
+            integer_row_ui(
+                ui,
+                "Bounces",
+                "Most times light is scattered on its way: 1 is direct light, each mirror or side of glass takes one more",
+                &mut settings.max_bounces,
+                0..=RenderSettings::MAX_BOUNCES,
+                0.1,
+            );
+        });
         clamp_ui(ui, settings);
     }
+    contributions.beside_ui(ui, &Contributor::Effect(Effect::DepthOfField), |ui| {
+        switch_row_ui(
+            ui,
+            "Depth of field",
+            "Whether the lens blurs what is out of focus; it needs a lens radius above 0 at the camera",
+            &mut settings.depth_of_field,
+        );
+    });
+    contributions.beside_ui(ui, &Contributor::Effect(Effect::Antialiasing), |ui| {
+        switch_row_ui(
+            ui,
+            "Anti-aliasing",
+            "Spread the samples over each pixel for smooth edges; off puts all at its centre",
+            &mut settings.antialiasing,
+        );
+    });
+    antialiasing_ui(ui, settings);
+    if settings.mode.shows_light() {
+        contributions_switch_ui(ui, contributions);
+    }
+}
+
+fn contributions_switch_ui(ui: &mut Ui, contributions: &mut Contributions) {
+    let mut is_on = contributions.is_on();
     switch_row_ui(
         ui,
-        "Depth of field",
-        "Whether the lens blurs what is out of focus; it needs a lens radius above 0 at the camera",
-        &mut settings.depth_of_field,
+        "Contributions",
+        "Show beside each effect and light what it brings: the picture with it minus the picture without, rendered small when nothing \
+         else is rendered and you rest. It changes no picture",
+        &mut is_on,
     );
-    switch_row_ui(
-        ui,
-        "Anti-aliasing",
-        "Spread the samples over each pixel for smooth edges; off puts all at its centre",
-        &mut settings.antialiasing,
-    );
+    contributions.set_on(is_on);
+}
+
+fn antialiasing_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     if settings.antialiasing {
         choice_row_ui(
             ui,
@@ -341,13 +371,16 @@ fn shadows_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     }
 }
 
-fn occlusion_ui(ui: &mut Ui, settings: &mut RenderSettings) {
-    switch_row_ui(
-        ui,
-        "Occlusion",
-        "Ambient occlusion: the background's light is kept off where surfaces are near",
-        &mut settings.ambient_occlusion.enabled,
-    );
+fn occlusion_ui(ui: &mut Ui, settings: &mut RenderSettings, contributions: &mut Contributions) {
+    let effect = Contributor::Effect(Effect::AmbientOcclusion);
+    contributions.beside_ui(ui, &effect, |ui| {
+        switch_row_ui(
+            ui,
+            "Occlusion",
+            "Ambient occlusion: the background's light is kept off where surfaces are near",
+            &mut settings.ambient_occlusion.enabled,
+        );
+    });
     if settings.ambient_occlusion.enabled {
         occlusion_rays_ui(ui, settings);
     }

@@ -1,0 +1,626 @@
+//! What effects and lights bring to the picture, as small pictures beside their switches.
+//!
+//! A picture is asked for where it is drawn ([`Contributions::beside_ui`]); the app has what is missing rendered in the background while
+//! nothing else works and the user rests, and nothing happens where nothing is missing. When the scene changes, what was known is shown
+//! dimmed until what it has become is there.
+
+use std::sync::{Arc, OnceLock};
+
+use egui::{
+    Align, Color32, ColorImage, CornerRadius, Layout, Pos2, Rect, Response, RichText, Sense,
+    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2,
+};
+
+use super::document::same_picture;
+use super::event::Event;
+use super::jobs::Job;
+use super::threads::cores;
+use super::widgets::{format_number, percent};
+use crate::analysis::contributions::{
+    Contribution, Contributor, Figures, LONGER_SIDE, Whole, color, color_of_share,
+};
+use crate::render::{Image, PreparedScene, RunConfig, display};
+use crate::scene::{Display, Scene};
+
+/// Height of a picture in a row, and the most of its width, in points.
+const THUMBNAIL: Vec2 = Vec2::new(72.0, 36.0);
+/// The same of the larger one under the mouse, and of that in a window.
+const LARGER: Vec2 = Vec2::new(320.0, 240.0);
+const LARGEST: Vec2 = Vec2::new(560.0, 420.0);
+/// What one job makes: others may be asked for meanwhile.
+const MOST_AT_ONCE: usize = 3;
+/// Parts of the legend's bar.
+const PARTS: u16 = 32;
+
+/// What effects and lights bring, as far as it is known.
+#[derive(Default)]
+pub struct Contributions {
+    /// Whether they are not to be found out.
+    is_off: bool,
+    /// Of this scene is what is current.
+    scene: Option<Box<Scene>>,
+    /// All that brings something to its picture.
+    present: Vec<Contributor>,
+    known: Vec<Known>,
+    /// What was asked for since the last request.
+    missing: Vec<Contributor>,
+    /// What a job was asked for that it has not made yet.
+    requested: Vec<Contributor>,
+    /// The picture with everything, once there was a job.
+    whole: Arc<OnceLock<Whole>>,
+    opened: Option<Opened>,
+}
+
+/// What is known of a contributor.
+struct Known {
+    contributor: Contributor,
+    /// Whether it is of the scene as it is.
+    is_current: bool,
+    /// `None` where it cannot be found out.
+    shown: Option<Shown>,
+}
+
+#[derive(Clone)]
+struct Shown {
+    contribution: Arc<Contribution>,
+    /// In colours.
+    change: TextureHandle,
+}
+
+/// What a window of its own shows.
+struct Opened {
+    contributor: Contributor,
+    view: OpenedView,
+    /// The picture with and without, of what and as what they are shown.
+    pictures: Option<(Arc<Contribution>, Display, [TextureHandle; 2])>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OpenedView {
+    Change,
+    With,
+    Without,
+}
+
+impl Contributions {
+    /// Whether they are found out and shown.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        !self.is_off
+    }
+
+    /// Has them found out, or no longer.
+    pub fn set_on(&mut self, is_on: bool) {
+        if self.is_on() != is_on {
+            *self = Self {
+                is_off: !is_on,
+                ..Self::default()
+            };
+        }
+    }
+
+    /// All that brings something to the picture.
+    #[must_use]
+    pub fn present(&self) -> &[Contributor] {
+        &self.present
+    }
+
+    /// What `contributor` brings to the picture of the scene as it is, where that is known.
+    #[must_use]
+    pub fn known(&self, contributor: &Contributor) -> Option<&Contribution> {
+        let known = self.find(contributor)?;
+        let shown = known.shown.as_ref().filter(|_| known.is_current)?;
+        Some(&shown.contribution)
+    }
+
+    fn find(&self, contributor: &Contributor) -> Option<&Known> {
+        self.known
+            .iter()
+            .find(|known| known.contributor == *contributor)
+    }
+
+    /// Takes `scene` for the one that contributions are of. Whether it makes another picture than before: whatever is being rendered is
+    /// not wanted then.
+    pub fn follow(&mut self, scene: &Scene) -> bool {
+        let known = self.scene.as_ref();
+        if self.is_off || known.is_some_and(|known| same_picture(known, scene)) {
+            return false;
+        }
+        self.scene = Some(Box::new(scene.clone()));
+        self.present = Contributor::all_of(scene);
+        self.known
+            .retain(|known| self.present.contains(&known.contributor));
+        self.known
+            .iter_mut()
+            .for_each(|known| known.is_current = false);
+        self.missing.clear();
+        self.requested.clear();
+        self.whole = Arc::default();
+        true
+    }
+
+    /// Whether something is missing of what was drawn since the last request.
+    #[must_use]
+    pub fn is_missing(&self) -> bool {
+        !self.missing.is_empty()
+    }
+
+    /// That. `prepared`: what was prepared of the scene, if anything was.
+    pub fn next_request(&mut self, prepared: Option<PreparedScene>) -> Option<ContributionRequest> {
+        let mut contributors = std::mem::take(&mut self.missing);
+        contributors.truncate(MOST_AT_ONCE);
+        self.requested.clone_from(&contributors);
+        let scene = self.scene.clone().filter(|_| !contributors.is_empty())?;
+        Some(ContributionRequest {
+            scene,
+            prepared,
+            contributors,
+            whole: Arc::clone(&self.whole),
+        })
+    }
+
+    /// Takes in what a job found out.
+    pub fn put(
+        &mut self,
+        ctx: &egui::Context,
+        contributor: Contributor,
+        contribution: Option<Box<Contribution>>,
+    ) {
+        let shown = contribution.map(|contribution| {
+            let scale = contribution.figures.scale;
+            let image = color_image(&contribution.change, |pixel| color(pixel, scale));
+            let change = ctx.load_texture("contribution", image, TextureOptions::LINEAR);
+            Shown {
+                contribution: Arc::new(*contribution),
+                change,
+            }
+        });
+        self.requested.retain(|requested| *requested != contributor);
+        self.learn(contributor, shown);
+    }
+
+    /// The job ended by a fault: what it has not made is not asked for again, which would end the same way.
+    pub fn give_up(&mut self) {
+        for contributor in std::mem::take(&mut self.requested) {
+            self.learn(contributor, None);
+        }
+    }
+
+    fn learn(&mut self, contributor: Contributor, shown: Option<Shown>) {
+        self.known.retain(|known| known.contributor != contributor);
+        self.known.push(Known {
+            contributor,
+            is_current: true,
+            shown,
+        });
+    }
+
+    /// A row of the panel with what `contributor` brings at its right; the row alone where that is nothing.
+    pub fn beside_ui(&mut self, ui: &mut Ui, contributor: &Contributor, row: impl FnOnce(&mut Ui)) {
+        if !self.present.contains(contributor) {
+            return row(ui);
+        }
+        let size = Vec2::new(ui.available_width(), THUMBNAIL.y);
+        ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
+            self.picture_ui(ui, contributor);
+            self.share_ui(ui, contributor);
+            ui.with_layout(Layout::left_to_right(Align::Center), row);
+        });
+    }
+
+    /// A row that says in numbers what `contributor` brings, with `text` as what that is, and shows it at its right; nothing where it
+    /// brings nothing.
+    pub fn row_ui(&mut self, ui: &mut Ui, contributor: &Contributor, text: &str) {
+        if !self.present.contains(contributor) {
+            return;
+        }
+        let size = Vec2::new(ui.available_width(), THUMBNAIL.y);
+        ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
+            self.picture_ui(ui, contributor);
+            self.share_ui(ui, contributor);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(egui::Label::new(text).truncate());
+            });
+        });
+    }
+
+    /// The mean change that `contributor` brings.
+    fn share_ui(&self, ui: &mut Ui, contributor: &Contributor) {
+        let known = self.known(contributor);
+        let share = known.map_or_else(|| "…".to_owned(), |known| signed_share(&known.figures));
+        ui.label(RichText::new(share).weak())
+            .on_hover_text("Mean of the change, as a share of the mean of the picture");
+    }
+
+    /// The small picture of what `contributor` brings: larger under the mouse, in a window of its own by a click.
+    fn picture_ui(&mut self, ui: &mut Ui, contributor: &Contributor) {
+        let size = self.fitted(THUMBNAIL);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        let name = contributor.name();
+        response.widget_info(|| {
+            let label = format!("Contribution of {name}");
+            egui::WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), label)
+        });
+        let known = self.find(contributor);
+        let is_current = known.is_some_and(|known| known.is_current);
+        let shown = known.and_then(|known| known.shown.clone());
+        // Of rows that are scrolled out of sight, nothing is rendered.
+        if !ui.is_rect_visible(rect) {
+            return;
+        }
+        paint(ui, rect, &response, shown.as_ref(), is_current);
+        if !is_current && !self.missing.contains(contributor) {
+            self.missing.push(contributor.clone());
+        }
+        let Some(shown) = shown else {
+            response.on_hover_text(if is_current {
+                "It cannot be rendered without"
+            } else {
+                "Rendered with and without, when nothing else is rendered and you rest"
+            });
+            return;
+        };
+        if response.clicked() {
+            self.opened = Some(Opened {
+                contributor: contributor.clone(),
+                view: OpenedView::Change,
+                pictures: None,
+            });
+        }
+        let larger = self.fitted(LARGER);
+        response.on_hover_ui(|ui| {
+            ui.set_max_width(larger.x);
+            ui.label(RichText::new(title(contributor)).strong());
+            ui.image((shown.change.id(), larger));
+            details_ui(ui, &shown.contribution.figures, larger.x);
+            ui.label(
+                RichText::new("Click for a window of its own")
+                    .weak()
+                    .small(),
+            );
+        });
+    }
+
+    /// The largest size of the picture's shape within `most`.
+    fn fitted(&self, most: Vec2) -> Vec2 {
+        let size = self.scene.as_ref().map_or(Vec2::new(16.0, 9.0), |scene| {
+            Vec2::new(scene.render.width as f32, scene.render.height as f32)
+        });
+        size * (most / size).min_elem()
+    }
+
+    /// The window of what was clicked last. `display`: how pictures are shown.
+    pub fn window_ui(&mut self, ctx: &egui::Context, display: &Display) {
+        let Some(mut opened) = self.opened.take() else {
+            return;
+        };
+        let mut is_open = self.present.contains(&opened.contributor);
+        let known = self.find(&opened.contributor);
+        let is_current = known.is_some_and(|known| known.is_current);
+        let Some(shown) = known
+            .and_then(|known| known.shown.clone())
+            .filter(|_| is_open)
+        else {
+            return;
+        };
+        if !is_current && !self.missing.contains(&opened.contributor) {
+            self.missing.push(opened.contributor.clone());
+        }
+        if let Some(whole) = self.whole.get() {
+            opened.encode(ctx, whole.image(), &shown.contribution, display);
+        }
+        let size = self.fitted(LARGEST);
+        egui::Window::new(title(&opened.contributor))
+            .id(egui::Id::unique("contribution"))
+            .open(&mut is_open)
+            .resizable(false)
+            .collapsible(false)
+            .default_pos(ctx.content_rect().center() - size / 2.0 - Vec2::new(160.0, 40.0))
+            .show(ctx, |ui| {
+                ui.set_max_width(size.x);
+                opened.views_ui(ui);
+                let texture = opened.texture(&shown);
+                let tint = tint(is_current);
+                ui.add(egui::Image::new((texture.id(), size)).tint(tint));
+                details_ui(ui, &shown.contribution.figures, size.x);
+            });
+        self.opened = Some(opened).filter(|_| is_open);
+    }
+}
+
+impl std::fmt::Debug for Contributions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Contributions")
+            .field("present", &self.present)
+            .field("known", &self.known.len())
+            .field("missing", &self.missing)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Opened {
+    /// Makes the pictures with and without of `contribution`, where they are not there.
+    fn encode(
+        &mut self,
+        ctx: &egui::Context,
+        whole: &Image,
+        contribution: &Arc<Contribution>,
+        display: &Display,
+    ) {
+        let is_there = self
+            .pictures
+            .as_ref()
+            .is_some_and(|(of, shown_as, _)| Arc::ptr_eq(of, contribution) && shown_as == display);
+        if !is_there {
+            let textures = [whole, &contribution.without].map(|image| {
+                let image = color_image(image, |pixel| display::encode_8(pixel, display));
+                ctx.load_texture("with or without", image, TextureOptions::LINEAR)
+            });
+            self.pictures = Some((Arc::clone(contribution), *display, textures));
+        }
+    }
+
+    fn views_ui(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            for (view, name, meaning) in [
+                (
+                    OpenedView::Change,
+                    "Change",
+                    "The picture with it minus the picture without",
+                ),
+                (OpenedView::With, "With", "The picture as it is"),
+                (OpenedView::Without, "Without", "The picture without it"),
+            ] {
+                let button = egui::Button::new(name).selected(self.view == view);
+                let response = ui.add(button);
+                let response = response.accessible_name(format!("Show: {name}"));
+                if response.on_hover_text(meaning).clicked() {
+                    self.view = view;
+                }
+            }
+        });
+    }
+
+    fn texture<'a>(&'a self, shown: &'a Shown) -> &'a TextureHandle {
+        match (&self.pictures, self.view) {
+            (Some((_, _, [with, _])), OpenedView::With) => with,
+            (Some((_, _, [_, without])), OpenedView::Without) => without,
+            _ => &shown.change,
+        }
+    }
+}
+
+/// What a job works with.
+#[derive(Debug)]
+pub struct ContributionRequest {
+    scene: Box<Scene>,
+    prepared: Option<PreparedScene>,
+    contributors: Vec<Contributor>,
+    whole: Arc<OnceLock<Whole>>,
+}
+
+impl ContributionRequest {
+    /// Finds out what each brings, and sends it. One core is left free.
+    pub fn render(self, job: &Job<Event>) {
+        let run = RunConfig {
+            threads: cores().saturating_sub(1).max(1),
+            cancel: job.cancel.clone(),
+            ..RunConfig::default()
+        };
+        if self.whole.get().is_none() {
+            let prepared = self.prepared.as_ref();
+            let whole = Whole::render(&self.scene, prepared, LONGER_SIDE, &run);
+            // A scene that cannot be rendered says so elsewhere.
+            if let Ok(Some(whole)) = whole {
+                let _ = self.whole.set(whole);
+            }
+        }
+        for contributor in self.contributors {
+            let whole = self.whole.get();
+            let found = whole.map(|whole| whole.contribution(&contributor, &run));
+            if job.cancel.is_cancelled() {
+                return;
+            }
+            let contribution = found.and_then(|found| found.ok().flatten()).map(Box::new);
+            job.send(Event::ContributionFound {
+                contributor,
+                contribution,
+            });
+        }
+    }
+}
+
+fn title(contributor: &Contributor) -> String {
+    format!("Contribution of {}", contributor.name())
+}
+
+fn color_image(image: &Image, color: impl Fn([f32; 3]) -> [u8; 3]) -> ColorImage {
+    let color = |&pixel: &[f32; 3]| {
+        let [r, g, b] = color(pixel);
+        Color32::from_rgb(r, g, b)
+    };
+    let pixels = image.pixels.iter().map(color).collect();
+    ColorImage::new([image.width as usize, image.height as usize], pixels)
+}
+
+/// What is of the scene before the last changes is dimmed.
+fn tint(is_current: bool) -> Color32 {
+    Color32::from_gray(if is_current { 255 } else { 120 })
+}
+
+fn paint(ui: &Ui, rect: Rect, response: &Response, shown: Option<&Shown>, is_current: bool) {
+    let painter = ui.painter();
+    let radius = CornerRadius::same(2);
+    if let Some(shown) = shown {
+        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        painter.image(shown.change.id(), rect, whole, tint(is_current));
+    } else {
+        painter.rect_filled(rect, radius, ui.visuals().extreme_bg_color);
+        let text = if is_current { "–" } else { "…" };
+        let font = egui::FontId::proportional(13.0);
+        let ink = ui.visuals().weak_text_color();
+        painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, ink);
+    }
+    let stroke = if response.hovered() || response.has_focus() {
+        Stroke::new(1.5, super::theme::ACCENT)
+    } else {
+        Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color)
+    };
+    painter.rect_stroke(rect, radius, stroke, StrokeKind::Inside);
+}
+
+/// What the colours mean, and the figures.
+fn details_ui(ui: &mut Ui, figures: &Figures, width: f32) {
+    legend_ui(ui, figures.scale, width);
+    let unit = "W/m²/sr";
+    let signed = |value: f64| {
+        let sign = if value > 0.0 { "+" } else { "" };
+        format!("{sign}{}", format_number(value, 4))
+    };
+    egui::Grid::new("figures of a contribution")
+        .num_columns(2)
+        .show(ui, |ui| {
+            let mut row = |name: &str, value: String| {
+                ui.label(RichText::new(name).weak());
+                ui.label(value);
+                ui.end_row();
+            };
+            let [r, g, b] = figures.mean.map(signed);
+            row(
+                "Mean change",
+                format!("{}   ({r}, {g}, {b} {unit})", signed_share(figures)),
+            );
+            let largest = figures.largest.map_or_else(
+                || "–".to_owned(),
+                |largest| {
+                    let value = signed(largest.value);
+                    format!(
+                        "{value} {unit} at {}, {} of the small picture",
+                        largest.x, largest.y
+                    )
+                },
+            );
+            row("Largest change", largest);
+            row("relMSE without", format_number(figures.relmse, 5));
+        });
+}
+
+/// The mean change as a share of the mean of the picture.
+fn signed_share(figures: &Figures) -> String {
+    let share = figures.mean_share;
+    if !share.is_finite() {
+        return "–".to_owned();
+    }
+    let sign = if share > 0.0 { "+" } else { "" };
+    format!("{sign}{}", percent(share))
+}
+
+fn legend_ui(ui: &mut Ui, scale: f32, width: f32) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::new(width, 26.0), Sense::hover());
+    let bar = Rect::from_min_size(rect.min, Vec2::new(width, 9.0));
+    let mut mesh = egui::Mesh::default();
+    for (corner, part) in (0..).step_by(2).zip(0..=PARTS) {
+        let share = f32::from(part) / f32::from(PARTS);
+        let x = egui::lerp(bar.x_range(), share);
+        let [r, g, b] = color_of_share(2.0 * share - 1.0);
+        for y in [bar.top(), bar.bottom()] {
+            mesh.colored_vertex(Pos2::new(x, y), Color32::from_rgb(r, g, b));
+        }
+        if part > 0 {
+            mesh.add_triangle(corner - 2, corner - 1, corner);
+            mesh.add_triangle(corner - 1, corner, corner + 1);
+        }
+    }
+    let painter = ui.painter();
+    painter.add(mesh);
+    let ink = ui.visuals().weak_text_color();
+    let size = format_number(f64::from(scale), 4);
+    for (place, align, text) in [
+        (
+            bar.left_bottom(),
+            egui::Align2::LEFT_TOP,
+            format!("-{size} or less: darker with it"),
+        ),
+        (
+            bar.center_bottom(),
+            egui::Align2::CENTER_TOP,
+            "0".to_owned(),
+        ),
+        (
+            bar.right_bottom(),
+            egui::Align2::RIGHT_TOP,
+            format!("brighter: {size} or more"),
+        ),
+    ] {
+        let place = place + Vec2::new(0.0, 2.0);
+        painter.text(place, align, text, egui::FontId::proportional(11.0), ink);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Light, Rgb};
+
+    fn contribution() -> Box<Contribution> {
+        let image = Image::black(2, 1);
+        Box::new(Contribution {
+            contributor: Contributor::Light(0),
+            without: image.clone(),
+            change: image,
+            figures: Figures {
+                mean: [0.0; 3],
+                mean_share: 0.0,
+                largest: None,
+                relmse: 0.0,
+                scale: 0.0,
+            },
+        })
+    }
+
+    fn lit(count: usize) -> Scene {
+        Scene {
+            lights: vec![Light::default(); count],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn what_is_known_is_forgotten_when_the_picture_changes_and_not_before() {
+        let ctx = egui::Context::default();
+        let mut contributions = Contributions::default();
+        let mut scene = lit(2);
+        assert!(contributions.follow(&scene));
+        assert!(contributions.present().contains(&Contributor::Light(1)));
+        contributions.missing.push(Contributor::Light(0));
+        let request = contributions.next_request(None).unwrap();
+        assert_eq!(request.contributors, [Contributor::Light(0)]);
+        contributions.put(&ctx, Contributor::Light(0), Some(contribution()));
+        scene.display.exposure = 1.0;
+        assert!(!contributions.follow(&scene), "the picture is the same");
+        assert!(contributions.known(&Contributor::Light(0)).is_some());
+        scene.background = crate::scene::Background::Constant { radiance: Rgb::ONE };
+        assert!(contributions.follow(&scene));
+        assert!(contributions.known(&Contributor::Light(0)).is_none());
+        assert!(
+            contributions.find(&Contributor::Light(0)).is_some(),
+            "it is shown dimmed"
+        );
+        assert!(contributions.follow(&lit(0)));
+        let light = Contributor::Light(0);
+        assert!(!contributions.present().contains(&light) && contributions.find(&light).is_none());
+    }
+
+    #[test]
+    fn what_a_job_failed_at_is_not_asked_for_again_and_off_is_off() {
+        let mut contributions = Contributions::default();
+        contributions.follow(&lit(1));
+        contributions.missing.push(Contributor::Light(0));
+        assert!(contributions.next_request(None).is_some());
+        contributions.give_up();
+        let known = contributions.find(&Contributor::Light(0)).unwrap();
+        assert!(known.is_current && known.shown.is_none());
+        contributions.set_on(false);
+        assert!(!contributions.follow(&lit(1)) && contributions.present().is_empty());
+    }
+}
