@@ -46,12 +46,14 @@ pub enum Event {
         /// The scene, or why there is none.
         result: Result<Box<LoadedScene>, String>,
     },
-    /// A file whose objects are to be added to the scene.
-    ModelLoaded {
-        /// It.
-        path: PathBuf,
-        /// Its objects, or why there are none.
-        result: Result<Box<Model>, String>,
+    /// Files of meshes of which it is to be decided what becomes of them.
+    ModelsLoaded {
+        /// They.
+        paths: Vec<PathBuf>,
+        /// Whether they are likely to take the place of the scene.
+        replaces: bool,
+        /// What is in each, or why there is nothing.
+        result: Result<Vec<Model>, String>,
     },
     /// An image for the background.
     ImageLoaded {
@@ -113,8 +115,6 @@ pub enum Event {
         /// What it looks like.
         image: Option<egui::ColorImage>,
     },
-    /// The rays of a camera sample, or why there are none.
-    Traced {
     /// What an effect or a light brings is known; `None` where the scene cannot be rendered without.
     ContributionFound {
         /// The effect or light.
@@ -122,6 +122,8 @@ pub enum Event {
         /// What it brings.
         contribution: Option<Box<Contribution>>,
     },
+    /// The rays of a camera sample, or why there are none.
+    Traced {
         /// Of which sample.
         wanted: Box<WantedRays>,
         /// They.

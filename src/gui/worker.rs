@@ -97,13 +97,17 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     job.send(Event::SceneLoaded { paths, result });
 }
 
-/// Loads a file of meshes to add to the scene.
-pub fn load_model(job: &Job<Event>, path: PathBuf, progress: &Progress) {
-    let Some(result) = unless_cancelled(io::load_model(&path, &job.cancel, progress)) else {
-        return;
-    };
-    let result = result.map(Box::new);
-    job.send(Event::ModelLoaded { path, result });
+/// Loads files of meshes of which it is to be decided what becomes of them. `replaces`: whether they are likely to take the place of
+/// the scene.
+pub fn load_models(job: &Job<Event>, paths: Vec<PathBuf>, replaces: bool, progress: &Progress) {
+    let loaded = unless_cancelled(io::load_models(&paths, &job.cancel, progress));
+    if let Some(result) = loaded {
+        job.send(Event::ModelsLoaded {
+            paths,
+            replaces,
+            result,
+        });
+    }
 }
 
 /// Loads an image for the background.

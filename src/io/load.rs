@@ -9,7 +9,7 @@ use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
 use super::mesh_source::MeshSource;
-use super::model_loading::load_models;
+use super::model_loading::{load_models, scene_of_models};
 use super::origin::WrittenOrigin;
 use super::part_name::file_and_part;
 use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
@@ -122,10 +122,13 @@ pub fn load_scenes(
     match paths {
         [path] if is_scene_file(path) => load_scene_file(path, cancel, progress),
         [path] if is_render_file(path) => load_render_file(path, cancel, progress),
-        _ => match paths.iter().find(|path| is_scene_file(path)) {
-            Some(path) => Err(LoadError::SceneAmongMeshes { path: path.clone() }),
-            None => load_models(paths, cancel, progress),
-        },
+        _ => {
+            if let Some(path) = paths.iter().find(|path| is_scene_file(path)) {
+                return Err(LoadError::SceneAmongMeshes { path: path.clone() });
+            }
+            let models = load_models(paths, cancel, progress)?;
+            Ok(models.map(scene_of_models).transpose()?)
+        }
     }
 }
 

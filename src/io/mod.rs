@@ -55,7 +55,7 @@ pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
 pub use mesh_parts::MeshParts;
 pub use mesh_reading::{List, Malformed, Place};
 pub use model::{Model, ModelFacts};
-pub use model_loading::{ReadAgain, load_again, load_model};
+pub use model_loading::{ReadAgain, load_again, load_model, load_models, scene_of_models};
 pub use model_writing::{ModelFormat, WriteError, write_model};
 pub use origin::{Origin, WrittenError, WrittenOrigin};
 pub use part_name::file_and_part;

@@ -16,7 +16,7 @@ use super::shorten::shortened;
 use crate::control::CancelToken;
 use crate::math::DBounds;
 use crate::scene::presets::{self, UpAxis};
-use crate::scene::{Camera, Material, Object, Scene, UniqueNames};
+use crate::scene::{Camera, Material, Object, Remeasure, Scene, UniqueNames};
 
 /// Most parts that become objects of their own: more are nobody's work, and no list shows them.
 const MOST_PARTS: usize = 10_000;
@@ -56,6 +56,26 @@ pub struct ModelFacts {
     pub nodes: Option<u64>,
     /// The world box of all objects.
     pub bounds: DBounds,
+}
+
+impl Model {
+    /// Makes everything in it `factor` times as large, as seen from the origin.
+    ///
+    /// `factor`: finite, more than 0.
+    pub fn scale_by(&mut self, factor: f64) {
+        // Angles are not rounded for nothing.
+        if factor == 1.0 {
+            return;
+        }
+        let other_unit = Remeasure {
+            scale: factor,
+            ..Remeasure::default()
+        };
+        other_unit.apply(&mut self.scene);
+        if let Some(camera) = &mut self.camera {
+            other_unit.camera(camera);
+        }
+    }
 }
 
 /// The model of the mesh file at `path` that was read: an object for each part, or one where there are no parts. Files of materials are

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::load::{LoadError, LoadedScene, texture_warnings, work_of};
+use super::load::{LoadedScene, texture_warnings, work_of};
 use super::mesh_file::{self, MeshError};
 use super::mesh_source::MeshSource;
 use super::model::{self, Model};
@@ -11,7 +11,7 @@ use super::part_name::file_and_part;
 use super::texture_loader::TextureLoader;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Material, Scene, presets};
+use crate::scene::{Material, Scene, SceneError, presets};
 
 /// Loads the mesh file at `path` as the objects it brings into a scene. `progress` counts bytes. `None` when cancelled.
 ///
@@ -70,26 +70,32 @@ pub fn load_again(
     Ok(Some(ReadAgain { meshes, warnings }))
 }
 
-/// Loads files of meshes as one scene: framed, and lit where they have no lights. `None` when cancelled.
+/// Loads files of meshes as what they bring into a scene, in their order. `progress` counts bytes. `None` when cancelled.
 ///
 /// # Errors
-/// What cannot be read or understood.
+/// Those of [`load_mesh`](super::load_mesh).
 pub fn load_models(
     paths: &[PathBuf],
     cancel: &CancelToken,
     progress: &Progress,
-) -> Result<Option<LoadedScene>, LoadError> {
+) -> Result<Option<Vec<Model>>, MeshError> {
+    let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
+    progress.set_total(work.sum());
+    // As the user wrote them, for messages.
+    let models = paths.iter().map(|path| read_model(path, cancel, progress));
+    models.collect()
+}
+
+/// The models of files as one scene: framed, and lit where they have no lights. Which way is up is for the first to say.
+///
+/// # Errors
+/// When the objects cannot be measured.
+pub fn scene_of_models(models: Vec<Model>) -> Result<LoadedScene, SceneError> {
     let mut scene = Scene::default();
     let mut warnings = Vec::new();
     let mut up = None;
-    let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
-    progress.set_total(work.sum());
     let mut camera = None;
-    for path in paths {
-        // As the user wrote it, for messages.
-        let Some(mut model) = read_model(path, cancel, progress)? else {
-            return Ok(None);
-        };
+    for mut model in models {
         camera = camera.or(model.camera);
         scene.lights.append(&mut model.scene.lights);
         warnings.extend(model.warnings);
@@ -106,7 +112,7 @@ pub fn load_models(
     if let Some(camera) = camera {
         scene.camera = presets::aimed(camera, &scene.measured_bounds()?);
     }
-    Ok(Some(LoadedScene { scene, warnings }))
+    Ok(LoadedScene { scene, warnings })
 }
 
 /// The model of a file. `None` when cancelled.

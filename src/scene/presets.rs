@@ -2,7 +2,14 @@
 
 pub mod materials;
 
-use super::{Background, Camera, Light, Material, Object, Rgb, Scene, SceneError, Textures};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::{
+    Background, Camera, Choice, Light, Material, Object, Rgb, Scene, SceneError, Textures,
+    free_name,
+};
+use crate::geometry::TriangleMesh;
 use crate::math::{DBounds, DVec3, Degrees};
 
 /// Name of the material of bare meshes.
@@ -19,6 +26,10 @@ pub enum UpAxis {
     /// +Z up, seen along +Y.
     #[default]
     Z,
+}
+
+impl Choice for UpAxis {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::Y, "y"), (Self::Z, "z")];
 }
 
 impl UpAxis {
@@ -66,6 +77,24 @@ fn colored() -> Material {
     }
 }
 
+/// Gives the objects from number `first` on that have no material, and whose vertices have colours, one that shows these.
+pub fn show_colors(scene: &mut Scene, first: usize) {
+    let colored = colored();
+    let is_taken = |name: &str| scene.materials.get(name).is_some_and(|m| *m != colored);
+    let name = free_name(COLORED, is_taken);
+    for object in &mut scene.objects[first..] {
+        if object.material.is_none() && has_colors(&scene.meshes, object) {
+            object.material = Some(name.clone());
+            scene.materials.insert(name.clone(), colored.clone());
+        }
+    }
+}
+
+fn has_colors(meshes: &BTreeMap<String, Arc<TriangleMesh>>, object: &Object) -> bool {
+    let mesh = meshes.get(&object.mesh);
+    mesh.is_some_and(|mesh| mesh.colors.is_some())
+}
+
 /// Gives a scene of objects a camera in front of them, a key, a fill and a rim light, and a faint sky; and the preset material, where
 /// an object wears it and the scene has none of its name. Objects of that material whose vertices have colours show these. Lights that
 /// are there already stay alone, and the exposure follows them.
@@ -88,9 +117,7 @@ pub fn light_and_frame(scene: &mut Scene, up: UpAxis) -> Result<(), SceneError> 
         scene.materials.entry(MATERIAL.to_owned()).or_insert(clay);
     }
     for object in &mut scene.objects {
-        let mesh = scene.meshes.get(&object.mesh);
-        let has_colors = mesh.is_some_and(|mesh| mesh.colors.is_some());
-        if has_colors && object.material.as_deref() == Some(MATERIAL) {
+        if object.material.as_deref() == Some(MATERIAL) && has_colors(&scene.meshes, object) {
             object.material = Some(COLORED.to_owned());
             scene.materials.insert(COLORED.to_owned(), colored());
         }

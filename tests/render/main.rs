@@ -12,6 +12,7 @@ mod occlusion;
 mod path;
 mod plan;
 mod resume;
+mod scaling;
 mod sky;
 mod smooth;
 mod textures;

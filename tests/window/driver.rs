@@ -7,6 +7,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use raymini::control::{CancelToken, Progress};
+use raymini::gui::dialogs::Dialog;
 use raymini::gui::picture::Outcome;
 use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
 use raymini::io;
@@ -243,6 +244,15 @@ impl Window {
     pub fn drop_file(&mut self, path: PathBuf) {
         let dropped = std::sync::Arc::new(Dropped(path));
         self.harness.input_mut().dropped_files.push(dropped);
+    }
+
+    /// Waits until it is asked what becomes of meshes that were read, and answers by the button called `answer`.
+    pub fn import(&mut self, answer: &str) {
+        self.harness.step();
+        self.until("it is asked what becomes of the mesh", |app| {
+            matches!(app.dialog(), Some(Dialog::Import(_)))
+        });
+        self.click(answer);
     }
 
     pub fn render(&mut self) {

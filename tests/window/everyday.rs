@@ -216,6 +216,7 @@ fn costs_are_measured_and_give_way_to_a_render() {
     window.operate("Anti-aliasing");
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
+    window.import("Replace");
     window.settle();
     assert_eq!(window.scene().objects.len(), 1);
     assert!(matches!(window.app().costs(), CostState::Unknown));
@@ -264,6 +265,7 @@ fn unsaved_work_is_asked_about_before_it_is_replaced() {
     window.click("Add light");
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
+    window.import("Replace");
     assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
     window.click("Cancel");
     assert!(window.app().dialog().is_none());
@@ -272,10 +274,8 @@ fn unsaved_work_is_asked_about_before_it_is_replaced() {
     // Adding keeps what is there.
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
-    window.click("Add to scene");
-    window.until("the mesh is added", |app| {
-        app.document().scene.objects.len() == 2
-    });
+    window.import("Add to scene");
+    assert_eq!(window.scene().objects.len(), 2);
     assert_eq!(window.scene().objects[1].name, "pyramid 2");
     assert_eq!(window.scene().lights.len(), 2);
     window.settle();
@@ -283,6 +283,7 @@ fn unsaved_work_is_asked_about_before_it_is_replaced() {
     // Saving first writes the scene, then opens the other.
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
+    window.import("Replace");
     window.click("Save first");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
     assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
@@ -320,10 +321,8 @@ fn a_mesh_of_several_materials_opens_and_is_added_in_parts() {
     window.click("Add light");
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&chair);
-    window.click("Add to scene");
-    window.until("the parts are added", |app| {
-        app.document().scene.objects.len() == 3
-    });
+    window.import("Add to scene");
+    assert_eq!(window.scene().objects.len(), 3);
     assert_eq!(parts(&window)[1..], expected);
     assert_eq!(window.scene().materials["chrome"].kind(), "mirror");
     // It stands in a scene with Z up.
@@ -478,7 +477,7 @@ fn dropped_files_open() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
     window.drop_file(files.path("pyramid.off"));
-    window.harness.step();
+    window.import("Replace");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
     window.settle();
     assert_eq!(window.scene().objects.len(), 1);

@@ -148,6 +148,7 @@ fn files_opened_last_are_in_the_menu_at_the_next_start() {
     let mut window = open(&files.path("room.toml"), &data);
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
+    window.import("Replace");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
     window.settle();
     window.harness.state_mut().on_exit();

@@ -8,6 +8,7 @@ mod contributions;
 mod driver;
 mod edit;
 mod everyday;
+mod import;
 mod keeping;
 mod live;
 mod materials;

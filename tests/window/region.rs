@@ -126,6 +126,7 @@ fn a_paused_render_is_cancelled_and_replaced() {
     window.click("Pause");
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
+    window.import("Replace");
     window.click("Replace");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
     window.until("threads have stopped", |app| app.render_threads() == 0);

@@ -155,6 +155,7 @@ fn renders_are_forgotten_and_outlive_their_scene() {
     // The scene is unsaved; another one takes its place, and the renders stay.
     window.press(Modifiers::COMMAND, Key::O);
     window.enter_path(&files.path("pyramid.off"));
+    window.import("Replace");
     window.click("Replace");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
     window.settle();

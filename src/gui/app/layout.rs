@@ -427,9 +427,12 @@ impl App {
             Some(Dialog::Shortcuts) => self.dialog = shortcuts_ui(ctx).then_some(Dialog::Shortcuts),
             Some(Dialog::Unsaved(intent)) => {
                 let name = self.document.name().to_owned();
-                let can_add = Self::can_add(&intent);
-                let decision = question::unsaved_ui(ctx, &name, &intent, can_add);
+                let decision = question::unsaved_ui(ctx, &name, &intent);
                 self.decide(ctx, intent, decision);
+            }
+            Some(Dialog::Import(mut import)) => {
+                let decision = import.decide_ui(ctx, &self.document.scene);
+                self.decide_about_import(import, decision);
             }
             Some(Dialog::Recovery(lost)) => {
                 let answer = recovery::recovery_ui(ctx, &lost);

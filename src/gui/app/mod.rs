@@ -9,6 +9,7 @@
 //! - `comparing`: the shown picture against another
 //! - `contributing`: what effects and lights bring
 //! - `editing`: undoing, copying, removing
+//! - `importing`: what becomes of meshes that were read
 //! - `keeping`: unsaved work and recent files on disk
 //! - `opening`: scenes and meshes from files
 //! - `reloading`: files that change while they are open
@@ -30,6 +31,8 @@
 mod bookmarks;
 mod comparing;
 mod editing;
+mod editing;
+mod importing;
 mod contributing;
 mod keeping;
 mod layout;

@@ -49,7 +49,11 @@ impl App {
             Event::SceneLoaded { paths, result } => {
                 self.scene_loaded(&paths, result.map(|loaded| *loaded));
             }
-            Event::ModelLoaded { path, result } => self.model_loaded(&path, result),
+            Event::ModelsLoaded {
+                paths,
+                replaces,
+                result,
+            } => self.models_loaded(paths, replaces, result),
             Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
             Event::TextureLoaded {
                 path,
@@ -88,14 +92,14 @@ impl App {
             Event::HistogramMade(histogram) => self.brightness.histogram = Some(histogram),
             Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
             Event::BallRendered { material, image } => self.balls.put(ctx, material, image),
-            Event::Traced { wanted, result } => self.traced(*wanted, result),
-            Event::Rendered { hash, stats } => self.rendered(hash, stats),
-            Event::RenderFailed {
-                text,
             Event::ContributionFound {
                 contributor,
                 contribution,
             } => self.contributions.put(ctx, contributor, contribution),
+            Event::Traced { wanted, result } => self.traced(*wanted, result),
+            Event::Rendered { hash, stats } => self.rendered(hash, stats),
+            Event::RenderFailed {
+                text,
                 is_short_of_memory,
             } => self.render_failed(&text, is_short_of_memory),
             Event::SceneSaved { path, result } => self.scene_saved(ctx, path, result),
@@ -130,11 +134,11 @@ impl App {
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,
             Lane::Balls => self.balls.give_up(),
+            Lane::Contributions => self.contributions.give_up(),
             _ => {}
         }
         let text =
             format!("This is a fault of the program, and your scene is still here: {message}");
-            Lane::Contributions => self.contributions.give_up(),
         self.messages.error("Something went wrong", text);
     }
 }

@@ -18,14 +18,18 @@ use crate::gui::panels::with_image;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
-use crate::io::{self, LoadedScene, Model, RadianceFile, TextureFile};
+use crate::io::{self, LoadedScene, RadianceFile, TextureFile};
 use crate::render::SketchStore;
-use crate::scene::{Background, Material, presets};
+use crate::scene::{Background, Material};
 
 impl App {
-    /// Opens `paths` in place of the scene, once unsaved work is decided about.
+    /// Opens `paths` in place of the scene, once unsaved work is decided about; of meshes it is asked first whether they are to join the
+    /// scene.
     pub(super) fn open(&mut self, paths: Vec<PathBuf>) {
-        if self.document.is_modified() {
+        let is_whole = |path: &PathBuf| io::is_scene_file(path) || io::is_render_file(path);
+        if !self.document.scene.objects.is_empty() && !paths.iter().any(is_whole) {
+            self.import(paths, !self.document.is_modified());
+        } else if self.document.is_modified() {
             self.dialog = Some(Dialog::Unsaved(Intent::Open(paths)));
         } else {
             self.load(paths);
@@ -37,16 +41,6 @@ impl App {
         let progress = self.begin_loading(what(&paths));
         self.jobs.start(Lane::Load, move |job| {
             worker::load_scene(job, paths, &progress);
-        });
-    }
-
-    /// Adds the meshes to the scene, one after the other.
-    pub(super) fn add_meshes(&mut self, paths: Vec<PathBuf>) {
-        let progress = self.begin_loading(what(&paths));
-        self.jobs.start(Lane::Load, move |job| {
-            for path in paths {
-                worker::load_model(job, path, &progress);
-            }
         });
     }
 
@@ -188,44 +182,6 @@ impl App {
         self.waiting_render = self.is_live.then(Instant::now);
     }
 
-    pub(super) fn model_loaded(&mut self, path: &Path, result: Result<Box<Model>, String>) {
-        let model = match result {
-            Ok(model) => *model,
-            Err(error) => {
-                self.messages
-                    .error(format!("Cannot add {}", name_of(path)), error);
-                return;
-            }
-        };
-        if !model.warnings.is_empty() {
-            let title = format!("Added {} with remarks", name_of(path));
-            self.messages.warning(title, model.warnings.join("\n"));
-        }
-        let scene = &mut self.document.scene;
-        let is_first = scene.objects.is_empty() && scene.lights.is_empty();
-        // The preset's own material where the scene has it, else the one used first.
-        let material = presets::object()
-            .material
-            .filter(|name| is_first || scene.materials.contains_key(name))
-            .or_else(|| scene.materials.keys().next().cloned());
-        let turn = if is_first {
-            0.0
-        } else {
-            model.up.turn_to(scene.camera.up)
-        };
-        let first = scene.join(model.scene);
-        for object in &mut scene.objects[first..] {
-            object.turn_about_x(turn);
-            object.material = object.material.take().or_else(|| material.clone());
-        }
-        self.selection = Selection::Object(first);
-        if is_first && let Err(error) = presets::light_and_frame(scene, model.up) {
-            let title = "The scene cannot be framed and lit";
-            self.messages.error(title, error.to_string());
-        }
-        self.show_camera_view();
-    }
-
     pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {
         let shown = what(&[path.to_owned()]);
         let file = match result {
@@ -293,7 +249,7 @@ impl App {
     pub(super) fn use_paths(&mut self, purpose: FilePurpose, paths: Vec<PathBuf>) {
         match purpose {
             FilePurpose::Open => self.open(paths),
-            FilePurpose::AddMesh => self.add_meshes(paths),
+            FilePurpose::AddMesh => self.import(paths, false),
             FilePurpose::SetBackground => {
                 for path in paths.into_iter().take(1) {
                     self.set_background(path);
@@ -352,7 +308,7 @@ impl App {
 }
 
 /// What is being opened, in words.
-fn what(paths: &[PathBuf]) -> String {
+pub(super) fn what(paths: &[PathBuf]) -> String {
     let name = |path: &PathBuf| {
         path.file_name().map_or_else(
             || path.display().to_string(),

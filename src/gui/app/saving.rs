@@ -10,7 +10,6 @@ use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::jobs::Lane;
 use crate::gui::picture::Outcome;
 use crate::gui::worker;
-use crate::io;
 use crate::scene::Scene;
 
 impl App {
@@ -92,16 +91,6 @@ impl App {
         }
     }
 
-    /// Whether what is to be opened could join the scene instead.
-    pub(super) fn can_add(intent: &Intent) -> bool {
-        match intent {
-            Intent::Open(paths) => !paths
-                .iter()
-                .any(|path| io::is_scene_file(path) || io::is_render_file(path)),
-            Intent::Close => false,
-        }
-    }
-
     /// Does what the user decided about unsaved work.
     pub(super) fn decide(&mut self, ctx: &egui::Context, intent: Intent, decision: Decision) {
         match (decision, intent) {
@@ -111,8 +100,7 @@ impl App {
                 self.after_saving = Some(intent);
                 self.save_scene();
             }
-            (Decision::Add, Intent::Open(paths)) => self.add_meshes(paths),
-            (Decision::Discard | Decision::Add, intent) => self.go_on(ctx, intent),
+            (Decision::Discard, intent) => self.go_on(ctx, intent),
         }
     }
 
@@ -120,6 +108,7 @@ impl App {
     fn go_on(&mut self, ctx: &egui::Context, intent: Intent) {
         match intent {
             Intent::Open(paths) => self.load(paths),
+            Intent::Import(import) => self.replace_by(*import),
             Intent::Close => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -1,6 +1,7 @@
 //! Questions and sheets over the window. One shows at a time.
 
 pub mod files;
+pub mod import;
 pub mod path_field;
 pub mod question;
 pub mod recovery;
@@ -9,6 +10,7 @@ mod shortcuts;
 use std::path::PathBuf;
 
 use files::FilePurpose;
+use import::Import;
 use path_field::PathField;
 
 use super::keeping::Lost;
@@ -24,6 +26,8 @@ pub enum Dialog {
     Waiting(FilePurpose),
     /// Unsaved work is about to be lost.
     Unsaved(Intent),
+    /// Meshes were read, and it is to be said what becomes of them.
+    Import(Box<Import>),
     /// Work that a window before did not save.
     Recovery(Lost),
     /// The sheet of shortcuts.
@@ -68,10 +72,12 @@ pub(in crate::gui) fn buttons_ui<R>(
 }
 
 /// What the user was about to do when unsaved work stood in the way.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Intent {
     /// Open these files in place of the scene.
     Open(Vec<PathBuf>),
+    /// Open these meshes, which were read, in place of the scene.
+    Import(Box<Import>),
     /// Close the window.
     Close,
 }

@@ -14,20 +14,18 @@ pub enum Decision {
     Save,
     /// Go on; the work is lost.
     Discard,
-    /// Add the meshes to the scene in place of opening them.
-    Add,
     /// Leave everything as it is.
     Cancel,
 }
 
-/// Asks. `can_add`: whether the files to open are meshes that could join the scene.
+/// Asks.
 #[must_use]
-pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent, can_add: bool) -> Decision {
+pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent) -> Decision {
     let response = modal_ui(ctx, "unsaved", 440.0, |ui| {
         ui.heading(format!("Save the changes to {name}?"));
         ui.add_space(4.0);
         let (what, discard) = match intent {
-            Intent::Open(_) => ("opening another scene", "Replace"),
+            Intent::Open(_) | Intent::Import(_) => ("opening another scene", "Replace"),
             Intent::Close => ("closing the window", "Discard"),
         };
         ui.label(RichText::new(format!("They are lost by {what} without saving.")).weak());
@@ -45,14 +43,6 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent, can_add: boo
                 "Write the scene to its file, then go on",
                 Decision::Save,
             );
-            if can_add {
-                choice(
-                    ui,
-                    egui::Button::new("Add to scene"),
-                    "Keep the scene and add the mesh to it",
-                    Decision::Add,
-                );
-            }
             choice(
                 ui,
                 egui::Button::new(discard),

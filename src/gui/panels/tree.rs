@@ -32,11 +32,14 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 "Background",
                 "",
             );
-            group_ui(ui, "Objects", state.scene.objects.len(), true, None, |ui| {
+            let count = state.scene.objects.len();
+            if group_ui(ui, "Objects", count, true, "Add object", |ui| {
                 objects_ui(ui, state);
-            });
+            }) {
+                state.commands.push(Command::AddMesh);
+            }
             let count = state.scene.lights.len();
-            if group_ui(ui, "Lights", count, true, Some("Add light"), |ui| {
+            if group_ui(ui, "Lights", count, true, "Add light", |ui| {
                 lights_ui(ui, state);
             }) {
                 let light = new_light(state.scene);
@@ -44,7 +47,7 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 *state.selection = Selection::Light(state.scene.lights.len() - 1);
             }
             let count = state.scene.materials.len();
-            if group_ui(ui, "Materials", count, false, Some("Add material"), |ui| {
+            if group_ui(ui, "Materials", count, false, "Add material", |ui| {
                 materials_ui(ui, state);
             }) {
                 let name = new_material(state.scene, None);
@@ -121,7 +124,7 @@ fn group_ui(
     title: &str,
     count: usize,
     open: bool,
-    add: Option<&str>,
+    add: &str,
     parts: impl FnOnce(&mut Ui),
 ) -> bool {
     ui.add_space(3.0);
@@ -131,7 +134,6 @@ fn group_ui(
     let (_, header, _) = state
         .show_header(ui, |ui| {
             ui.label(RichText::new(format!("{title}  {count}")).weak());
-            let Some(add) = add else { return false };
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.add(egui::Button::new(RichText::new("+ Add").small()).small())
                     .accessible_name(add)
