@@ -43,6 +43,8 @@ pub enum Command {
     RotateTool,
     /// Show a handle that changes its size.
     ScaleTool,
+    /// Have handles go along the axes of the part itself, or of the world again.
+    ToggleOwnAxes,
     /// Let clicks choose what is sharp.
     FocusTool,
     /// Let clicks show the rays of a pixel.
@@ -143,6 +145,7 @@ impl Command {
         Self::MoveTool,
         Self::RotateTool,
         Self::ScaleTool,
+        Self::ToggleOwnAxes,
         Self::FocusTool,
         Self::RayTool,
         Self::Render,
@@ -203,6 +206,7 @@ impl Command {
             Self::MoveTool => "Move tool",
             Self::RotateTool => "Rotate tool",
             Self::ScaleTool => "Scale tool",
+            Self::ToggleOwnAxes => "Own axes",
             Self::FocusTool => "Focus tool",
             Self::RayTool => "Ray tool",
             Self::FrameAll => "Frame all",
@@ -271,6 +275,9 @@ impl Command {
             }
             Self::ScaleTool => {
                 "Show a handle that changes the size of the selected object or disk; again to hide it"
+            }
+            Self::ToggleOwnAxes => {
+                "Have handles go along the axes of the object or disk itself, as it is turned; again for those of the world"
             }
             Self::FocusTool => {
                 "Click what is to be sharp, in the preview or the picture; again to stop"
@@ -357,6 +364,7 @@ impl Command {
             Self::MoveTool => const { &[plain(Key::G)] },
             Self::RotateTool => const { &[plain(Key::R)] },
             Self::ScaleTool => const { &[plain(Key::S)] },
+            Self::ToggleOwnAxes => const { &[plain(Key::W)] },
             Self::FocusTool => const { &[plain(Key::D)] },
             Self::RayTool => const { &[plain(Key::T)] },
             Self::FrameAll => const { &[plain(Key::F)] },

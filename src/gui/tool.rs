@@ -3,6 +3,7 @@
 use egui::{Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, vec2};
 
 use super::commands::Command;
+use super::gizmo::Orientation;
 use super::theme;
 
 /// Side of a button, in points.
@@ -168,6 +169,25 @@ pub fn tools_ui(ui: &mut Ui, area: Rect, active: Tool) -> Option<Tool> {
         }
     }
     chosen
+}
+
+/// Draws the switch between axes of the world and of the part below the bar in `area`, where a tool with handles is in use; returns
+/// whether it was clicked.
+pub fn axes_ui(ui: &mut Ui, area: Rect, orientation: Orientation) -> bool {
+    let below = SIDE * Tool::ALL.len() as f32 + 2.0 * DISTANCE;
+    let corner = area.min + vec2(DISTANCE, DISTANCE + below);
+    let command = Command::ToggleOwnAxes;
+    let is_own = orientation == Orientation::Own;
+    let text = if is_own { "own" } else { "xyz" };
+    let button = egui::Button::new(egui::RichText::new(text).size(11.0)).selected(is_own);
+    let place = Rect::from_min_size(corner - Vec2::splat(3.0), vec2(SIDE + 6.0, SIDE));
+    let response = ui.scope(|ui| {
+        // The word just fits.
+        ui.spacing_mut().button_padding.x = 2.0;
+        ui.put(place, button)
+    });
+    let response = response.inner.accessible_name(command.label());
+    response.on_hover_text(command.tooltip(ui.ctx())).clicked()
 }
 
 /// Writes what the tool in use has to say into the lower right corner of `area`.

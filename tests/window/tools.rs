@@ -466,3 +466,42 @@ fn steps_are_seen_in_the_picture_and_told_of_a_pixel() {
     let told = format!("steps {} + {}", visits.nodes, visits.blocks);
     assert!(window.says(&told));
 }
+
+/// The arrow of a turned object goes where its own axis does, once that is chosen, by key or by button.
+#[test]
+fn handles_go_along_axes_of_the_object_itself() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.harness.state_mut().document_mut().scene.objects[0]
+        .rotate
+        .z = 60.0;
+    window.settle();
+    window.click("Move tool");
+    window.click("Select pyramid");
+    let object = window.scene().objects[0].clone();
+    let middle = object.placement().world_from_object(MIDDLE);
+    let own = object.placement().linear * DVec3::X;
+    let drag_own = |window: &mut Window| {
+        let from = on_arrow(window, middle, own);
+        let to = from + (window.on_screen(middle + own) - window.on_screen(middle));
+        window.drag(PointerButton::Primary, from, to);
+        window.scene().objects[0].translate
+    };
+    window.press(Modifiers::NONE, Key::W);
+    assert!(window.has("Own axes"));
+    let moved = drag_own(&mut window);
+    assert!(
+        moved.dot(own) > 0.6 && moved.cross(own).length() < 1e-9,
+        "{moved}"
+    );
+    undo(&mut window);
+    assert_eq!(window.scene().objects[0].translate, DVec3::ZERO);
+    // By its button, back to those of the world.
+    window.click("Own axes");
+    let from = on_arrow(&window, middle, DVec3::X);
+    let to = from + (window.on_screen(middle + DVec3::X) - window.on_screen(middle));
+    window.drag(PointerButton::Primary, from, to);
+    let moved = window.scene().objects[0].translate;
+    assert!(moved.x > 0.6, "{moved}");
+    assert_eq!((moved.y, moved.z), (0.0, 0.0));
+}

@@ -30,10 +30,9 @@
 
 mod bookmarks;
 mod comparing;
-mod editing;
+mod contributing;
 mod editing;
 mod importing;
-mod contributing;
 mod keeping;
 mod layout;
 mod live;
@@ -59,13 +58,14 @@ use super::balls::Balls;
 use super::box_view::BoxView;
 use super::commands::Command;
 use super::compare::Comparison;
+use super::contributions::Contributions;
 use super::costs::CostState;
 use super::dialogs::{Dialog, Intent};
-use super::contributions::Contributions;
 use super::document::Document;
 use super::edit::Part;
 use super::error_plot::ErrorPlot;
 use super::event::Event;
+use super::gizmo::Orientation;
 use super::inspector::Inspected;
 use super::jobs::{Jobs, Lane};
 use super::messages::Messages;
@@ -159,10 +159,10 @@ pub struct App {
     costs: CostState,
     time: TimeState,
     balls: Balls,
+    contributions: Contributions,
     /// The rays of the pixel that was clicked last.
     rays: Option<RayView>,
     boxes: BoxView,
-    contributions: Contributions,
     report: ReportWindow,
     /// A report was asked for and waits until nothing else works.
     waiting_report: Option<ReportRequest>,
@@ -239,10 +239,10 @@ impl App {
             costs: CostState::default(),
             time: TimeState::default(),
             balls: Balls::default(),
+            contributions: Contributions::default(),
             rays: None,
             boxes: BoxView::default(),
             report: ReportWindow::default(),
-            contributions: Contributions::default(),
             waiting_report: None,
             loading: None,
             reloading: reloading::Reloading::default(),
@@ -288,15 +288,15 @@ impl App {
         &self.balls
     }
 
-    /// The last render, running or ended.
-    #[must_use]
-    pub fn picture(&self) -> Option<&Picture> {
     /// What is known of what effects and lights bring.
     #[must_use]
     pub fn contributions(&self) -> &Contributions {
         &self.contributions
     }
 
+    /// The last render, running or ended.
+    #[must_use]
+    pub fn picture(&self) -> Option<&Picture> {
         self.picture.as_ref()
     }
 
@@ -422,6 +422,7 @@ impl App {
                 Phase::Ready
             },
             tool: self.viewport.tool,
+            has_own_axes: self.viewport.orientation == Orientation::Own,
             has_bookmarks: !self.document.scene.bookmarks.is_empty(),
             is_live: self.is_live,
             can_pause: self.picture.as_ref().is_some_and(Picture::is_running),
@@ -553,12 +554,12 @@ impl eframe::App for App {
             self.carry_out_asked(&ctx, asked);
         }
         self.report_ui(&ctx);
+        let display = self.document.scene.display;
+        self.contributions.window_ui(&ctx, &display);
         self.dialogs_ui(&ctx);
         for command in commands {
             self.carry_out(&ctx, command);
         }
-        let display = self.document.scene.display;
-        self.contributions.window_ui(&ctx, &display);
 
         self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
         if !self.gesture.goes_on(&ctx) {
@@ -580,11 +581,11 @@ impl eframe::App for App {
         self.start_waiting_report();
         self.update_thumbnails();
         self.update_balls();
+        self.update_contributions(&ctx);
         self.update_comparison();
         self.update_histogram();
         self.watch_files();
         self.reload_next();
-        self.update_contributions(&ctx);
         self.keep_work(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);

@@ -37,6 +37,10 @@ impl App {
             Command::SetTexture(texture) => {
                 self.ask_for_path(FilePurpose::SetTexture(texture));
             }
+            Command::ToggleOwnAxes => {
+                let orientation = &mut self.viewport.orientation;
+                *orientation = orientation.other();
+            }
             Command::SaveScene => self.save_scene(),
             Command::SaveSceneAs => {
                 self.ask_for_path(FilePurpose::SaveScene);

@@ -89,6 +89,13 @@ impl App {
         {
             self.choose_tool(tool);
         }
+        let orientation = self.viewport.orientation;
+        if self.picture_on_screen().is_none()
+            && self.viewport.tool.has_handles()
+            && tool::axes_ui(ui, area, orientation)
+        {
+            self.viewport.orientation = orientation.other();
+        }
     }
 
     /// What to say beside the handles of `tool`.

@@ -67,7 +67,7 @@ impl Part {
     }
 }
 
-/// An axis of the world.
+/// An axis, of the world or of a part of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The first.
@@ -82,7 +82,7 @@ impl Axis {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// Its unit vector.
+    /// Its unit vector, where it is one of the world.
     #[must_use]
     pub fn direction(self) -> DVec3 {
         DVec3::AXES[self as usize]
@@ -113,6 +113,51 @@ impl Axis {
     }
 }
 
+/// Which axes handles go along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Orientation {
+    /// Those of the world.
+    #[default]
+    World,
+    /// Those of the part itself: of an object as it is turned, of a disk with Z where it shines.
+    Own,
+}
+
+impl Orientation {
+    /// The one that it is not.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::World => Self::Own,
+            Self::Own => Self::World,
+        }
+    }
+}
+
+/// The directions of the three axes: unit vectors at right angles, right-handed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes([DVec3; 3]);
+
+impl Axes {
+    /// Those of the world.
+    pub const WORLD: Self = Self(DVec3::AXES);
+
+    /// Those of `placed`, or of the world.
+    #[must_use]
+    pub fn of(placed: &Placed, orientation: Orientation) -> Self {
+        match orientation {
+            Orientation::World => Self::WORLD,
+            Orientation::Own => Self(placed.own_axes()),
+        }
+    }
+
+    /// The direction of one of them.
+    #[must_use]
+    pub fn direction(&self, axis: Axis) -> DVec3 {
+        self.0[axis as usize]
+    }
+}
+
 /// What of a gizmo is taken hold of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handle {
@@ -139,6 +184,8 @@ pub struct HandleDrag {
     placed: Placed,
     tool: Tool,
     handle: Handle,
+    /// As they were when it was taken hold of.
+    axes: Axes,
     /// Where it was taken hold of.
     from: DVec2,
     /// Length of an arrow in the world.
@@ -162,7 +209,7 @@ impl HandleDrag {
     pub fn new(
         placed: Placed,
         tool: Tool,
-        handle: Handle,
+        (handle, axes): (Handle, Axes),
         (camera, size): (&Camera, PictureSize),
         from: DVec2,
     ) -> Option<Self> {
@@ -171,12 +218,14 @@ impl HandleDrag {
             camera,
             size,
             pivot,
+            axes,
         }
         .length()?;
         Some(Self {
             placed,
             tool,
             handle,
+            axes,
             from,
             length,
             turn: Turn::default(),
@@ -188,6 +237,12 @@ impl HandleDrag {
     #[must_use]
     pub fn part(&self) -> Part {
         self.placed.part
+    }
+
+    /// The axes that it goes along.
+    #[must_use]
+    pub fn axes(&self) -> Axes {
+        self.axes
     }
 
     /// The handle that is held.
@@ -231,24 +286,40 @@ impl HandleDrag {
         let pivot = self.placed.pivot;
         let [from, to] = [self.from, to].map(|place| Sight::through(camera, size, place));
         let (from, to) = (from?, to?);
+        let step = snap.then(|| round_step(self.length * STEP_SHARE));
         let by = match self.handle {
             Handle::Along(axis) => {
-                let axis = axis.direction();
+                let axis = self.axes.direction(axis);
                 axis * (to.along(pivot, axis)? - from.along(pivot, axis)?)
             }
             Handle::Across(axis) => {
-                let normal = axis.direction();
+                let normal = self.axes.direction(axis);
                 let by = to.in_plane(pivot, normal)? - from.in_plane(pivot, normal)?;
-                // Exactly, so that what does not move is not rounded either.
-                by * (DVec3::ONE - normal)
+                if self.axes == Axes::WORLD {
+                    // Exactly, so that what does not move is not rounded either.
+                    by * (DVec3::ONE - normal)
+                } else {
+                    by - normal * by.dot(normal)
+                }
             }
             Handle::Free => {
                 let normal = camera.axes()?.forward;
                 to.in_plane(pivot, normal)? - from.in_plane(pivot, normal)?
             }
         };
-        let step = snap.then(|| round_step(self.length * STEP_SHARE));
-        Some(Motion::Move { by, step })
+        // Along axes of its own, what is round is the way, not the place.
+        Some(match step {
+            Some(step) if self.axes != Axes::WORLD => Motion::Move {
+                by: self
+                    .axes
+                    .0
+                    .map(|axis| axis * snapped(by.dot(axis), step))
+                    .into_iter()
+                    .sum(),
+                step: None,
+            },
+            step => Motion::Move { by, step },
+        })
     }
 
     fn rotated(
@@ -263,7 +334,7 @@ impl HandleDrag {
         let (from, to) = (from?, to?);
         let forward = camera.axes()?.forward;
         let axis = match self.handle {
-            Handle::Along(axis) | Handle::Across(axis) => axis.direction(),
+            Handle::Along(axis) | Handle::Across(axis) => self.axes.direction(axis),
             Handle::Free => -forward,
         };
         let to_eye = (camera.eye - pivot).try_normalize()?;
@@ -305,26 +376,43 @@ impl HandleDrag {
         factor.is_finite().then_some(Motion::Scale(factor))
     }
 
+    /// Whose axes those are that are named.
+    fn whose(&self) -> &'static str {
+        if self.axes == Axes::WORLD {
+            ""
+        } else {
+            ", own axes,"
+        }
+    }
+
     /// What the drag has done so far.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self.motion {
             Motion::Move { .. } => {
                 let by = self.placed.moved_pivot(self.motion) - self.placed.pivot;
+                let size = by.length();
                 let parts = Axis::ALL.iter().filter_map(|&axis| {
-                    let by = by[axis as usize];
+                    let by = by.dot(self.axes.direction(axis));
                     let sign = if by > 0.0 { "+" } else { "" };
-                    (by != 0.0).then(|| format!("{} {sign}{}", axis.name(), format_number(by, 3)))
+                    // Less is rounding.
+                    let is_moved = by.abs() > 1e-9 * size;
+                    is_moved.then(|| format!("{} {sign}{}", axis.name(), format_number(by, 3)))
                 });
                 let parts: Vec<String> = parts.collect();
-                format!("Move  {}", parts.join("  "))
+                format!("Move{}  {}", self.whose(), parts.join("  "))
             }
             Motion::Turn { degrees, .. } => {
                 let about = match self.handle {
                     Handle::Along(axis) | Handle::Across(axis) => axis.name(),
                     Handle::Free => "the line of sight",
                 };
-                format!("Turn about {about}  {}°", format_number(degrees, 1))
+                let whose = if self.handle == Handle::Free {
+                    ""
+                } else {
+                    self.whose()
+                };
+                format!("Turn{whose} about {about}  {}°", format_number(degrees, 1))
             }
             Motion::Scale(factor) => format!("Scale  × {}", format_number(factor, 3)),
         }
@@ -364,7 +452,63 @@ mod tests {
     fn hold(scene: &Scene, tool: Tool, handle: Handle, from: DVec3) -> HandleDrag {
         let placed = Placed::of(scene, Part::Object(0), DVec3::ZERO).unwrap();
         let from = on_screen(scene, from);
+        let handle = (handle, Axes::WORLD);
         HandleDrag::new(placed, tool, handle, (&scene.camera, SIZE), from).unwrap()
+    }
+
+    /// Along and about the axes of a turned object, which its corners tell.
+    #[test]
+    fn a_turned_object_moves_and_turns_along_axes_of_its_own() {
+        let mut before = scene();
+        before.objects[0].rotate = DVec3::new(25.0, -40.0, 65.0);
+        let object = &before.objects[0];
+        let start = object.translate;
+        let own = |point: DVec3| object.placement().world_from_object(point) - start;
+        for axis in Axis::ALL {
+            let placed = Placed::of(&before, Part::Object(0), DVec3::ZERO).unwrap();
+            let axes = Axes::of(&placed, Orientation::Own);
+            let along = own(axis.direction());
+            assert!(axes.direction(axis).distance(along) < 1e-12);
+            let [u, v] = axis.others().map(|other| own(other.direction()));
+            let hold = |tool, handle, place| {
+                let from = on_screen(&before, place);
+                let view = (&before.camera, SIZE);
+                HandleDrag::new(placed.clone(), tool, (handle, axes), view, from).unwrap()
+            };
+            let mut after = before.clone();
+            let mut drag = hold(Tool::Move, Handle::Along(axis), start + along * 0.7);
+            let to = on_screen(&after, start - along * 1.2);
+            drag.drag_to(&mut after, SIZE, to, false);
+            let expected = start - along * 1.9;
+            assert!(after.objects[0].translate.distance(expected) < 1e-9);
+            drag.drag_to(&mut after, SIZE, to, true);
+            let way = after.objects[0].translate - start;
+            let step = round_step(drag.length * STEP_SHARE);
+            let steps = way.length() / step;
+            assert!((steps - steps.round()).abs() < 1e-9, "{steps}");
+            assert!(way.cross(along).length() < 1e-9);
+
+            let mut after = before.clone();
+            let mut drag = hold(Tool::Move, Handle::Across(axis), start + u * 0.4);
+            let to = on_screen(&after, start + u * 0.9 - v * 0.3);
+            drag.drag_to(&mut after, SIZE, to, false);
+            let expected = start + u * 0.5 - v * 0.3;
+            assert!(after.objects[0].translate.distance(expected) < 1e-9);
+
+            // A quarter turn takes one of the other two axes to the other, and leaves this one.
+            let mut after = before.clone();
+            let mut drag = hold(Tool::Rotate, Handle::Along(axis), start + u);
+            for step in 1..=9 {
+                let angle = f64::to_radians(f64::from(step) * 10.0);
+                let to = on_screen(&after, start + u * angle.cos() + v * angle.sin());
+                drag.drag_to(&mut after, SIZE, to, false);
+            }
+            let turned = after.objects[0].placement();
+            let [first, _] = axis.others();
+            let moved = |axis: Axis| turned.world_from_object(axis.direction()) - start;
+            assert!(moved(first).distance(v) < 1e-6, "{axis:?}");
+            assert!(moved(axis).distance(along) < 1e-6, "{axis:?}");
+        }
     }
 
     /// The point that is held follows the mouse along every handle.

@@ -72,6 +72,32 @@ impl Placed {
         pivot.is_finite().then_some(Self { part, pivot, state })
     }
 
+    /// Its own axes: unit vectors at right angles, right-handed.
+    #[must_use]
+    pub fn own_axes(&self) -> [DVec3; 3] {
+        match (&self.state, self.part) {
+            (State::Object(object), _) => {
+                let turned = Object {
+                    rotate: object.rotate,
+                    ..Object::default()
+                };
+                let DMat3 {
+                    x_axis,
+                    y_axis,
+                    z_axis,
+                } = turned.placement().linear;
+                [x_axis, y_axis, z_axis]
+            }
+            (State::Light(Light::Disk { center, facing, .. }), Part::Light(_)) => {
+                facing.normal(*center).map_or(DVec3::AXES, |normal| {
+                    let (x, y) = normal.any_orthonormal_pair();
+                    [x, y, normal]
+                })
+            }
+            _ => DVec3::AXES,
+        }
+    }
+
     /// Puts the part into `scene` as it is here.
     pub fn restore(&self, scene: &mut Scene) {
         match &self.state {

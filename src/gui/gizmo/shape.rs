@@ -4,7 +4,7 @@
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2};
 
-use super::{Axis, Handle};
+use super::{Axes, Axis, Handle};
 use crate::gui::orbit::{self, PictureSize};
 use crate::gui::tool::Tool;
 use crate::math::{DVec2, DVec3};
@@ -62,6 +62,8 @@ pub struct Viewed<'a> {
     pub size: PictureSize,
     /// Where the gizmo is, in the world.
     pub pivot: DVec3,
+    /// Along which its handles go.
+    pub axes: Axes,
 }
 
 impl Viewed<'_> {
@@ -137,7 +139,8 @@ impl Viewed<'_> {
     }
 
     fn arrow(&self, axis: Axis, length: f64) -> Option<Shape> {
-        let at = |share: f64| self.project(self.pivot + axis.direction() * (length * share));
+        let at =
+            |share: f64| self.project(self.pivot + self.axes.direction(axis) * (length * share));
         let line = [at(ARROW_START)?, at(1.0)?];
         (line[0].distance(line[1]) >= SHORTEST).then(|| Shape {
             lines: vec![line],
@@ -148,10 +151,10 @@ impl Viewed<'_> {
 
     /// A square in the plane across `axis`.
     fn square(&self, axis: Axis, length: f64) -> Option<Shape> {
-        if self.to_eye().dot(axis.direction()).abs() < NARROWEST {
+        if self.to_eye().dot(self.axes.direction(axis)).abs() < NARROWEST {
             return None;
         }
-        let [u, v] = axis.others().map(Axis::direction);
+        let [u, v] = axis.others().map(|other| self.axes.direction(other));
         let [near, far] = SQUARE;
         let corners = [(near, near), (far, near), (far, far), (near, far)];
         let corners = corners.map(|(a, b)| self.project(self.pivot + (u * a + v * b) * length));
@@ -166,7 +169,7 @@ impl Viewed<'_> {
 
     /// A ring about `axis`, of which the half before the part can be hit.
     fn ring(&self, axis: Axis, radius: f64) -> Shape {
-        let [u, v] = axis.others().map(Axis::direction);
+        let [u, v] = axis.others().map(|other| self.axes.direction(other));
         let to_eye = self.to_eye();
         let mut shape = Shape::new(Handle::Along(axis));
         let spoke = |corner: u32| {
@@ -334,6 +337,7 @@ mod tests {
             let camera = camera(scale);
             for pivot in [DVec3::ZERO, DVec3::new(1.0, 4.0, -0.5) * scale] {
                 let view = Viewed {
+                    axes: Axes::WORLD,
                     camera: &camera,
                     size: SIZE,
                     pivot,
@@ -353,6 +357,7 @@ mod tests {
             }
         }
         let behind = Viewed {
+            axes: Axes::WORLD,
             camera: &camera(1.0),
             size: SIZE,
             pivot: DVec3::new(6.0, -12.0, 5.0),
@@ -364,6 +369,7 @@ mod tests {
     fn what_is_drawn_is_what_is_hit() {
         let camera = camera(1.0);
         let view = Viewed {
+            axes: Axes::WORLD,
             camera: &camera,
             size: SIZE,
             pivot: DVec3::ZERO,
@@ -398,6 +404,7 @@ mod tests {
             ..Camera::default()
         };
         let view = Viewed {
+            axes: Axes::WORLD,
             camera: &camera,
             size: SIZE,
             pivot: DVec3::ZERO,

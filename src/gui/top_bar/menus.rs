@@ -52,6 +52,7 @@ pub(super) fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
             for tool in Tool::ALL {
                 menu_item_ui(ui, state, tool.command(), asked);
             }
+            menu_item_ui(ui, state, Command::ToggleOwnAxes, asked);
         });
         ui.menu_button("View", |ui| {
             // It is longer than a small window is high.
@@ -156,6 +157,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         Command::ToggleRenders => state.renders_open,
         Command::ToggleTiles => state.are_tiles_outlined,
         Command::ToggleLive => state.is_live,
+        Command::ToggleOwnAxes => state.has_own_axes,
         Command::DrawRegion => state.is_drawing_region,
         Command::Compare => state.is_comparing,
         tool => Tool::chosen_by(tool) == Some(state.tool),

@@ -53,6 +53,8 @@ pub struct TopBarState<'a> {
     pub phase: Phase,
     /// What the mouse does in the preview.
     pub tool: Tool,
+    /// Whether handles go along the axes of the part itself.
+    pub has_own_axes: bool,
     /// Whether cameras were remembered.
     pub has_bookmarks: bool,
     /// Whether the picture follows every change.

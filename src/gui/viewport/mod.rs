@@ -11,7 +11,7 @@ use egui::{CornerRadius, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui,
 
 use super::gizmo::motion::Placed;
 use super::gizmo::shape::{Shape, Viewed, handle_at};
-use super::gizmo::{Axis, Handle, HandleDrag, Part};
+use super::gizmo::{Axes, Axis, Handle, HandleDrag, Orientation, Part};
 use super::orbit::{self, DistanceLimits, PictureSize};
 use super::pick::{self, Picked};
 use super::selection::Selection;
@@ -57,6 +57,8 @@ enum Drag {
 pub struct Viewport {
     /// What the mouse does beside looking around.
     pub tool: Tool,
+    /// Which axes its handles go along.
+    pub orientation: Orientation,
     drag: Drag,
     /// The handle that is held.
     held: Option<HandleDrag>,
@@ -271,6 +273,7 @@ impl Viewport {
             camera,
             size,
             pivot,
+            axes: self.axes_of(&placed),
         };
         Some((placed, viewed.shapes(self.tool)))
     }
@@ -286,7 +289,14 @@ impl Viewport {
         let start = in_frame(frame, start);
         let (placed, shapes) = self.handles(view.scene, view.selection, view.center, size)?;
         let handle = handle_at(&shapes, start)?;
+        let handle = (handle, self.axes_of(&placed));
         HandleDrag::new(placed, self.tool, handle, (&view.scene.camera, size), start)
+    }
+
+    /// The axes that handles of `placed` go along; those of a drag stay as they were when it began.
+    fn axes_of(&self, placed: &Placed) -> Axes {
+        let held = self.held.as_ref().map(HandleDrag::axes);
+        held.unwrap_or_else(|| Axes::of(placed, self.orientation))
     }
 
     /// Draws the handles of the tool at the selected part. `pointer`: the mouse, where it is over the preview.
@@ -336,11 +346,12 @@ impl Viewport {
             camera: &scene.camera,
             size: picture_size(frame),
             pivot: placed.pivot,
+            axes: self.axes_of(&placed),
         };
         let Some(length) = viewed.length() else {
             return;
         };
-        let reach = axis.direction() * (length * LENGTHS);
+        let reach = viewed.axes.direction(axis) * (length * LENGTHS);
         let ends = [placed.pivot - reach, placed.pivot + reach];
         if let [Some(a), Some(b)] = ends.map(|end| on_screen(scene, frame, end)) {
             let color = axis.color().gamma_multiply(0.6);
