@@ -1,12 +1,13 @@
-//! What the picture holds under the mouse, in a line below it.
+//! What the picture holds under the mouse, in two lines below it: the values, and the surface that is seen there.
 
 use egui::{Color32, CornerRadius, RichText, Sense, Ui, Vec2};
 
-use super::widgets::{format_number, grouped, percent};
+use super::widgets::{counted, format_number, grouped, percent};
 use crate::accel::Visits;
+use crate::math::DVec3;
 
-/// Height of the line, in points.
-pub const HEIGHT: f32 = 22.0;
+/// Height of both lines, in points.
+const HEIGHT: f32 = 36.0;
 
 /// The values of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,17 @@ pub struct Surface {
     pub triangle: u32,
     /// How far from the eye, in scene units.
     pub distance: f64,
+    /// What shading takes for its normal, on the side that is seen; unit.
+    pub normal: DVec3,
+}
+
+/// How many samples were taken of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Samples {
+    /// So many of each.
+    OfEach(u32),
+    /// So many on average: pixels have as many as they need, or the render goes on.
+    OnAverage(f64),
 }
 
 /// What is known of a pixel.
@@ -39,6 +51,8 @@ pub struct Inspected {
     pub pixel: [u32; 2],
     /// What it holds.
     pub values: PixelValues,
+    /// Samples that were taken of it.
+    pub samples: Samples,
     /// What the picture that is compared with holds there.
     pub other: Option<[f32; 3]>,
     /// What is seen there; `None` where that is the background, or where the scene has changed since.
@@ -48,9 +62,9 @@ pub struct Inspected {
 }
 
 impl Inspected {
-    /// All of it, in a line.
+    /// Where it is and its values, in a line.
     #[must_use]
-    pub fn in_words(&self) -> String {
+    pub fn values_in_words(&self) -> String {
         let [x, y] = self.pixel;
         let PixelValues {
             linear,
@@ -76,29 +90,53 @@ impl Inspected {
             } else {
                 String::new()
             };
-            parts.push(format!(
-                "error {}{relative}",
-                format_number(worst.into(), 4)
-            ));
+            let worst = f64::from(worst);
+            parts.push(format!("error {}{relative}", format_number(worst, 4)));
+            parts.push(format!("variance {}", format_number(worst * worst, 4)));
         }
+        parts.push(match self.samples {
+            Samples::OfEach(samples) => counted(samples as usize, "sample", "samples"),
+            Samples::OnAverage(samples) => {
+                format!("{} samples on average", format_number(samples, 1))
+            }
+        });
+        parts.join(SEPARATOR)
+    }
+
+    /// What is seen there and what it took to find it, in a line.
+    #[must_use]
+    pub fn surface_in_words(&self) -> String {
+        let mut parts = Vec::new();
         if let Some(surface) = &self.surface {
             parts.push(format!("{}, {}", surface.object, surface.material));
             parts.push(format!("triangle {}", grouped(surface.triangle.into())));
             parts.push(format!("distance {}", format_number(surface.distance, 3)));
+            let normal = surface.normal.to_array().map(|x| format_number(x, 2));
+            parts.push(format!("normal {}", normal.join(" ")));
         }
         if let Some(Visits { nodes, blocks }) = self.visits {
             parts.push(format!("steps {nodes} + {blocks}"));
         }
-        parts.join("  ·  ")
+        if parts.is_empty() {
+            return "Background, or a scene that has changed since".to_owned();
+        }
+        parts.join(SEPARATOR)
     }
 }
+
+const SEPARATOR: &str = "  ·  ";
 
 fn numbers(rgb: [f32; 3]) -> String {
     rgb.map(|channel| format_number(channel.into(), 4))
         .join(" ")
 }
 
-/// Draws the line. `scale`: pixels of the screen per pixel of the picture; `is_live`: whether the wheel moves the camera there.
+/// Of the words.
+const MEANING: &str = "Above: column and row, radiance in W/m²/sr, bytes on the screen, the estimated error of the worst channel and its \
+                       square, samples. Below: object and material, triangle, distance from the eye and shading normal in the middle of \
+                       the pixel, nodes and blocks that its ray visits";
+
+/// Draws the lines. `scale`: pixels of the screen per pixel of the picture; `is_live`: whether the wheel moves the camera there.
 pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_live: bool) {
     ui.horizontal(|ui| {
         ui.set_min_height(HEIGHT);
@@ -118,8 +156,13 @@ pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_l
         let (swatch, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
         let radius = CornerRadius::same(2);
         ui.painter().rect_filled(swatch, radius, inspected.values.color);
-        let words = RichText::new(inspected.in_words()).size(12.0);
-        ui.add(egui::Label::new(words).truncate());
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for words in [inspected.values_in_words(), inspected.surface_in_words()] {
+                let words = RichText::new(words).size(12.0);
+                ui.add(egui::Label::new(words).truncate()).on_hover_text(MEANING);
+            }
+        });
     });
 }
 
@@ -142,24 +185,31 @@ mod tests {
                 material: "clay".to_owned(),
                 triangle: 1234,
                 distance: 4.25,
+                normal: DVec3::new(0.6, -0.8, 0.0),
             }),
+            samples: Samples::OfEach(16),
             visits: Some(Visits {
                 nodes: 5,
                 blocks: 2,
             }),
         };
         assert_eq!(
-            inspected.in_words(),
-            "12, 7  ·  linear 0.5 0.25 2  ·  shown 188 137 255  ·  error 0.02 (1.0 %)  ·  ram, clay  ·  triangle 1,234  ·  \
-             distance 4.25  ·  steps 5 + 2"
+            inspected.values_in_words(),
+            "12, 7  ·  linear 0.5 0.25 2  ·  shown 188 137 255  ·  error 0.02 (1.0 %)  ·  variance 4.000e-4  ·  16 samples"
+        );
+        assert_eq!(
+            inspected.surface_in_words(),
+            "ram, clay  ·  triangle 1,234  ·  distance 4.25  ·  normal 0.6 -0.8 0  ·  steps 5 + 2"
         );
         inspected.values.linear[1] = f32::NAN;
         inspected.values.error = None;
         inspected.surface = None;
         inspected.visits = None;
+        inspected.samples = Samples::OnAverage(20.25);
         assert_eq!(
-            inspected.in_words(),
-            "12, 7  ·  linear 0.5 NaN 2  ·  not finite: shown in magenta"
+            inspected.values_in_words(),
+            "12, 7  ·  linear 0.5 NaN 2  ·  not finite: shown in magenta  ·  20.2 samples on average"
         );
+        assert!(inspected.surface_in_words().starts_with("Background"));
     }
 }

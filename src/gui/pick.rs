@@ -3,7 +3,7 @@
 use super::orbit::PictureSize;
 use crate::accel::Visits;
 use crate::math::{Bounds, DBounds, DVec2, DVec3, SceneFrame};
-use crate::render::{CameraRay, PreparedCamera, PreparedGeometry};
+use crate::render::{CameraRay, PreparedCamera, PreparedGeometry, SurfacePoint};
 use crate::scene::{Camera, RenderSettings};
 
 /// The surface under a picture position.
@@ -15,6 +15,8 @@ pub struct Picked {
     pub triangle: u32,
     /// Where, in world space.
     pub point: DVec3,
+    /// What shading takes for the normal, on the side that is seen; unit.
+    pub normal: DVec3,
 }
 
 /// The nearest surface under `position`, in pixels of `size`, seen from `camera` with the frame of `settings`' picture.
@@ -36,6 +38,9 @@ pub fn pick(
         object: geometry.object_of(hit.triangle),
         triangle: hit.triangle,
         point,
+        normal: SurfacePoint::new(geometry, &camera_ray.ray, &hit)
+            .shading_normal
+            .as_dvec3(),
     })
 }
 

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
 use super::first_look::FirstLook;
+use super::inspector::Samples;
 use super::part::Part;
 use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
 use crate::control::Throttle;
@@ -259,6 +260,21 @@ impl Picture {
             return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
         }
         time_left(self.progress.samples.fraction(), self.elapsed())
+    }
+
+    /// How many samples a pixel has so far.
+    #[must_use]
+    pub fn samples(&self) -> Samples {
+        if let Outcome::Finished { stats, .. } = &self.outcome {
+            let [fewest, most] = stats.sample_range;
+            return if fewest == most {
+                Samples::OfEach(most)
+            } else {
+                Samples::OnAverage(stats.samples_per_pixel)
+            };
+        }
+        let pixels = self.buffer.part().region.pixel_count() as f64;
+        Samples::OnAverage(self.progress.samples.done() as f64 / pixels)
     }
 
     /// Million rays per second so far.

@@ -3,6 +3,7 @@
 use crate::driver::{self, Files, Window};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable;
+use raymini::gui::inspector::Samples;
 use raymini::gui::top_bar::View;
 use raymini::scene::Background;
 
@@ -106,7 +107,15 @@ fn the_pixel_under_the_mouse_is_told() {
         ("pyramid", "clay")
     );
     assert!((4.0..9.0).contains(&surface.distance), "{surface:?}");
-    assert!(window.says(&inspected.in_words()));
+    assert_eq!(inspected.samples, Samples::OfEach(4));
+    // A flat side that is seen from before and above.
+    assert!((surface.normal.length() - 1.0).abs() < 1e-5);
+    assert!(
+        surface.normal.y < -0.5 && surface.normal.z > 0.3,
+        "{surface:?}"
+    );
+    assert!(window.says(&inspected.values_in_words()));
+    assert!(window.says(&inspected.surface_in_words()));
 
     window
         .harness

@@ -86,6 +86,7 @@ impl App {
         Some(Inspected {
             pixel,
             values,
+            samples: picture.samples(),
             other: other.map(|values| values.linear),
             surface: self.surface_at(picture, pixel),
             visits: self.visits_at(picture, pixel),
@@ -126,6 +127,7 @@ impl App {
             material: material.unwrap_or_else(|| "default grey".to_owned()),
             triangle: picked.triangle,
             distance: picked.point.distance(scene.camera.eye),
+            normal: picked.normal,
         })
     }
 
