@@ -12,6 +12,7 @@ mod import;
 mod keeping;
 mod live;
 mod materials;
+mod names;
 mod preview;
 mod real;
 mod region;
