@@ -126,7 +126,7 @@ pub enum TextureUse {
 
 impl Command {
     /// All of them, by menu, but for those of buttons alone.
-    pub const ALL: [Self; 52] = [
+    pub const ALL: [Self; 53] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,

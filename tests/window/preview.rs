@@ -53,6 +53,7 @@ fn drawn(scene: &Scene) -> Drawn {
     let gpu = Gpu {
         device: device.clone(),
         queue: queue.clone(),
+        number: 0,
     };
     let geometry = geometry.painted(&gpu, scene, None, &CancelToken::new());
     let geometry = geometry.expect("nobody cancels");
@@ -639,7 +640,11 @@ fn what_shows_no_image_has_none_on_the_gpu() {
     }
     let mut plain = drawn(&scene);
     let (device, queue) = gpu();
-    let gpu = Gpu { device, queue };
+    let gpu = Gpu {
+        device,
+        queue,
+        number: 0,
+    };
     let again = plain
         .geometry
         .painted(&gpu, &scene, None, &CancelToken::new());

@@ -8,7 +8,6 @@ use crate::gui::dialogs::import::{Import, ImportDecision, Unit};
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::jobs::Lane;
 use crate::gui::selection::Selection;
-use crate::gui::top_bar::View;
 use crate::gui::worker;
 use crate::io::{self, Model};
 use crate::math::{DBounds, DVec3};
@@ -102,7 +101,7 @@ impl App {
             self.messages.warning(title, warnings.join("\n"));
         }
         self.selection = Selection::Object(first).within(&self.document.scene);
-        self.view = View::Preview;
+        self.show_camera_view();
     }
 }
 

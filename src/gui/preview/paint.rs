@@ -230,7 +230,7 @@ fn triangle_of(mesh: &TriangleMesh, corners: [u32; 3]) -> [PaintVertex; 3] {
 impl GpuImage {
     /// `None` when cancelled.
     fn upload(gpu: &Gpu, source: Option<&Arc<TextureImage>>, cancel: &CancelToken) -> Option<Self> {
-        let Gpu { device, queue } = gpu;
+        let Gpu { device, queue, .. } = gpu;
         let texture = match source {
             None => {
                 let white = [Level {
