@@ -36,7 +36,7 @@ pub struct MeshFile {
     pub parts: MeshParts,
     /// Whether parts are called as the images they show, beside this file, in place of their materials.
     pub parts_are_images: bool,
-    /// The cells with a volume that it holds, of whose faces `mesh` has those outside. All of them are the part [`INNER`].
+    /// The cells with a volume that it holds, of whose faces `mesh` has those outside. All of them are the part `inner`.
     pub cells: Cells,
     /// The files of materials that it names.
     pub libraries: Vec<MaterialLibrary>,
