@@ -23,8 +23,8 @@ impl FirstLook {
         changed.notify_all();
     }
 
-    /// Waits until it is, for a moment at most, or until `cancel` is asked for.
-    pub fn wait(&self, cancel: &CancelToken) {
+    /// Waits until it is, for a moment at most, or until `cancel` is asked for. Returns whether it is.
+    pub fn wait(&self, cancel: &CancelToken) -> bool {
         let (is_drawn, changed) = &*self.0;
         let end = Instant::now() + MOST;
         let mut drawn = is_drawn.lock().unwrap_or_else(PoisonError::into_inner);
@@ -34,6 +34,7 @@ impl FirstLook {
                 .unwrap_or_else(PoisonError::into_inner)
                 .0;
         }
+        *drawn
     }
 }
 
@@ -46,15 +47,11 @@ mod tests {
         let cancel = CancelToken::new();
         let look = FirstLook::default();
         let started = Instant::now();
-        look.wait(&cancel);
+        assert!(!look.wait(&cancel));
         assert!(started.elapsed() >= MOST);
-        let window = look.clone();
-        std::thread::spawn(move || window.set_drawn());
-        look.wait(&cancel);
-        let started = Instant::now();
-        look.wait(&cancel);
-        assert!(started.elapsed() < MOST, "it is drawn");
+        look.clone().set_drawn();
+        assert!(look.wait(&cancel));
         cancel.cancel();
-        FirstLook::default().wait(&cancel);
+        assert!(!FirstLook::default().wait(&cancel));
     }
 }

@@ -82,6 +82,7 @@ fn nothing_is_found_out_where_it_is_switched_off_or_nobody_looks() {
     let started = window.app().jobs_started(Lane::Contributions);
     window.operate("Contributions");
     window.operate("Anti-aliasing");
+    // Longer than the user must rest for one.
     std::thread::sleep(std::time::Duration::from_millis(700));
     window.harness.run_steps(5);
     assert_eq!(window.app().jobs_started(Lane::Contributions), started);

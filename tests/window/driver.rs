@@ -130,13 +130,18 @@ impl Window {
 
     /// Draws frames until `holds`.
     pub fn until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
+        self.just_until(what, holds);
+        self.harness.run_steps(2);
+    }
+
+    /// [`Self::until`], and not a frame more.
+    pub fn just_until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
         let deadline = Instant::now() + DEADLINE;
         while !holds(self.app()) {
             assert!(Instant::now() < deadline, "waited in vain until {what}");
             self.harness.step();
             std::thread::sleep(Duration::from_millis(2));
         }
-        self.harness.run_steps(2);
     }
 
     /// Until files are read and the scene is prepared, or a message says why not.

@@ -124,10 +124,7 @@ fn an_edit_made_while_the_scene_file_is_read_is_asked_about() {
     let files = Files::new();
     let mut window = watched(&files, "room.toml");
     files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "7, 9, 9"));
-    while !window.app().works_in(Lane::Reload) {
-        window.harness.step();
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    window.just_until("the file is being read", |app| app.works_in(Lane::Reload));
     let scene = &mut window.harness.state_mut().document_mut().scene;
     scene.lights.push(Light::Point {
         position: DVec3::ONE,
