@@ -8,6 +8,7 @@ use std::panic::resume_unwind;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use super::camera_samples::SampleId;
 use super::crew::{Crew, Cut};
 use super::geometry::SketchStore;
 use super::kernel::{Kernel, Plain};
@@ -150,13 +151,12 @@ pub fn show(
     }
 }
 
-/// What a pixel looks like by its first sample.
-type Take = fn(&PreparedScene, (u32, u32)) -> Vec3;
+/// What a pixel looks like by a sample.
+type Take = fn(&PreparedScene, SampleId) -> Vec3;
 
-fn block_radiance<K: Kernel>(scene: &PreparedScene, pixel: (u32, u32)) -> Vec3 {
+fn block_radiance<K: Kernel>(scene: &PreparedScene, id: SampleId) -> Vec3 {
     let mut tally = K::Tally::default();
-    let [begun, ..] = scene.camera_samples(&[pixel], 0, None, &mut tally);
-    let begun = begun.expect("there is one pixel");
+    let begun = scene.begin(id, &mut tally);
     scene.gathered::<K>(&begun, &mut tally).radiance
 }
 
@@ -183,9 +183,12 @@ fn radiances(
                 if stops.is_asked() {
                     return None;
                 }
-                let pixel = (middle(region.x, region.width, column), y);
-                note.set((pixel, 0));
-                row.push(take(scene, pixel).to_array());
+                let id = SampleId {
+                    pixel: (middle(region.x, region.width, column), y),
+                    index: 0,
+                };
+                note.set(id);
+                row.push(take(scene, id).to_array());
             }
             Some(())
         })?;

@@ -1,11 +1,12 @@
 //! Pictures of what the renderer sees instead of light: the first tool when a picture looks wrong.
 
 use super::camera::CameraRay;
+use super::camera_samples::CameraSample;
 use super::direct::ambient_occlusion;
 use super::kernel::Kernel;
 use super::material::PreparedMaterial;
 use super::phong::Phong;
-use super::prepare::{CameraSample, PreparedScene};
+use super::prepare::PreparedScene;
 use super::sampler::{Decision, Dimension};
 use super::texturing::Texturing;
 use crate::math::Vec3;

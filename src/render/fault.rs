@@ -7,6 +7,8 @@ use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 
+use super::camera_samples::SampleId;
+
 /// What the program failed at, as the payload of a panic.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
@@ -22,8 +24,8 @@ pub struct RenderFault {
     pub message: String,
 }
 
-/// The pixel and the sample that are being worked on.
-pub type SampleNote = Cell<((u32, u32), u32)>;
+/// The sample that is being worked on.
+pub type SampleNote = Cell<SampleId>;
 
 thread_local! {
     /// Where in the source this thread panicked; `None` where panics are none of a sample.
@@ -37,10 +39,10 @@ pub fn caught<T>(note: &SampleNote, work: impl FnOnce() -> T) -> Result<T, Rende
     let result = catch_unwind(AssertUnwindSafe(work));
     let place = PLACE.take().unwrap_or_default();
     result.map_err(|payload| {
-        let (pixel, sample) = note.get();
+        let SampleId { pixel, index } = note.get();
         RenderFault {
             pixel,
-            sample,
+            sample: index,
             message: panic_message(payload.as_ref()) + &place,
         }
     })

@@ -9,6 +9,7 @@ mod aim;
 mod background;
 mod bands;
 mod camera;
+mod camera_samples;
 mod checkpoint;
 mod clock;
 mod coarse;

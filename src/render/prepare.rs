@@ -1,14 +1,13 @@
-use std::hint::black_box;
 use std::sync::Arc;
 
 use super::aim::AimShares;
 use super::background::PreparedBackground;
-use super::camera::{CameraRay, PreparedCamera};
+use super::camera::PreparedCamera;
+use super::camera_samples::CameraSample;
 use super::direct;
 use super::disks::{DiskHit, VisibleDisks};
 use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
-use super::filter;
 use super::geometry::{PreparedGeometry, SketchStore};
 use super::kernel::Kernel;
 use super::layers::{Gathered, Layer};
@@ -17,13 +16,13 @@ use super::material::PreparedMaterial;
 use super::path;
 use super::plan::{Feature, Plan};
 use super::primary_hits::{PrimaryHitStore, PrimaryHits};
-use super::sampler::{Decision, Dimension, Sampler};
+#[cfg(test)]
+use super::sampler::Sampler;
 use super::surface::SurfacePoint;
-use super::tally::{NotedRay, RayPurpose, Tally};
 use super::texturing::PreparedTextures;
-use crate::accel::{Assembly, Fan, Hit, Packet};
+use crate::accel::{Assembly, Fan, Hit};
 use crate::control::{CancelToken, Progress};
-use crate::math::{DVec3, Ray, Vec2, Vec3};
+use crate::math::{Ray, Vec2, Vec3};
 use crate::scene::{Camera, LightSampling, Mode, RenderSettings, Scene, SceneError};
 
 /// A scene as rendering reads it: immutable, shared by all threads, cheap to clone.
@@ -64,34 +63,6 @@ pub(super) enum Seen<'a> {
     Surface(SurfacePoint),
     Disk(DiskHit<'a>),
     Background,
-}
-
-/// Where one sample of each of some pixels begins, in their order; `None` beyond the last pixel.
-pub(super) type CameraSamples = [Option<CameraSample>; Packet::MOST_RAYS];
-
-/// Where a sample of a pixel begins: everything up to what it sees first.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CameraSample {
-    pub sampler: Sampler,
-    /// Unit.
-    direction: Vec3,
-    /// `None` where it misses everything.
-    ray: Option<CameraRay>,
-    /// What the ray hits first, lights aside.
-    pub hit: Option<Hit>,
-}
-
-impl CameraSample {
-    /// What there is to note of the ray from the eye.
-    fn noted(&self) -> NotedRay {
-        match self.ray {
-            Some(CameraRay { ray, start }) => NotedRay {
-                start,
-                ..NotedRay::nearest(ray, self.hit)
-            },
-            None => NotedRay::passing_by(self.direction),
-        }
-    }
 }
 
 impl PreparedScene {
@@ -311,112 +282,6 @@ impl PreparedScene {
         Some(self.geometry.object_of(hit.triangle))
     }
 
-    /// Where sample `index` of each of `pixels`, at most [`Packet::MOST_RAYS`] near each other, begins. `before`: where another
-    /// sample of the same pixels did.
-    pub(super) fn camera_samples(
-        &self,
-        pixels: &[(u32, u32)],
-        index: u32,
-        before: Option<&CameraSamples>,
-        tally: &mut impl Tally,
-    ) -> CameraSamples {
-        if let Some(before) = before.filter(|_| !self.does(Feature::EyeRays)) {
-            let mut samples = *before;
-            for (sample, &pixel) in samples.iter_mut().flatten().zip(pixels) {
-                sample.sampler = self.sampler(pixel, index);
-            }
-            return samples;
-        }
-        let mut samples = [None; Packet::MOST_RAYS];
-        let mut packet = Packet::empty();
-        for (sample, &pixel) in samples.iter_mut().zip(pixels) {
-            let begun = self.begun(pixel, index, tally);
-            if let Some(CameraRay { ray, .. }) = begun.ray {
-                packet.push(&ray, f32::INFINITY);
-            }
-            *sample = Some(begun);
-        }
-        let begun = samples.iter_mut().flatten();
-        let primary_hits = self.primary_hits.as_deref();
-        if let Some(known) = primary_hits.filter(|hits| pixels.iter().all(|&at| hits.knows(at))) {
-            for (sample, &pixel) in begun.zip(pixels) {
-                sample.hit = known.of(pixel);
-            }
-            return samples;
-        }
-        let hits = self.accelerator().intersect_packet(&packet);
-        for (sample, hit) in begun.filter(|sample| sample.ray.is_some()).zip(hits) {
-            sample.hit = hit;
-        }
-        for (sample, &pixel) in samples.iter().flatten().zip(pixels) {
-            tally.note(RayPurpose::Camera, || sample.noted());
-            if let Some(hits) = primary_hits {
-                hits.keep(pixel, sample.hit);
-            }
-        }
-        samples
-    }
-
-    /// Sample `index` of a pixel, before it is known what it hits.
-    fn begun(&self, pixel: (u32, u32), index: u32, tally: &mut impl Tally) -> CameraSample {
-        let sampler = self.sampler(pixel, index);
-        let (eye, direction) = self.line_of_sight(pixel, &sampler, tally);
-        CameraSample {
-            sampler,
-            direction: direction.as_vec3(),
-            ray: self.camera.ray_from(eye, direction),
-            hit: None,
-        }
-    }
-
-    fn sampler(&self, (x, y): (u32, u32), index: u32) -> Sampler {
-        Sampler::new(self.settings.seed, x, y, index)
-    }
-
-    /// Where a sample of a pixel looks from, and along which unit vector, in prepared units.
-    #[inline]
-    pub(super) fn line_of_sight(
-        &self,
-        (x, y): (u32, u32),
-        sampler: &Sampler,
-        tally: &mut impl Tally,
-    ) -> (DVec3, DVec3) {
-        let in_pixel = self.point_for(Feature::PixelPoints, Decision::Pixel, sampler, tally);
-        let on_lens = self.point_for(Feature::Lens, Decision::Lens, sampler, tally);
-        let offset = if self.needs(Feature::PixelPoints) {
-            filter::offset(self.settings.filter, in_pixel)
-        } else {
-            Vec2::ZERO
-        };
-        let (x, y) = (
-            f64::from(x) + 0.5 + f64::from(offset.x),
-            f64::from(y) + 0.5 + f64::from(offset.y),
-        );
-        self.camera.through_lens(x, y, on_lens)
-    }
-
-    /// A point of the unit square for a feature of the camera; 0 where it is not needed.
-    #[expect(clippy::inline_always, reason = "each form of the code calls it once")]
-    #[inline(always)]
-    fn point_for(
-        &self,
-        feature: Feature,
-        decision: Decision,
-        sampler: &Sampler,
-        tally: &mut impl Tally,
-    ) -> Vec2 {
-        if !self.does(feature) {
-            return Vec2::ZERO;
-        }
-        let u = tally.draw_2d(sampler, Dimension::once(decision));
-        if self.needs(feature) {
-            u
-        } else {
-            black_box(u);
-            Vec2::ZERO
-        }
-    }
-
     /// What `sample` brings: linear radiance, or a false colour.
     pub(super) fn gathered<K: Kernel>(
         &self,
@@ -595,6 +460,11 @@ impl PreparedScene {
         }
     }
 
+    /// What is known of the rays from the eye, where that is kept.
+    pub(super) fn primary_hits(&self) -> Option<&PrimaryHits> {
+        self.primary_hits.as_deref()
+    }
+
     /// The bytes that [`Self::with_primary_hits`] would ask for.
     #[must_use]
     pub fn primary_hit_bytes(&self, store: &PrimaryHitStore) -> u64 {
@@ -713,7 +583,7 @@ fn emitters_of(
 mod tests {
     use super::*;
     use crate::geometry::shapes;
-    use crate::math::Degrees;
+    use crate::math::{DVec3, Degrees};
     use crate::scene::{Background, Light, LightSampling, Material, Object, RadianceMap, Rgb};
 
     type Edit = fn(&mut Scene);

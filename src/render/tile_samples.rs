@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::camera_samples::{CameraSamples, SampleId};
 use super::fault::SampleNote;
 use super::film::{Film, TileSums, block_after};
 use super::kernel::Kernel;
@@ -15,7 +16,7 @@ use crate::accel::Packet;
 use crate::control::{CancelToken, Throttle};
 use crate::math::color::luminance;
 
-/// Side of the blocks of pixels whose rays are traced together.
+/// Side of the blocks of pixels whose samples are taken one after the other.
 const PACKET_SIDE: u32 = 4;
 const _: () = assert!(
     (PACKET_SIDE * PACKET_SIDE) as usize == Packet::MOST_RAYS,
@@ -171,58 +172,40 @@ pub fn sample_tile<K: Kernel>(
     sums.reset(layers, tile.pixel_count());
     *counts = SampleCounts::default();
     let mut tally = K::Tally::default();
-    let place = |x: u32, y: u32| ((y - tile.y) * tile.width + x - tile.x) as usize;
+    let place = |(x, y): (u32, u32)| ((y - tile.y) * tile.width + x - tile.x) as usize;
+    let mut beginnings = CameraSamples::default();
+    let mut ids = Vec::with_capacity(Packet::MOST_RAYS);
     for part in tile.cut(PACKET_SIDE) {
         let traced_before = tally.rays().total();
         let mut taken = 0;
-        // Rays are traced together where pixels are at the same sample; all are, unless the error chooses pixels.
-        let mut left = [(0, 0); Packet::MOST_RAYS];
-        let mut left_count = 0;
-        for number in 0..part.width * part.height {
-            let (x, y) = (part.x + number % part.width, part.y + number / part.width);
-            if samples[place(x, y)].count > 0 {
-                left[left_count] = (x, y);
-                left_count += 1;
-            }
-        }
-        while left_count > 0 {
-            let together = samples[place(left[0].0, left[0].1)];
-            let mut pixels = [(0, 0); Packet::MOST_RAYS];
-            let (mut count, mut kept) = (0, 0);
-            for number in 0..left_count {
-                let (x, y) = left[number];
-                if samples[place(x, y)] == together {
-                    pixels[count] = (x, y);
-                    count += 1;
-                } else {
-                    left[kept] = (x, y);
-                    kept += 1;
+        let mut left = part.pixels().flat_map(|pixel| {
+            let PixelSamples { first, count } = samples[place(pixel)];
+            (first..first + count).map(move |index| SampleId { pixel, index })
+        });
+        loop {
+            ids.clear();
+            ids.extend(left.by_ref().take(Packet::MOST_RAYS));
+            let Some(&first) = ids.first() else {
+                break;
+            };
+            note.set(first);
+            let begun = beginnings.begin(scene, &ids, &mut tally);
+            for begun in begun {
+                if stops.is_asked() {
+                    return None;
                 }
-            }
-            left_count = kept;
-            let pixels = &pixels[..count];
-            let mut before = None;
-            for index in together.first..together.first + together.count {
-                note.set((pixels[0], index));
-                let begun = scene.camera_samples(pixels, index, before.as_ref(), &mut tally);
-                for (&(x, y), begun) in pixels.iter().zip(begun.iter().flatten()) {
-                    if stops.is_asked() {
-                        return None;
-                    }
-                    note.set(((x, y), index));
-                    let before = tally.rays().total();
-                    let mut sample = scene.gathered::<K>(begun, &mut tally);
-                    // With the one from the eye, whether it was traced or known: what a sample is worth must not depend on that.
-                    let traced = 1 + tally.rays().total() - before;
-                    counts.count_failures(&sample);
-                    if let Some(most) = scene.clamp() {
-                        counts.clamp(&mut sample, most);
-                    }
-                    sums.add(place(x, y), layers, &sample, few(traced));
+                note.set(begun.id);
+                let before = tally.rays().total();
+                let mut sample = scene.gathered::<K>(begun, &mut tally);
+                // With the one from the eye, whether it was traced or known: what a sample is worth must not depend on that.
+                let traced = 1 + tally.rays().total() - before;
+                counts.count_failures(&sample);
+                if let Some(most) = scene.clamp() {
+                    counts.clamp(&mut sample, most);
                 }
-                before = Some(begun);
+                sums.add(place(begun.id.pixel), layers, &sample, few(traced));
             }
-            taken += count as u64 * u64::from(together.count);
+            taken += ids.len() as u64;
         }
         progress.samples.advance(taken);
         progress.count_rays(tally.rays().total() - traced_before);

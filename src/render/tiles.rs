@@ -53,6 +53,17 @@ impl Region {
         }
     }
 
+    /// Its pixels, row by row.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
+        let Self {
+            x,
+            y,
+            width,
+            height,
+        } = *self;
+        (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
+    }
+
     /// Cuts the region into tiles of at most `side` × `side` pixels, row by row.
     pub(super) fn cut(&self, side: u32) -> impl Iterator<Item = Region> {
         let whole = *self;

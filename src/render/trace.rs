@@ -1,5 +1,6 @@
 //! What one camera sample did, ray by ray: for whoever wants to know why a pixel looks as it does.
 
+use super::camera_samples::SampleId;
 use super::kernel::Watched;
 use super::prepare::{PreparedScene, Seen};
 use super::surface::SurfacePoint;
@@ -127,8 +128,11 @@ pub fn trace_sample(
     }
     let scene = &scene.without_primary_hits();
     let mut tally = WorkTally::default();
-    let [begun, ..] = scene.camera_samples(&[(x, y)], sample, None, &mut tally);
-    let begun = begun.expect("there is one pixel");
+    let id = SampleId {
+        pixel: (x, y),
+        index: sample,
+    };
+    let begun = scene.begin(id, &mut tally);
     let mut gathered = scene.gathered::<Watched>(&begun, &mut tally);
     if let Some(most) = scene.clamp() {
         gathered.limit(most);

@@ -1,6 +1,8 @@
 //! What samples take, counted in full: rays by purpose and random numbers by decision.
 
+use super::camera_samples::SampleId;
 use super::kernel::Watched;
+use super::plan::Feature;
 use super::prepare::PreparedScene;
 use super::run::RayCounts;
 use super::sampler::Decision;
@@ -33,16 +35,18 @@ impl Work {
     ) -> Self {
         let mut work = Self::default();
         for pixel in pixels {
-            let mut before = None;
+            let mut line = None;
             work.pixels += 1;
-            for sample in 0..samples {
+            for index in 0..samples {
                 let mut tally = WorkTally::default();
-                let begun = scene.camera_samples(&[pixel], sample, before.as_ref(), &mut tally);
-                for begun in begun.iter().flatten() {
-                    let _ = scene.gathered::<Watched>(begun, &mut tally);
-                    work.samples += 1;
-                }
-                before = Some(begun);
+                let id = SampleId { pixel, index };
+                let begun = match &line {
+                    Some(known) if !scene.does(Feature::EyeRays) => scene.along(known, id),
+                    _ => scene.begin(id, &mut tally),
+                };
+                let _ = scene.gathered::<Watched>(&begun, &mut tally);
+                work.samples += 1;
+                line = Some(begun);
                 work.rays.add(&tally.counts);
                 work.shadow_rays_for_glass += tally.for_glass;
                 for (sum, draws) in work.draws.iter_mut().zip(tally.draws) {
