@@ -22,7 +22,9 @@ mod x86;
 pub(super) use lane_set::{Four, LaneSet};
 pub(super) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
-pub(super) use x86::{Avx2, Avx512};
+use x86::Widest;
+#[cfg(all(test, target_arch = "x86_64"))]
+use x86::{Avx2, Avx512};
 
 /// How many boxes of a node, or triangles of a block, stand side by side.
 pub(super) const LANES: usize = 8;
@@ -161,13 +163,10 @@ pub(super) trait Query {
 #[inline]
 pub(super) fn answer<Q: Query>(query: &Q) -> Q::Answer {
     #[cfg(target_arch = "x86_64")]
-    {
-        if let Some(avx512) = Avx512::detect() {
-            return avx512.answer(query);
-        }
-        if let Some(avx2) = Avx2::detect() {
-            return avx2.answer(query);
-        }
+    match *x86::WIDEST {
+        Widest::Avx512(avx512) => return avx512.answer(query),
+        Widest::Avx2(avx2) => return avx2.answer(query),
+        Widest::Neither => {}
     }
     query.answer(Portable)
 }

@@ -4,8 +4,25 @@
 mod avx2;
 mod avx512;
 
+use std::sync::LazyLock;
+
 pub use avx2::Avx2;
 pub use avx512::Avx512;
+
+/// The widest instructions that the machine has, looked for once: asking about every one of them took some fifty instructions a ray.
+pub static WIDEST: LazyLock<Widest> = LazyLock::new(|| {
+    let avx512 = Avx512::detect().map(Widest::Avx512);
+    let avx2 = || Avx2::detect().map(Widest::Avx2);
+    avx512.or_else(avx2).unwrap_or(Widest::Neither)
+});
+
+/// See [`WIDEST`].
+#[derive(Clone, Copy, Debug)]
+pub enum Widest {
+    Avx512(Avx512),
+    Avx2(Avx2),
+    Neither,
+}
 
 /// Calls an instruction.
 macro_rules! instruction {
