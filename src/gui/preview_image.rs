@@ -2,11 +2,13 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use eframe::{egui_wgpu, wgpu};
 
 use super::focus::FocusAid;
 use super::preview::Preview;
+use super::preview::choice::Omission;
 use super::preview::geometry::GpuGeometry;
 use super::preview::sky::GpuSky;
 use super::worker::Gpu;
@@ -119,6 +121,18 @@ impl PreviewImage {
     pub fn set_aids(&mut self, moves: Vec<Option<Move>>, focus: FocusAid) {
         self.preview.set_moves(moves);
         self.preview.set_focus_aid(focus);
+    }
+
+    /// What the texture leaves out of what is in sight.
+    #[must_use]
+    pub fn omission(&self) -> Omission {
+        self.preview.omission()
+    }
+
+    /// When showing the same again will show more of it; `None` where there is no more to show.
+    #[must_use]
+    pub fn rests_in(&self) -> Option<Duration> {
+        self.preview.rests_in()
     }
 
     /// The texture that shows `scene` in `size` pixels, before `sky` where its background is that image; `None` where its

@@ -20,6 +20,7 @@ use super::first_look::FirstLook;
 use super::jobs::Job;
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
+use super::preview::least_triangles;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
 use super::report::Findings;
@@ -27,7 +28,7 @@ use super::time_estimate::Subject;
 use crate::analysis::cost::{Costs, Trial};
 use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
-use crate::control::{Progress, Throttle};
+use crate::control::{CancelToken, Progress, Throttle};
 use crate::io::{self, LoadedScene};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
@@ -186,7 +187,10 @@ pub fn prepare(
     let is_drawn = |placed: &Placed| placed.triangles.is_some() || gpu.is_none();
     let unchanged =
         placed_before.filter(|before| Arc::ptr_eq(&before.geometry, &geometry) && is_drawn(before));
-    let mut placed = unchanged.unwrap_or_else(|| new_geometry(scene, Arc::clone(&geometry), gpu));
+    let mut placed = match unchanged {
+        Some(placed) => placed,
+        None => new_geometry(scene, Arc::clone(&geometry), gpu, &job.cancel)?,
+    };
     if let Some((triangles, gpu)) = placed.triangles.as_mut().zip(gpu) {
         *triangles = triangles.painted(gpu, scene, painted_before.as_deref(), &job.cancel)?;
     }
@@ -210,12 +214,21 @@ fn preview_sky(scene: &Scene, previous: Option<&Placed>, gpu: Option<&Gpu>) -> O
     }
 }
 
-/// Uploads the triangles of a scene whose geometry is new.
-fn new_geometry(description: &Scene, geometry: Arc<PreparedGeometry>, gpu: Option<&Gpu>) -> Placed {
-    let triangles = gpu.map(|gpu| {
-        let mesh = preview_mesh(&geometry);
-        Arc::new(GpuGeometry::upload(&gpu.device, &mesh))
-    });
+/// Uploads the triangles of a scene whose geometry is new. `None` when cancelled.
+fn new_geometry(
+    description: &Scene,
+    geometry: Arc<PreparedGeometry>,
+    gpu: Option<&Gpu>,
+    cancel: &CancelToken,
+) -> Option<Placed> {
+    let triangles = match gpu {
+        Some(Gpu { device, .. }) => {
+            let is_software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+            let mesh = preview_mesh(&geometry, least_triangles(is_software), cancel)?;
+            Some(Arc::new(GpuGeometry::upload(device, mesh)))
+        }
+        None => None,
+    };
     let bounds_of = |object: &Object| {
         let mesh = description.mesh_of(object);
         mesh.map_or(DBounds::EMPTY, |mesh| object.bounds_of(mesh))
@@ -225,14 +238,14 @@ fn new_geometry(description: &Scene, geometry: Arc<PreparedGeometry>, gpu: Optio
         let bounds = bounds.ok().filter(|bounds| !bounds.is_empty());
         bounds.map_or(DVec3::ZERO, |bounds| bounds.center())
     };
-    Placed {
+    Some(Placed {
         geometry,
         triangles,
         sky: None,
         device: gpu.map(|gpu| gpu.number),
         object_bounds: description.objects.iter().map(bounds_of).collect(),
         object_centers: description.objects.iter().map(center_of).collect(),
-    }
+    })
 }
 
 /// What a render job works with.

@@ -10,7 +10,7 @@ use raymini::gui::focus::{FocusAid, blur_diameter};
 use raymini::gui::orbit::PictureSize;
 use raymini::gui::pick;
 use raymini::gui::preview::Preview;
-use raymini::gui::preview::geometry::GpuGeometry;
+use raymini::gui::preview::geometry::{GpuGeometry, PreviewMesh};
 use raymini::gui::preview::sky::GpuSky;
 use raymini::gui::worker::{Gpu, preview_mesh};
 use raymini::io;
@@ -48,8 +48,9 @@ struct Drawn {
 fn drawn(scene: &Scene) -> Drawn {
     let (device, queue) = gpu();
     let prepared = prepared(scene);
-    let mesh = preview_mesh(prepared.geometry());
-    let geometry = Arc::new(GpuGeometry::upload(&device, &mesh));
+    let mesh = preview_mesh(prepared.geometry(), u64::MAX, &CancelToken::new());
+    let mesh = mesh.expect("nobody cancels");
+    let geometry = Arc::new(GpuGeometry::upload(&device, mesh));
     let gpu = Gpu {
         device: device.clone(),
         queue: queue.clone(),
@@ -374,14 +375,69 @@ fn what_is_sharp_is_seen_in_the_preview() {
 fn shared_triangles_are_uploaded_once() {
     let mut scene = io::demo_scene();
     scene.objects.retain(|object| object.name == "ram");
-    let once = preview_mesh(prepared(&scene).geometry()).vertices.len();
+    let packed = |scene: &Scene| {
+        let mesh = preview_mesh(prepared(scene).geometry(), u64::MAX, &CancelToken::new());
+        mesh.expect("nobody cancels")
+    };
+    let vertices = |mesh: &PreviewMesh| -> usize {
+        let levels = mesh.parts.iter().flat_map(|part| &part.levels);
+        levels.map(|level| level.vertices.len()).sum()
+    };
+    let once = vertices(&packed(&scene));
     scene.objects[0].copies = Copies {
         count: [100, 100, 1],
         step: DVec3::new(2.0, 2.0, 0.0),
     };
-    let mesh = preview_mesh(prepared(&scene).geometry());
-    assert_eq!(mesh.vertices.len(), once);
-    assert_eq!(mesh.objects[0].places.len(), 10_000);
+    let mesh = packed(&scene);
+    assert_eq!(vertices(&mesh), once);
+    let groups = mesh.objects[0].groups.iter();
+    assert_eq!(
+        groups.map(|group| group.places.len()).sum::<usize>(),
+        10_000
+    );
+}
+
+/// What is too much for a frame is drawn in fewer triangles, which cover the same pixels but for those at outlines, wherever one looks from.
+#[test]
+fn what_is_simplified_covers_the_same_pixels() {
+    let mut scene = io::demo_scene();
+    scene.objects.retain(|object| object.name == "ram");
+    scene.objects[0].copies = Copies {
+        count: [10, 10, 1],
+        step: DVec3::new(1.5, 1.5, 0.0),
+    };
+    scene.background = Background::Constant {
+        radiance: DVec3::ZERO,
+    };
+    // Every object is white, and what is behind black.
+    scene.render.mode = Mode::Object;
+    (scene.render.width, scene.render.height) = (240, 160);
+    let size = [240, 160];
+    let (device, queue) = gpu();
+    let prepared = prepared(&scene);
+    let mesh = preview_mesh(prepared.geometry(), 1, &CancelToken::new());
+    let mesh = mesh.expect("nobody cancels");
+    let geometry = Arc::new(GpuGeometry::upload(&device, mesh));
+    let mut preview = Preview::new(device, queue, true);
+    let mut simplified = 0;
+    for (eye, target) in [
+        (DVec3::new(-8.0, -20.0, 12.0), DVec3::new(6.0, 6.0, 0.0)),
+        (DVec3::new(-2.0, -3.0, 1.0), DVec3::new(5.0, 6.0, 0.5)),
+        (DVec3::new(6.7, 6.7, 60.0), DVec3::new(6.8, 6.8, 0.0)),
+    ] {
+        (scene.camera.eye, scene.camera.target) = (eye, target);
+        preview.draw(&scene, &geometry, size).expect("a camera");
+        simplified += u32::from(preview.omission().is_any());
+        let shown = preview.read_color().expect("it was drawn");
+        let ids = preview.object_ids(&scene, &geometry, size);
+        let ids = ids.expect("ids can be read back");
+        let covered = ids.iter().filter(|id| id.is_some()).count();
+        let is_other = |(color, id): &(&[u8; 4], &Option<usize>)| (color[0] > 0) != id.is_some();
+        let other = shown.iter().zip(&ids).filter(is_other).count();
+        assert!(covered > 1500, "{covered}");
+        assert!(other * 10 < covered, "{other} of {covered} from {eye}");
+    }
+    assert!(simplified > 0);
 }
 
 /// Without shadows and with one sample at each pixel's centre, preview and picture differ by rounding only: same shading,
@@ -601,6 +657,53 @@ fn images_and_colors_of_vertices_look_as_in_a_render() {
             .is_some()
     );
     assert_same_colors_within(&scene, 4, 0.01);
+}
+
+/// Images of normals turn them as in a render, also on what is mirrored, beside an image of colours or alone.
+#[test]
+fn images_of_normals_emboss_as_in_a_render() {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "waves are in 0..=1"
+    )]
+    let byte = |value: f32| (128.0 + (value - 0.5) * 120.0).round() as u8;
+    let normal = |[x, y, _]: &[f32; 3]| [byte(*x), byte(*y), 240];
+    let bytes = Texels::Bytes(waves(64, 48).iter().map(normal).collect());
+    let floats = waves(64, 48).into_iter();
+    let floats = floats
+        .map(|[x, y, _]| [0.25 + x / 2.0, 0.25 + y / 2.0, 0.95])
+        .collect();
+    for (texels, keeps_color) in [(bytes, true), (Texels::Floats(floats), false)] {
+        let mut scene = painted(texels, 64);
+        let floor = scene.materials.get_mut("floor").unwrap();
+        let textures = floor.textures_mut().unwrap();
+        textures.normal_image = textures.diffuse_image.clone();
+        if !keeps_color {
+            textures.diffuse_image = None;
+        }
+        for mode in [Mode::Direct, Mode::Normals] {
+            scene.render.mode = mode;
+            assert_same_colors_within(&scene, 4, 0.01);
+        }
+        let flat = {
+            let mut flat = scene.clone();
+            let floor = flat.materials.get_mut("floor").unwrap();
+            floor.textures_mut().unwrap().normal_image = None;
+            colors_of(&flat)
+        };
+        let other = colors_of(&scene).into_iter().zip(flat);
+        let other = other.filter(|(a, b)| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8));
+        assert!(other.count() > 2000, "normals are turned");
+    }
+}
+
+fn colors_of(scene: &Scene) -> Vec<[u8; 4]> {
+    let mut drawn = drawn(scene);
+    let size = [scene.render.width, scene.render.height];
+    let shown = drawn.preview.draw(scene, &drawn.geometry, size);
+    assert!(shown.is_some());
+    drawn.preview.read_color().expect("it was drawn")
 }
 
 /// Far away, an image is its mean; one of thin stripes too, whose texels alone are black or white.

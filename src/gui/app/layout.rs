@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use egui::{CentralPanel, Color32, Frame, Margin, Panel, Rect, RichText, Ui};
+use egui::{CentralPanel, Color32, FontId, Frame, Margin, Panel, Rect, RichText, Ui, Vec2};
 
 use super::App;
 use super::tools::{focus_aid, moves_since};
@@ -16,6 +16,7 @@ use crate::gui::focus::FocusAid;
 use crate::gui::jobs::Lane;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
+use crate::gui::preview::choice::Omission;
 use crate::gui::renders::{self, StripState};
 use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
@@ -301,7 +302,7 @@ impl App {
     }
 
     /// Draws the preview; under a picture that is not whole, that picture's own view, dimmed.
-    fn preview_ui(&mut self, ui: &Ui, frame: Rect, under_picture: bool) {
+    fn preview_ui(&mut self, ui: &mut Ui, frame: Rect, under_picture: bool) {
         let Some(preview) = &mut self.preview else {
             no_gpu_ui(ui, frame);
             return;
@@ -346,6 +347,13 @@ impl App {
         };
         if let Some(texture) = preview.show(scene, triangles, sky, size) {
             image_ui(ui.painter(), texture, frame, tint);
+        }
+        if let Some(rest) = preview.rests_in() {
+            ui.ctx().request_repaint_after(rest);
+        }
+        let omission = preview.omission();
+        if omission.is_any() && !under_picture {
+            omission_ui(ui, frame, omission);
         }
     }
 
@@ -487,6 +495,32 @@ fn image_ui(painter: &egui::Painter, texture: egui::TextureId, frame: Rect, tint
     painter.image(texture, frame, whole, tint);
 }
 
+/// Says what the preview leaves out, in the lower left corner of `frame`.
+fn omission_ui(ui: &mut Ui, frame: Rect, omission: Omission) {
+    let details = (omission.pixels > 0.0)
+        .then(|| format!(": details under {:.1} px left out", omission.pixels));
+    let copies = (omission.copies > 1).then(|| format!(", 1 of {} copies drawn", omission.copies));
+    let [details, copies] = [details, copies].map(Option::unwrap_or_default);
+    let text = format!("Preview simplified{details}{copies}");
+    let corner = frame.left_bottom() + Vec2::new(10.0, -32.0);
+    let galley = ui.painter().layout_no_wrap(
+        text.clone(),
+        FontId::proportional(12.0),
+        Color32::from_gray(0xe8),
+    );
+    let area = Rect::from_min_size(corner, galley.size() + Vec2::new(16.0, 8.0));
+    ui.painter()
+        .rect_filled(area, 6.0, Color32::from_black_alpha(170));
+    let place = area.min + Vec2::new(8.0, 4.0);
+    ui.painter().galley(place, galley, Color32::WHITE);
+    let response = ui.interact(area, ui.scope_id().with("simplified"), egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+    response.on_hover_text(
+        "There are more triangles in sight than this graphics adapter draws fluently, so the preview shows fewer: fewest while the view moves, \
+         more at rest. The picture is always rendered from all of them",
+    );
+}
+
 /// Says what happens to files that hang over the window.
 fn hovered_files_ui(ui: &Ui, area: Rect) {
     let hovered = ui.input(|input| input.raw.hovered_files.clone());
@@ -507,7 +541,7 @@ fn hovered_files_ui(ui: &Ui, area: Rect) {
         area.center(),
         egui::Align2::CENTER_CENTER,
         text,
-        egui::FontId::proportional(20.0),
+        FontId::proportional(20.0),
         Color32::WHITE,
     );
 }
@@ -537,7 +571,7 @@ fn no_gpu_ui(ui: &Ui, frame: Rect) {
         frame.center(),
         egui::Align2::CENTER_CENTER,
         text,
-        egui::FontId::proportional(15.0),
+        FontId::proportional(15.0),
         ui.visuals().weak_text_color(),
     );
 }

@@ -5,12 +5,20 @@
 //! without one. Depth runs from 0 (infinitely far) to 1 (near plane); pixel (0, 0) is top left, as in pictures.
 //!
 //! - [`pack`], [`geometry`]: triangles and where copies of them are, packed and uploaded by a worker when they change
+//! - [`detail`]: the same in fewer and fewer triangles, where there are many
+//! - [`choice`], [`ball`]: which of them are drawn, for a frame to have no more than so many
+//! - `pace`: how many that are
 //! - `uniforms`: camera, lights, background, materials, compared on every frame: equal numbers are not drawn again
-//! - [`paint`]: colours and images that vary over objects, uploaded by a worker too
+//! - [`paint`], `image`: colours and images that vary over objects, uploaded by a worker too
 //! - [`sky`]: the background's image, uploaded by a worker too
 //! - `pipeline`, `target`: programs and textures
 
+pub mod ball;
+pub mod choice;
+pub mod detail;
 pub mod geometry;
+mod image;
+mod pace;
 pub mod pack;
 pub mod paint;
 mod pipeline;
@@ -20,14 +28,17 @@ mod target;
 pub mod uniforms;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::wgpu;
 
 use super::focus::FocusAid;
 use crate::math::DVec3;
 use crate::scene::{Move, Scene};
+use choice::{Choice, Omission, Pick, Sight};
 use geometry::GpuGeometry;
-
+use pace::Pace;
+pub use pace::least_triangles;
 use pipeline::{ObjectUniforms, Pipelines};
 use sky::{GpuSky, SkyUniform};
 use target::{IdTarget, Target};
@@ -50,6 +61,11 @@ pub struct Preview {
     moves: Vec<Option<Move>>,
     target: Option<Target>,
     drawn: Option<Drawn>,
+    choice: Choice,
+    pace: Pace,
+    /// When what is drawn changed last, and whether it has been drawn at rest since.
+    changed: Instant,
+    is_at_rest: bool,
 }
 
 /// Everything a drawn picture depends on.
@@ -86,6 +102,10 @@ impl Preview {
             moves: Vec::new(),
             target: None,
             drawn: None,
+            choice: Choice::default(),
+            pace: Pace::new(software),
+            changed: Instant::now(),
+            is_at_rest: false,
         }
     }
 
@@ -108,7 +128,8 @@ impl Preview {
     }
 
     /// Draws `scene` with the triangles of `geometry` as a picture of `size` pixels, unless it already shows just that.
-    /// The frame is the one of `scene.render`'s picture, stretched where `size` has another ratio.
+    /// The frame is the one of `scene.render`'s picture, stretched where `size` has another ratio. Where all triangles are too many for
+    /// the device, they are drawn more coarsely, see [`Preview::omission`].
     ///
     /// Returns the texture, and whether it is a new one (the first, or one of another size). `None` where the camera is
     /// none (eye on target, for instance).
@@ -128,11 +149,51 @@ impl Preview {
             self.target = Some(Target::new(&self.device, size, self.samples));
         }
         if is_new || self.drawn.as_ref() != Some(&wanted) {
+            (self.changed, self.is_at_rest) = (Instant::now(), false);
+            self.choice = self.chosen(scene, geometry, size, true)?;
             self.upload(&wanted);
             self.submit_color(&wanted.geometry);
             self.drawn = Some(wanted);
+        } else if self.rests_in() == Some(Duration::ZERO) {
+            self.is_at_rest = true;
+            let choice = self.chosen(scene, geometry, size, false)?;
+            if choice != self.choice {
+                self.choice = choice;
+                self.submit_color(geometry);
+            }
+            self.measure_pace(geometry, size);
         }
         Some((&self.target.as_ref()?.color_view, is_new))
+    }
+
+    /// What the drawn picture leaves out of what is in sight.
+    #[must_use]
+    pub fn omission(&self) -> Omission {
+        self.choice.omission
+    }
+
+    /// When drawing the same again will show more of it, as nothing changes any more; `None` where there is no more to show.
+    #[must_use]
+    pub fn rests_in(&self) -> Option<Duration> {
+        let can_gain = self.choice.omission.is_any() && !self.is_at_rest;
+        can_gain.then(|| pace::REST.saturating_sub(self.changed.elapsed()))
+    }
+
+    /// What to draw of `scene`, while what is seen changes or once it rests; `None` where the camera is none.
+    fn chosen(
+        &self,
+        scene: &Scene,
+        geometry: &GpuGeometry,
+        [_, height]: [u32; 2],
+        is_moving: bool,
+    ) -> Option<Choice> {
+        let frame = &geometry.frame;
+        let picture = uniforms::picture_size(scene);
+        let ratio = picture.width / picture.height;
+        let sight = Sight::new(&scene.camera, frame, ratio, f64::from(height))?;
+        let most = self.pace.triangles(is_moving);
+        let eye = (scene.camera.eye, frame);
+        Some(geometry.stock.choose(&sight, eye, &self.moves, most))
     }
 
     /// The drawn picture in sRGB, rows from the top. It waits for the GPU: for tests.
@@ -161,20 +222,8 @@ impl Preview {
         self.upload(&wanted);
         self.drawn = None;
         let target = IdTarget::new(&self.device, size);
-        let mut encoder = self
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = begin_pass(
-                &mut encoder,
-                &target.ids_view,
-                None,
-                &target.depth,
-                wgpu::Color::TRANSPARENT,
-            );
-            self.draw_objects(&mut pass, &self.pipelines.object_ids, geometry, false);
-        }
-        self.queue.submit([encoder.finish()]);
+        let commands = self.id_commands(geometry, &geometry.stock.all(), &target);
+        self.queue.submit([commands]);
         let ids = target::read_back(&self.device, &self.queue, &target.ids)?;
         Ok(ids
             .into_iter()
@@ -217,6 +266,42 @@ impl Preview {
         }
     }
 
+    /// What draws which object is where.
+    fn id_commands(
+        &self,
+        geometry: &GpuGeometry,
+        picks: &[Pick],
+        target: &IdTarget,
+    ) -> wgpu::CommandBuffer {
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = begin_pass(
+                &mut encoder,
+                &target.ids_view,
+                None,
+                &target.depth,
+                wgpu::Color::TRANSPARENT,
+            );
+            let pipeline = &self.pipelines.object_ids;
+            self.draw_objects(&mut pass, pipeline, (geometry, picks), false);
+        }
+        encoder.finish()
+    }
+
+    /// Finds out how long what is drawn takes the device, but for its pixels.
+    fn measure_pace(&self, geometry: &GpuGeometry, size: [u32; 2]) {
+        let few = size.map(|side| (side / 4).max(1));
+        let target = IdTarget::new(&self.device, few);
+        let Choice {
+            picks, triangles, ..
+        } = &self.choice;
+        let commands = self.id_commands(geometry, picks, &target);
+        self.pace
+            .measure(&self.device, &self.queue, *triangles, commands);
+    }
+
     /// Draws sky and objects into the target.
     fn submit_color(&self, geometry: &GpuGeometry) {
         let Some(target) = &self.target else { return };
@@ -239,8 +324,9 @@ impl Preview {
             pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
             pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
             pass.draw(0..3, 0..1);
-            self.draw_objects(&mut pass, &self.pipelines.objects, geometry, true);
-            self.draw_painted_objects(&mut pass, geometry);
+            let drawn = (geometry, &*self.choice.picks);
+            self.draw_objects(&mut pass, &self.pipelines.objects, drawn, true);
+            self.draw_painted_objects(&mut pass, drawn);
         }
         self.queue.submit([encoder.finish()]);
     }
@@ -249,7 +335,7 @@ impl Preview {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         pipeline: &wgpu::RenderPipeline,
-        geometry: &GpuGeometry,
+        (geometry, picks): (&GpuGeometry, &[Pick]),
         only_plain: bool,
     ) {
         let Some(objects) = &self.objects else {
@@ -258,19 +344,30 @@ impl Preview {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.pipelines.bind_group, &[]);
         pass.set_bind_group(1, &self.pipelines.sky_image.bind_group, &[]);
-        geometry.draw(pass, only_plain, |pass, index| objects.choose(pass, index));
+        let choose = |pass: &mut wgpu::RenderPass<'_>, index| objects.choose(pass, index);
+        geometry.draw(pass, picks, only_plain, choose);
     }
 
     /// Draws the objects over which images or colours vary, into the pass that has drawn the others.
-    fn draw_painted_objects(&self, pass: &mut wgpu::RenderPass<'_>, geometry: &GpuGeometry) {
+    fn draw_painted_objects(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        (geometry, picks): (&GpuGeometry, &[Pick]),
+    ) {
         let Some(objects) = self.objects.as_ref().filter(|_| geometry.is_painted()) else {
             return;
         };
-        pass.set_pipeline(&self.pipelines.painted_objects);
-        geometry.draw_painted(pass, |pass, index, image| {
-            objects.choose(pass, index);
-            pass.set_bind_group(3, &image.bind_group, &[]);
-        });
+        let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline, with_normals| {
+            pass.set_pipeline(pipeline);
+            geometry.draw_painted(pass, picks, with_normals, |pass, index, coat| {
+                objects.choose(pass, index);
+                pass.set_bind_group(3, &coat.bind_group, &[]);
+            });
+        };
+        draw(pass, &self.pipelines.painted_objects, false);
+        if geometry.has_normals() {
+            draw(pass, &self.pipelines.embossed_objects, true);
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use eframe::wgpu;
 
 use super::geometry::{Place, Vertex};
-use super::paint::{self, PaintVertex};
+use super::image;
+use super::paint::PaintVertex;
 use super::sky::SkyBinding;
 use super::uniforms::{ObjectUniform, ViewUniform};
 
@@ -21,6 +22,8 @@ pub(super) struct Pipelines {
     pub(super) objects: wgpu::RenderPipeline,
     /// Objects over which images or colours vary.
     pub(super) painted_objects: wgpu::RenderPipeline,
+    /// Those with an image of normals.
+    pub(super) embossed_objects: wgpu::RenderPipeline,
     pub(super) object_ids: wgpu::RenderPipeline,
     pub(super) view: wgpu::Buffer,
     pub(super) bind_group: wgpu::BindGroup,
@@ -46,7 +49,7 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
-        let paint_layout = paint::layout(device);
+        let paint_layout = image::layout(device);
         let groups = [
             &view_layout,
             &sky_image.layout,
@@ -81,6 +84,19 @@ impl Pipelines {
             samples,
             depth: (true, wgpu::CompareFunction::Greater),
         };
+        let painted_buffers = [
+            Some(vertex_layout()),
+            Some(place_layout()),
+            Some(paint_vertex_layout()),
+        ];
+        let painted = Program {
+            label: "preview painted objects",
+            layout: &painted_layout,
+            vertex: "painted_vertex",
+            buffers: &painted_buffers,
+            fragment: "painted_color",
+            ..objects
+        };
         Self {
             sky: program(&Program {
                 label: "preview sky",
@@ -98,17 +114,11 @@ impl Pipelines {
                 samples: 1,
                 ..objects
             }),
-            painted_objects: program(&Program {
-                label: "preview painted objects",
-                layout: &painted_layout,
-                vertex: "painted_vertex",
-                buffers: &[
-                    Some(vertex_layout()),
-                    Some(place_layout()),
-                    Some(paint_vertex_layout()),
-                ],
-                fragment: "painted_color",
-                ..objects
+            painted_objects: program(&painted),
+            embossed_objects: program(&Program {
+                label: "preview embossed objects",
+                fragment: "embossed_color",
+                ..painted
             }),
             objects: program(&objects),
             view,

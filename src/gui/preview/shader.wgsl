@@ -3,7 +3,7 @@
 // Positions are taken relative to the eye before anything is multiplied, and the eye comes in two parts, so that a vertex
 // close to the eye keeps all its digits; so does the place of a copy. Images as background are in `sky.wgsl`, compiled with this
 // file. Two passes share the vertex stage: colour for the screen, and object ids. Objects over which an image or the colours of
-// vertices vary have entry points of their own; the others know nothing of textures.
+// vertices vary have entry points of their own, as have those with an image of normals; the others know nothing of textures.
 
 const MAX_LIGHTS: u32 = 256u;
 
@@ -19,10 +19,11 @@ const KIND_MIRROR: u32 = 1u;
 const KIND_GLASS: u32 = 2u;
 const KIND_EMITTER: u32 = 3u;
 
-// Bits of `Object.about.w`: it was moved, an image lies on it, its vertices have colours.
+// Bits of `Object.about.w`: it was moved, an image lies on it, its vertices have colours, an image says its normals.
 const MOVED: u32 = 1u;
 const IMAGE: u32 = 2u;
 const COLORS: u32 = 4u;
+const NORMALS: u32 = 8u;
 
 const TONE_ACES: u32 = 1u;
 const PHONG_CLASSIC: u32 = 1u;
@@ -80,6 +81,7 @@ struct Object {
 @group(2) @binding(0) var<uniform> object: Object;
 @group(3) @binding(0) var image: texture_2d<f32>;
 @group(3) @binding(1) var image_sampler: sampler;
+@group(3) @binding(2) var normal_image: texture_2d<f32>;
 
 struct VertexInput {
     @location(0) position: vec3f,
@@ -257,12 +259,39 @@ fn with_focus(color: vec4f, nearness: f32, width: f32) -> vec4f {
 
 @fragment
 fn color(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    return focused(in, shaded(in, front, object.diffuse.rgb));
+    return focused(in, shaded(in, front, object.diffuse.rgb, sides(in)));
 }
 
 // The same where an image or the colours of vertices vary over the object.
 @fragment
 fn painted_color(in: PaintedFragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let plain = Fragment(in.clip, in.position, in.normal);
+    return focused(plain, shaded(plain, front, painted_diffuse(in), sides(plain)));
+}
+
+// The same where an image says the normals too.
+@fragment
+fn embossed_color(in: PaintedFragment, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let plain = Fragment(in.clip, in.position, in.normal);
+    let relative = textureSample(normal_image, image_sampler, in.on_image).xyz;
+    // Rows of an image begin at its top, the second coordinate at the bottom.
+    let across = dpdx(in.position);
+    let down = dpdy(in.position);
+    let on_across = dpdx(in.on_image) * vec2f(1.0, -1.0);
+    let on_down = dpdy(in.on_image) * vec2f(1.0, -1.0);
+    var s = sides(plain);
+    if (object.about.w & NORMALS) != 0u {
+        // The directions in which the first and the second coordinate grow alone.
+        let turned = sign(on_across.x * on_down.y - on_across.y * on_down.x);
+        let first = (across * on_down.y - down * on_across.y) * turned;
+        let second = (down * on_across.x - across * on_down.x) * turned;
+        s.normal = embossed(s, is_outside(front), relative, first, second);
+    }
+    return focused(plain, shaded(plain, front, painted_diffuse(in), s));
+}
+
+// What a matt surface reflects in all directions where images or colours of vertices vary over it.
+fn painted_diffuse(in: PaintedFragment) -> vec3f {
     var diffuse = object.diffuse.rgb;
     let texel = textureSample(image, image_sampler, in.on_image).rgb;
     if (object.about.w & IMAGE) != 0u {
@@ -271,8 +300,28 @@ fn painted_color(in: PaintedFragment, @builtin(front_facing) front: bool) -> @lo
     if (object.about.w & COLORS) != 0u {
         diffuse *= in.color;
     }
-    let plain = Fragment(in.clip, in.position, in.normal);
-    return focused(plain, shaded(plain, front, diffuse));
+    return diffuse;
+}
+
+// The normal that an image says, `relative` to the axes in which its coordinates grow and to the normal of the outside, as the renderer
+// turns it.
+fn embossed(s: Sides, outside: bool, relative: vec3f, first: vec3f, second: vec3f) -> vec3f {
+    let side = select(-1.0, 1.0, outside);
+    let outward = s.normal * side;
+    let long = first - outward * dot(outward, first);
+    let squared = dot(long, long);
+    if all(relative.xy == vec2f(0.0)) || squared <= 1e-37 {
+        return s.normal;
+    }
+    let tangent = long * inverseSqrt(squared);
+    let across = cross(outward, tangent);
+    // Mirrored images turn the other way.
+    let other = across * select(-1.0, 1.0, dot(across, second) >= 0.0);
+    let turned = (tangent * relative.x + other * relative.y + outward * relative.z) * side;
+    if dot(turned, s.geometric) <= 0.0 {
+        return s.normal;
+    }
+    return normalize(turned);
 }
 
 // What is shown of a point, with what is to be seen of the focus.
@@ -285,13 +334,32 @@ fn focused(in: Fragment, shown: vec4f) -> vec4f {
     return with_focus(shown, nearness, width);
 }
 
-// `diffuse`: what a matt surface reflects in all directions.
-fn shaded(in: Fragment, front: bool, diffuse: vec3f) -> vec4f {
+// Unit vectors: to the eye, and the normals of shape and shading on its side.
+struct Sides {
+    wo: vec3f,
+    geometric: vec3f,
+    normal: vec3f,
+}
+
+fn sides(in: Fragment) -> Sides {
     let wo = normalize(-in.position);
     let across = normalize(cross(dpdx(in.position), dpdy(in.position)));
     let geometric = select(-across, across, dot(across, wo) >= 0.0);
     let interpolated = normalize(in.normal);
     let n = select(-interpolated, interpolated, dot(interpolated, geometric) >= 0.0);
+    return Sides(wo, geometric, n);
+}
+
+// Whether the outside is seen; `front`: whether corners turn counter-clockwise.
+fn is_outside(front: bool) -> bool {
+    return front != (object.about.z == 1u);
+}
+
+// `diffuse`: what a matt surface reflects in all directions.
+fn shaded(in: Fragment, front: bool, diffuse: vec3f, s: Sides) -> vec4f {
+    let wo = s.wo;
+    let geometric = s.geometric;
+    let n = s.normal;
     switch view.choices.x {
         case MODE_NORMALS: {
             return displayed(n * 0.5 + 0.5);
@@ -304,8 +372,8 @@ fn shaded(in: Fragment, front: bool, diffuse: vec3f) -> vec4f {
         }
         case MODE_FACING: {
             let cosine = abs(dot(n, wo));
-            let outside = front != (object.about.z == 1u);
-            return displayed(select(vec3f(cosine, 0.0, 0.0), vec3f(0.0, cosine, 0.0), outside));
+            let outside = vec3f(0.0, cosine, 0.0);
+            return displayed(select(vec3f(cosine, 0.0, 0.0), outside, is_outside(front)));
         }
         case MODE_OBJECT: {
             return displayed(object.id_color.rgb);

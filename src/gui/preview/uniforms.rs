@@ -142,10 +142,12 @@ fn focus(scene: &Scene, frame: &SceneFrame, aid: FocusAid) -> [f32; 4] {
     vec4(DVec3::new(kind, scale, reciprocal), 0.0)
 }
 
-/// What there is beside one colour at one place, as the shader knows it: it was moved, an image lies on it, its vertices have colours.
+/// What there is beside one colour at one place, as the shader knows it: it was moved, an image lies on it, its vertices have colours, an
+/// image says its normals.
 const MOVED: u32 = 1;
 const IMAGE: u32 = 2;
 const COLORS: u32 = 4;
+const NORMALS: u32 = 8;
 
 /// The shader's `Object`: an object's material, how its triangles are turned, and where they have gone since.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -173,17 +175,19 @@ impl ObjectUniform {
             let object = scene.objects.get(index);
             let material = object.and_then(|object| scene.material_of(object).ok());
             let mut material = material.unwrap_or_default();
-            let [has_image, has_colors] = geometry.shows(scene, index);
+            let [has_image, has_colors, has_normals] = geometry.shows(scene, index);
             if let Some(object) = object.filter(|_| !has_image) {
                 take_mean_color(scene, object, &mut material);
             }
             let moved = moves.get(index).copied().flatten();
             let moved = moved.map(|moved| moved.seen_from(eye, &geometry.frame));
             let mut uniform = Self::new(&material, index, turn, moved);
-            uniform.about[3] |= IMAGE * u32::from(has_image) + COLORS * u32::from(has_colors);
+            let bit = |bit: u32, has: bool| bit * u32::from(has);
+            uniform.about[3] |=
+                bit(IMAGE, has_image) | bit(COLORS, has_colors) | bit(NORMALS, has_normals);
             uniform
         };
-        geometry.turns.iter().enumerate().map(uniform).collect()
+        geometry.turns().enumerate().map(uniform).collect()
     }
 
     /// `moved`: a turn about the eye and what is added to it, in prepared units.

@@ -101,6 +101,12 @@ impl Pyramid {
         &self.image
     }
 
+    /// What its values mean.
+    #[must_use]
+    pub fn meaning(&self) -> Meaning {
+        self.meaning
+    }
+
     /// How many sizes there are, that of the image and that of one texel included.
     #[must_use]
     pub fn level_count(&self) -> usize {
