@@ -1,3 +1,6 @@
+use std::hash::BuildHasher;
+
+use foldhash::fast::RandomState;
 use rayon::prelude::*;
 
 use super::TriangleMesh;
@@ -19,23 +22,37 @@ impl Welded {
         let count = u32::try_from(positions.len()).expect("fewer than 2^32 vertices");
         // A sum with 0 makes 0 of −0, which is at the same place.
         let place = |vertex: u32| (positions[vertex as usize] + 0.0).to_array();
-        let compare = |&a: &u32, &b: &u32| {
-            let (pa, pb) = (place(a), place(b));
-            let by_axis = |axis: usize| pa[axis].total_cmp(&pb[axis]);
-            by_axis(0)
-                .then_with(|| by_axis(1))
-                .then_with(|| by_axis(2))
-                .then(a.cmp(&b))
-        };
-        let mut sorted: Vec<u32> = (0..count).collect();
-        sorted.par_sort_unstable_by(compare);
-        let mut firsts = vec![0; positions.len()];
-        let mut first = 0;
-        for (index, &vertex) in sorted.iter().enumerate() {
-            if index == 0 || place(vertex) != place(first) {
-                first = vertex;
+        // Numbers side by side are sorted in a quarter of the time that places far apart take.
+        let hasher = RandomState::default();
+        let hash = |vertex| (hasher.hash_one(place(vertex).map(f64::to_bits)), vertex);
+        let mut sorted: Vec<(u64, u32)> = (0..count).into_par_iter().map(hash).collect();
+        sorted.par_sort_unstable();
+        let mut firsts: Vec<u32> = (0..count).collect();
+        for alike in sorted.chunk_by_mut(|a, b| a.0 == b.0) {
+            if alike.len() < 2 {
+                continue;
             }
-            firsts[vertex as usize] = first;
+            let mut first = alike[0].1;
+            if !alike
+                .iter()
+                .all(|&(_, vertex)| place(vertex) == place(first))
+            {
+                alike.sort_unstable_by(|&(_, a), &(_, b)| {
+                    let (pa, pb) = (place(a), place(b));
+                    let by_axis = |axis: usize| pa[axis].total_cmp(&pb[axis]);
+                    by_axis(0)
+                        .then_with(|| by_axis(1))
+                        .then_with(|| by_axis(2))
+                        .then(a.cmp(&b))
+                });
+                first = alike[0].1;
+            }
+            for &mut (_, vertex) in alike {
+                if place(vertex) != place(first) {
+                    first = vertex;
+                }
+                firsts[vertex as usize] = first;
+            }
         }
         Self { firsts }
     }
