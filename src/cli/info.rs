@@ -43,6 +43,8 @@ struct MeshFacts {
     faces: u64,
     polygons: u64,
     triangles: u64,
+    /// Triangles of all objects: more where they repeat meshes.
+    shown_triangles: u64,
     bounds: Option<Box3>,
     /// What the vertices of any mesh carry beside their positions.
     attributes: Vec<&'static str>,
@@ -181,6 +183,7 @@ fn mesh_facts(model: Model) -> MeshFacts {
         faces: facts.faces,
         polygons: facts.polygons,
         triangles: facts.triangles,
+        shown_triangles: scene.triangle_count(),
         bounds: Box3::of(&facts.bounds),
         attributes: attributes(&scene),
         dropped: DroppedFacts {
@@ -406,7 +409,18 @@ fn describe_mesh(mesh: &MeshFacts, lines: &mut Lines) {
         "faces",
         format!("{faces}, {polygons} of them with more than three corners"),
     );
-    lines.add("triangles", mesh.triangles);
+    let shown = mesh.shown_triangles;
+    lines.add(
+        "triangles",
+        if shown > mesh.triangles {
+            format!(
+                "{}; {shown} in all objects, which repeat meshes",
+                mesh.triangles
+            )
+        } else {
+            mesh.triangles.to_string()
+        },
+    );
     lines.add("bounds", describe_box(mesh.bounds.as_ref()));
     let DroppedFacts {
         degenerate,
