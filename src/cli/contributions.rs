@@ -110,7 +110,7 @@ impl MeasuredContributions {
             let Some(contribution) = whole.contribution(contributor, &run)? else {
                 return Ok(None);
             };
-            let measured = Measured::of(number + 1, &contribution);
+            let measured = Measured::of(number + 1, &contribution, scene);
             as_shown(&contribution.without, &measured.without)?;
             let (plain, eight_bits) = (Display::default(), Output::default());
             let colored = in_colors(&contribution);
@@ -152,8 +152,8 @@ impl MeasuredContributions {
 }
 
 impl Measured {
-    fn of(number: usize, contribution: &Contribution) -> Self {
-        let name = contribution.contributor.name();
+    fn of(number: usize, contribution: &Contribution, scene: &Scene) -> Self {
+        let name = contribution.contributor.name(scene);
         let stem = format!("{number:02}-{}", file_stem(&name));
         let Figures {
             mean,

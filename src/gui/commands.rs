@@ -264,7 +264,7 @@ impl Command {
             Self::Copy => "Copy the selected object, light or material",
             Self::Paste => "Add what was copied to the scene",
             Self::Duplicate => "Add a copy of the selected object, light or material",
-            Self::Rename => "Change the name of the selected object or material",
+            Self::Rename => "Change the name of the selected object, light or material",
             Self::Remove => "Take the selected object, light or material out of the scene",
             Self::SelectTool => "Select what is clicked, and show no handles",
             Self::MoveTool => {

@@ -161,6 +161,7 @@ pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
         && a.materials == b.materials
         && a.objects == b.objects
         && a.lights == b.lights
+        && a.light_names == b.light_names
         && a.render == b.render
         && a.display == b.display
         && a.output == b.output

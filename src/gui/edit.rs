@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::selection::Selection;
 use crate::geometry::TriangleMesh;
-use crate::scene::{Light, Material, Object, Scene, free_name};
+use crate::scene::{Material, NamedLight, Object, Scene, free_name};
 
 /// A part of a scene on its own: it can be pasted into any scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ pub enum Part {
         /// What the material of its name is.
         material: Option<Material>,
     },
-    /// A light.
-    Light(Light),
+    /// A light and its name.
+    Light(NamedLight),
     /// A material and its name.
     Material(String, Material),
 }
@@ -38,7 +38,7 @@ pub fn name_of(scene: &Scene, selection: &Selection) -> Option<String> {
         }),
         Selection::Light(index) => {
             let exists = *index < scene.lights.len();
-            exists.then(|| format!("light {}", index + 1))
+            exists.then(|| scene.light_label(*index))
         }
         Selection::Material(name) => scene.materials.contains_key(name).then(|| name.clone()),
     }
@@ -71,7 +71,10 @@ pub fn copy(scene: &Scene, selection: &Selection) -> Option<Part> {
                 object: Box::new(object.clone()),
             })
         }
-        Selection::Light(index) => scene.lights.get(*index).copied().map(Part::Light),
+        Selection::Light(index) => scene.lights.get(*index).map(|&light| {
+            let name = scene.light_name(*index).to_owned();
+            Part::Light(NamedLight { name, light })
+        }),
         Selection::Material(name) => {
             let material = scene.materials.get(name)?;
             Some(Part::Material(name.clone(), material.clone()))
@@ -99,10 +102,7 @@ pub fn paste(scene: &mut Scene, part: Part) -> Selection {
             scene.objects.push(*object);
             Selection::Object(scene.objects.len() - 1)
         }
-        Part::Light(light) => {
-            scene.lights.push(light);
-            Selection::Light(scene.lights.len() - 1)
-        }
+        Part::Light(light) => Selection::Light(scene.add_light(light)),
         Part::Material(name, material) => Selection::Material(add_material(scene, &name, material)),
     }
 }
@@ -128,7 +128,7 @@ pub fn remove(scene: &mut Scene, selection: &Selection) -> Option<Selection> {
             neighbour(*index, scene.objects.len()).map(Selection::Object)
         }
         Selection::Light(index) if *index < scene.lights.len() => {
-            scene.lights.remove(*index);
+            scene.remove_light(*index);
             neighbour(*index, scene.lights.len()).map(Selection::Light)
         }
         Selection::Material(name) => {
@@ -199,6 +199,19 @@ mod tests {
         assert_eq!(other.objects[0].material.as_deref(), Some("clay 2"));
         assert_eq!(other.materials["clay"], Material::mirror());
         assert!(other.meshes.contains_key("ram.off"));
+    }
+
+    #[test]
+    fn a_copy_of_a_light_has_a_name_of_its_own() {
+        let mut scene = scene();
+        scene.add_light(NamedLight {
+            name: "key".into(),
+            ..NamedLight::default()
+        });
+        let copy = duplicate(&mut scene, &Selection::Light(0)).unwrap();
+        assert_eq!(name_of(&scene, &copy).as_deref(), Some("key 2"));
+        let left = remove(&mut scene, &Selection::Light(0)).unwrap();
+        assert_eq!(name_of(&scene, &left).as_deref(), Some("key 2"));
     }
 
     #[test]

@@ -22,7 +22,7 @@ impl Selection {
     /// Whether it is a part that has a name to change.
     #[must_use]
     pub fn has_name(&self) -> bool {
-        matches!(self, Self::Object(_) | Self::Material(_))
+        matches!(self, Self::Object(_) | Self::Light(_) | Self::Material(_))
     }
 
     /// The same part if `scene` has it, else the camera.

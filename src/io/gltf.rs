@@ -45,7 +45,7 @@ use super::shorten::shortened;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use crate::math::DBounds;
-use crate::scene::{Camera, Light, Material, Object, Scene, Textures, UniqueNames};
+use crate::scene::{Camera, Material, NamedLight, Object, Scene, Textures, UniqueNames};
 use accessor::Data;
 use document::{Document, Index};
 use geometry::{MeshReader, Part};
@@ -67,7 +67,7 @@ pub struct Gltf {
     /// Materials that objects wear. Their images are files, named relative to this one, or `#` and the name of an image within.
     pub materials: BTreeMap<String, Material>,
     /// Its lights.
-    pub lights: Vec<Light>,
+    pub lights: Vec<NamedLight>,
     /// The first camera. It looks at a point at distance 1.
     pub camera: Option<Camera>,
     /// How many nodes the scene has.
@@ -523,9 +523,11 @@ impl Gltf {
         let mut scene = Scene {
             objects: self.objects.clone(),
             materials: self.materials.clone(),
-            lights: self.lights.clone(),
             ..Scene::default()
         };
+        for light in &self.lights {
+            scene.add_light(light.clone());
+        }
         for object in &mut scene.objects {
             let mesh = mesh_name(&object.mesh);
             if let Some(part) = self.parts.get(&object.mesh) {

@@ -95,9 +95,11 @@ pub fn scene_of_models(models: Vec<Model>) -> Result<LoadedScene, SceneError> {
     let mut warnings = Vec::new();
     let mut up = None;
     let mut camera = None;
-    for mut model in models {
+    for model in models {
         camera = camera.or(model.camera);
-        scene.lights.append(&mut model.scene.lights);
+        for light in model.scene.named_lights() {
+            scene.add_light(light);
+        }
         warnings.extend(model.warnings);
         up.get_or_insert(model.up);
         scene.join(model.scene);

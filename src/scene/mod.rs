@@ -8,6 +8,7 @@ mod camera;
 mod display;
 mod joining;
 mod light;
+mod light_names;
 mod material;
 mod movement;
 mod naming;
@@ -31,6 +32,7 @@ pub use background::{Background, ImageAxes};
 pub use camera::{Bookmark, Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
 pub use light::{Facing, Light};
+pub use light_names::NamedLight;
 pub use material::{Material, Textures};
 pub use movement::Move;
 pub use naming::{UniqueNames, free_name};
@@ -82,6 +84,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Light sources, each summed.
     pub lights: Vec<Light>,
+    /// What people call them, in their order; empty, or not there, where that is their number.
+    pub light_names: Vec<String>,
     /// What to compute.
     pub render: RenderSettings,
     /// From radiance to what a screen shows.

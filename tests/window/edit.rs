@@ -218,3 +218,27 @@ fn undoing_shows_what_it_does() {
     assert_eq!(window.app().view(), View::Preview);
     assert_eq!(next_undo(&window), None);
 }
+
+#[test]
+fn a_light_is_renamed_and_called_so_everywhere() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Select Light 1");
+    window.press(Modifiers::NONE, Key::F2);
+    window.enter("Name", "key");
+    assert_eq!(window.scene().light_names, ["key"]);
+    assert!(window.has("Select key") && !window.has("Select Light 1"));
+    assert_eq!(next_undo(&window).as_deref(), Some("renaming light 1"));
+    window.press(Modifiers::COMMAND, Key::D);
+    assert!(window.has("Select key 2"));
+    assert_eq!(next_undo(&window).as_deref(), Some("adding key 2"));
+    window.click("Select key");
+    window.press(Modifiers::NONE, Key::Delete);
+    assert_eq!(window.scene().light_names, ["key 2"]);
+    assert_eq!(next_undo(&window).as_deref(), Some("removing key"));
+    for _ in 0..3 {
+        undo(&mut window);
+    }
+    assert!(window.has("Select Light 1"));
+    assert!(!window.app().document().is_modified());
+}

@@ -71,12 +71,12 @@ impl Contributor {
             .collect()
     }
 
-    /// In words.
+    /// In words, as one of `scene`.
     #[must_use]
-    pub fn name(&self) -> String {
+    pub fn name(&self, scene: &Scene) -> String {
         match self {
             Self::Effect(effect) => effect.name().to_owned(),
-            Self::Light(index) => format!("light {}", index + 1),
+            Self::Light(index) => scene.light_label(*index),
             Self::Emitter(name) => format!("the emitter {name}"),
             Self::Background => "background".to_owned(),
         }

@@ -99,6 +99,10 @@ impl Contributions {
     pub fn follow(&mut self, scene: &Scene) -> bool {
         let known = self.scene.as_ref();
         if self.is_off || known.is_some_and(|known| same_picture(known, scene)) {
+            let known = self.scene.as_mut();
+            if let Some(known) = known.filter(|known| known.light_names != scene.light_names) {
+                known.light_names.clone_from(&scene.light_names);
+            }
             return false;
         }
         self.scene = Some(Box::new(scene.clone()));
@@ -112,6 +116,13 @@ impl Contributions {
         self.requested.clear();
         self.whole = Arc::default();
         true
+    }
+
+    /// What to call `contributor`.
+    #[must_use]
+    pub fn name_of(&self, contributor: &Contributor) -> String {
+        let scene = self.scene.as_ref();
+        scene.map_or_else(String::new, |scene| contributor.name(scene))
     }
 
     /// Whether something is missing of what was drawn since the last request.

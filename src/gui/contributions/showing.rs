@@ -79,7 +79,7 @@ impl Contributions {
     fn picture_ui(&mut self, ui: &mut Ui, contributor: &Contributor) {
         let size = self.fitted(THUMBNAIL);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-        let name = contributor.name();
+        let name = self.name_of(contributor);
         response.widget_info(|| {
             let label = format!("Contribution of {name}");
             egui::WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), label)
@@ -113,7 +113,7 @@ impl Contributions {
         let larger = self.fitted(LARGER);
         response.on_hover_ui(|ui| {
             ui.set_max_width(larger.x);
-            ui.label(RichText::new(title(contributor)).strong());
+            ui.label(RichText::new(format!("Contribution of {name}")).strong());
             ui.image((shown.change.id(), larger));
             details_ui(ui, &shown.contribution.figures, larger.x);
             ui.label(
@@ -153,7 +153,8 @@ impl Contributions {
             opened.encode(ctx, whole.image(), &shown.contribution, display);
         }
         let size = self.fitted(LARGEST);
-        egui::Window::new(title(&opened.contributor))
+        let title = format!("Contribution of {}", self.name_of(&opened.contributor));
+        egui::Window::new(title)
             .id(egui::Id::unique("contribution"))
             .open(&mut is_open)
             .resizable(false)
@@ -221,10 +222,6 @@ impl Opened {
             _ => &shown.change,
         }
     }
-}
-
-fn title(contributor: &Contributor) -> String {
-    format!("Contribution of {}", contributor.name())
 }
 
 pub(super) fn color_image(image: &Image, color: impl Fn([f32; 3]) -> [u8; 3]) -> ColorImage {

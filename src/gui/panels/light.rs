@@ -2,13 +2,13 @@ use std::f64::consts::PI;
 
 use egui::Ui;
 
-use super::{PanelState, command_button_ui};
+use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::analysis::contributions::Contributor;
 use crate::gui::commands::Command;
 use crate::gui::orbit;
 use crate::gui::preview::uniforms::picture_size;
 use crate::gui::widgets::{
-    Number, choice_row_ui, light_row_ui, number_row_ui, switch_row_ui, vector_row_ui,
+    Number, choice_row_ui, light_row_ui, number_row_ui, row_ui, switch_row_ui, vector_row_ui,
 };
 use crate::math::{DVec2, DVec3};
 use crate::scene::{Camera, Choice, Facing, Light, Rgb, Scene};
@@ -24,13 +24,29 @@ impl Choice for Kind {
     const ALL: &'static [(Self, &'static str)] = &[(Self::Point, "point"), (Self::Disk, "disk")];
 }
 
+/// A light's name.
+fn name_ui(ui: &mut Ui, scene: &mut Scene, index: usize) {
+    let mut name = scene.light_name(index).to_owned();
+    let response = row_ui(ui, "Name", "What the light is called", |ui| {
+        let field = egui::TextEdit::singleline(&mut name)
+            .id(egui::Id::unique(NAME_FIELD))
+            .hint_text(format!("Light {}", index + 1));
+        ui.add(field.desired_width(f32::INFINITY))
+    });
+    if response.changed() {
+        scene.name_light(index, name);
+    }
+}
+
 /// A light's properties.
 pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     let length = Number::any(state.length_speed());
     let camera = state.scene.camera;
-    let Some(light) = state.scene.lights.get_mut(index) else {
+    if index >= state.scene.lights.len() {
         return;
-    };
+    }
+    name_ui(ui, state.scene, index);
+    let light = &mut state.scene.lights[index];
     let before = match light {
         Light::Point { .. } => Kind::Point,
         Light::Disk { .. } => Kind::Disk,

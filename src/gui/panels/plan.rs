@@ -84,7 +84,8 @@ fn contributions_ui(ui: &mut Ui, contributions: &mut Contributions) {
             "The picture with it minus the picture without, small and of the same samples",
         );
     for contributor in all {
-        contributions.row_ui(ui, &contributor, &contributor.name());
+        let name = contributions.name_of(&contributor);
+        contributions.row_ui(ui, &contributor, &name);
     }
     ui.add_space(6.0);
 }

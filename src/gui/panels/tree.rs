@@ -9,7 +9,7 @@ use crate::gui::icons::{self, Icon, color_of, hue_of};
 use crate::gui::preview::uniforms::MAX_LIGHTS;
 use crate::gui::selection::Selection;
 use crate::gui::widgets::{counted, grouped};
-use crate::scene::{Background, Light, Material, Rgb, Scene};
+use crate::scene::{Background, Light, Material, NamedLight, Rgb, Scene};
 
 /// Most points of height the tree takes before it scrolls.
 const MOST_HEIGHT: f32 = 320.0;
@@ -43,8 +43,11 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 lights_ui(ui, state);
             }) {
                 let light = new_light(state.scene);
-                state.scene.lights.push(light);
-                *state.selection = Selection::Light(state.scene.lights.len() - 1);
+                let light = state.scene.add_light(NamedLight {
+                    name: String::new(),
+                    light,
+                });
+                *state.selection = Selection::Light(light);
             }
             let count = state.scene.materials.len();
             if group_ui(ui, "Materials", count, false, "Add material", |ui| {
@@ -80,7 +83,10 @@ fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         ui.label(RichText::new(note).weak().small());
     }
     for index in 0..state.scene.lights.len() {
-        let name = format!("Light {}", index + 1);
+        let name = match state.scene.light_name(index) {
+            "" => format!("Light {}", index + 1),
+            name => name.to_owned(),
+        };
         let light = state.scene.lights[index];
         let icon = Icon::Light(hue_of(light.emission()));
         let kind = match light {

@@ -206,11 +206,10 @@ impl TopBarState<'_> {
             Command::Undo => "Nothing was edited yet",
             Command::Redo => "Nothing was undone",
             Command::Paste => "Nothing was copied yet",
-            Command::Rename => "Select an object or a material first",
             Command::Remove if self.edit.can_copy => {
                 "An object uses this material; give the object another one first"
             }
-            Command::Copy | Command::Duplicate | Command::Remove => {
+            Command::Copy | Command::Duplicate | Command::Rename | Command::Remove => {
                 "Select an object, a light or a material first"
             }
             Command::MeasureCosts if self.phase == Phase::Rendering => {

@@ -18,8 +18,9 @@ fn added_or_removed(before: &Scene, after: &Scene) -> Option<String> {
         let objects = if verb == "adding" { after } else { before };
         return Some(format!("{verb} {}", object_name(&objects.objects, index)));
     }
-    if let Some((verb, index)) = one_more_or_less(&before.lights, &after.lights) {
-        return Some(format!("{verb} light {}", index + 1));
+    if let Some((verb, index)) = one_more_or_less(&before.named_lights(), &after.named_lights()) {
+        let scene = if verb == "adding" { after } else { before };
+        return Some(format!("{verb} {}", scene.light_label(index)));
     }
     if let Some((verb, index)) = one_more_or_less(&before.bookmarks, &after.bookmarks) {
         let scene = if verb == "adding" { after } else { before };
@@ -74,6 +75,10 @@ fn object_change(before: &Scene, after: &Scene) -> Option<String> {
         (a.translate != b.translate, "moving"),
         (a.smooth != b.smooth, "changing the smoothness of"),
         (
+            a.repair_winding != b.repair_winding,
+            "changing the winding of",
+        ),
+        (
             a.crease_angle != b.crease_angle,
             "changing the crease angle of",
         ),
@@ -82,18 +87,22 @@ fn object_change(before: &Scene, after: &Scene) -> Option<String> {
 }
 
 fn light_change(before: &Scene, after: &Scene) -> Option<String> {
+    let mut lights = 0..before.lights.len();
+    if let Some(index) = lights.find(|&index| before.light_name(index) != after.light_name(index)) {
+        return Some(format!("renaming {}", before.light_label(index)));
+    }
     let pairs = before.lights.iter().zip(&after.lights);
     let (index, (a, b)) = pairs.enumerate().find(|(_, (a, b))| a != b)?;
-    let number = index + 1;
+    let name = before.light_label(index);
     let kind = std::mem::discriminant::<Light>;
     Some(if kind(a) != kind(b) {
-        format!("changing the kind of light {number}")
+        format!("changing the kind of {name}")
     } else if a.position() != b.position() {
-        format!("moving light {number}")
+        format!("moving {name}")
     } else if a.target() != b.target() {
-        format!("aiming light {number}")
+        format!("aiming {name}")
     } else {
-        format!("changing light {number}")
+        format!("changing {name}")
     })
 }
 

@@ -6,7 +6,7 @@ use super::nodes::{Affine, Placed};
 use crate::io::mesh_reading::{List, Malformed};
 use crate::io::remarks::Remarks;
 use crate::math::{DBounds, DVec3, Degrees, direction_of};
-use crate::scene::{Camera, Facing, Light, Rgb};
+use crate::scene::{Camera, Facing, Light, NamedLight, Rgb};
 
 /// Radius of the disk that stands for a spot light, in units of the file, which are metres.
 const SPOT_RADIUS: f64 = 0.01;
@@ -23,25 +23,20 @@ pub fn of_nodes(
     placed: &[Placed],
     around: &DBounds,
     remarks: &mut Remarks,
-) -> Result<(Vec<Light>, Option<Camera>), Malformed> {
+) -> Result<(Vec<NamedLight>, Option<Camera>), Malformed> {
     let mut lights = Vec::new();
     let mut camera = None;
     for Placed { node, world } in placed {
         let node_record = &document.nodes[*node as usize];
         let extensions = node_record.extensions.as_deref();
         if let Some(light) = extensions.and_then(|extensions| extensions.light.as_ref()) {
-            let name = node_record
-                .name
-                .clone()
-                .unwrap_or_else(|| format!("nodes[{node}]"));
-            lights.extend(light_of(
-                document,
-                light.light,
-                world,
-                around,
-                &name,
-                remarks,
-            )?);
+            let name = node_record.name.as_deref();
+            let shown = name.map_or_else(|| format!("nodes[{node}]"), str::to_owned);
+            let light = light_of(document, light.light, world, around, &shown, remarks)?;
+            lights.extend(light.map(|light| NamedLight {
+                name: name.unwrap_or_default().to_owned(),
+                light,
+            }));
         }
         if let (Some(index), None) = (node_record.camera, camera) {
             camera = camera_of(document, index, world)?;

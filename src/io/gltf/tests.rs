@@ -5,7 +5,7 @@ use super::*;
 use crate::geometry::shapes;
 use crate::io::mesh_reading::trials;
 use crate::math::{DMat3, DVec2, DVec3, Degrees, Vec3};
-use crate::scene::{Facing, Rgb};
+use crate::scene::{Facing, Light, Rgb};
 
 /// Reads a document whose first buffer is `binary`.
 fn read(json: &str, binary: &[u8]) -> Result<Gltf, Malformed> {
@@ -270,6 +270,7 @@ fn lights_and_the_camera_are_placed() {
             {"type":"spot","intensity":30,"spot":{}},{"type":"directional","intensity":3}]}},
            "cameras":[{"type":"perspective","perspective":{"yfov":0.5,"znear":0.1}},{"type":"orthographic","orthographic":{}}]"#,
     );
+    let lights: Vec<_> = gltf.lights.iter().map(|named| named.light).collect();
     let [
         Light::Point {
             position,
@@ -286,7 +287,7 @@ fn lights_and_the_camera_are_placed() {
             position: far,
             intensity: strong,
         },
-    ] = &gltf.lights[..]
+    ] = &lights[..]
     else {
         panic!("{:?}", gltf.lights);
     };

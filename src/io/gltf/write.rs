@@ -58,7 +58,8 @@ pub fn write(scene: &Scene, camera: Option<&Camera>, out: &mut dyn Write) -> io:
     }
     let mut lights = Vec::new();
     for light in &scene.lights {
-        let (record, node) = light_of(light, lights.len());
+        let name = scene.light_label(lights.len());
+        let (record, node) = light_of(light, &name, lights.len());
         lights.push(record);
         nodes.push(node);
     }
@@ -331,7 +332,7 @@ fn strength_and_color(color: Rgb) -> (f64, [f64; 3]) {
     }
 }
 
-fn light_of(light: &Light, index: usize) -> (Value, Value) {
+fn light_of(light: &Light, name: &str, index: usize) -> (Value, Value) {
     let (kind, intensity) = match light {
         Light::Point { intensity, .. } => ("point", *intensity),
         Light::Disk {
@@ -342,7 +343,7 @@ fn light_of(light: &Light, index: usize) -> (Value, Value) {
     let mut record = json!({ "type": kind, "color": color, "intensity": strength });
     let position = light.position();
     let mut node = json!({
-        "name": format!("light {}", index + 1),
+        "name": name,
         "translation": position.to_array(),
         "extensions": { "KHR_lights_punctual": { "light": index } },
     });

@@ -3,8 +3,8 @@
 use super::keys::{Allowed, Keys};
 use crate::math::{DVec3, Degrees};
 use crate::scene::{
-    Background, Bookmark, Camera, Choice, Copies, Display, Facing, Light, Material, Object, Output,
-    PngBits, RenderSettings, Rgb, Scene, Stop,
+    Background, Bookmark, Camera, Choice, Copies, Display, Facing, Light, Material, NamedLight,
+    Object, Output, PngBits, RenderSettings, Rgb, Scene, Stop,
 };
 
 /// The whole file. `scene` holds the defaults when reading.
@@ -16,7 +16,9 @@ pub fn scene(keys: &mut Keys<'_>, scene: &mut Scene) {
     });
     keys.map("materials", &mut scene.materials, material);
     keys.list("objects", &mut scene.objects, object);
-    keys.list("lights", &mut scene.lights, light);
+    let mut lights = scene.named_lights();
+    keys.list("lights", &mut lights, named_light);
+    scene.set_named_lights(lights);
     keys.list("bookmarks", &mut scene.bookmarks, bookmark);
     keys.record("render", |keys| render(keys, &mut scene.render));
     keys.record("display", |keys| display(keys, &mut scene.display));
@@ -228,6 +230,13 @@ enum LightKind {
 
 impl Choice for LightKind {
     const ALL: &'static [(Self, &'static str)] = &[(Self::Point, "point"), (Self::Disk, "disk")];
+}
+
+fn named_light(keys: &mut Keys<'_>, named: &mut NamedLight) {
+    if keys.is_reading() || !named.name.is_empty() {
+        keys.text("name", &mut named.name);
+    }
+    light(keys, &mut named.light);
 }
 
 fn light(keys: &mut Keys<'_>, light: &mut Light) {

@@ -141,6 +141,7 @@ fn every_key_round_trips() {
                 visible: true,
             },
         ],
+        light_names: vec![String::new(), "key \"warm\"".into()],
         render: crate::scene::RenderSettings {
             mode: Mode::Normals,
             width: 1,

@@ -94,6 +94,7 @@ pub fn full_scene() -> Scene {
             position: DVec3::new(1.0, 2.0, 3.0),
             intensity: Rgb::new(20.0, 10.0, 0.0),
         }],
+        light_names: vec!["key".to_owned()],
         ..Scene::default()
     }
 }
@@ -147,7 +148,7 @@ fn what_is_written_reads_back_the_same() {
         );
     }
     assert_eq!(gltf.materials.len(), 4);
-    assert_eq!(gltf.lights, scene.lights);
+    assert_eq!(gltf.lights, scene.named_lights());
     let (read, written) = (gltf.camera.and_then(|camera| camera.axes()), camera.axes());
     let (read, written) = (read.expect("there is one"), written.expect("it looks"));
     assert!(
