@@ -61,19 +61,15 @@ impl App {
     }
 
     /// Makes a scene of what was read in place of the present one.
-    pub(super) fn replace_by(&mut self, import: Import) {
+    pub(super) fn replace_by(&mut self, mut import: Import) {
         let factor = import.factor(None);
-        let mut models = import.models;
-        for model in &mut models {
-            model.up = import.up;
-            model.scale_by(factor);
-        }
+        let models = import.take_models(factor);
         let made = io::scene_of_models(models).map_err(|error| error.to_string());
         self.scene_loaded(&import.paths, made);
     }
 
     /// Adds what was read to the scene.
-    fn add(&mut self, import: Import) {
+    fn add(&mut self, mut import: Import) {
         self.document.record_edit(&self.selection);
         let factor = import.factor(Some(&self.document.scene));
         let what = import.what();
@@ -82,10 +78,8 @@ impl App {
         let first = self.document.scene.objects.len();
         let resting_place = resting_place(&self.document.scene);
         let mut warnings = Vec::new();
-        for mut model in import.models {
+        for mut model in import.take_models(factor) {
             warnings.append(&mut model.warnings);
-            model.up = import.up;
-            model.scale_by(factor);
             add_model(&mut self.document.scene, model.scene, model.up, is_first);
         }
         let scene = &mut self.document.scene;

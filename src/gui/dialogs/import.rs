@@ -6,7 +6,9 @@ use egui::RichText;
 
 use super::{buttons_ui, modal_ui};
 use crate::gui::document::name_of;
-use crate::gui::widgets::{choice_row_ui, combo_row_ui, counted, format_number, primary_button};
+use crate::gui::widgets::{
+    choice_row_ui, combo_row_ui, counted, format_number, primary_button, switch_row_ui,
+};
 use crate::io::Model;
 use crate::math::{DBounds, DVec3};
 use crate::scene::Scene;
@@ -23,6 +25,8 @@ pub struct Import {
     pub unit: Unit,
     /// Which way is up in them.
     pub up: UpAxis,
+    /// Whether their triangles are turned so that each surface has one outer side.
+    pub repair_winding: bool,
     /// Whether they are likely to take the place of the scene.
     replaces: bool,
     bounds: DBounds,
@@ -80,6 +84,7 @@ impl Import {
             up: models
                 .first()
                 .map_or_else(UpAxis::default, |model| model.up),
+            repair_winding: false,
             replaces,
             bounds: boxes.fold(DBounds::EMPTY, DBounds::union),
             triangles: models.iter().map(|model| model.facts.triangles).sum(),
@@ -142,6 +147,13 @@ impl Import {
                     UpAxis::Z => ("Z", "As most OFF, PLY and STL files have it"),
                 },
             );
+            switch_row_ui(
+                ui,
+                "Repair winding",
+                "Turn triangles so that each surface has one outer side and closed ones look outwards, as glass needs it; it can be \
+                 switched off for each object later",
+                &mut self.repair_winding,
+            );
             ui.add_space(4.0);
             self.sizes_ui(ui, scene);
             self.buttons_ui(ui)
@@ -150,6 +162,19 @@ impl Import {
             ImportDecision::None if response.should_close() => ImportDecision::Cancel,
             decision => decision,
         }
+    }
+
+    /// What was read, as it was decided: its numbers times `factor`.
+    pub fn take_models(&mut self, factor: f64) -> Vec<Model> {
+        let mut models = std::mem::take(&mut self.models);
+        for model in &mut models {
+            model.up = self.up;
+            model.scale_by(factor);
+            for object in &mut model.scene.objects {
+                object.repair_winding |= self.repair_winding;
+            }
+        }
+        models
     }
 
     /// What is imported, in words.

@@ -121,6 +121,12 @@ fn shape_ui(ui: &mut Ui, object: &mut Object, length_speed: f64) {
             },
         );
     }
+    switch_row_ui(
+        ui,
+        "Repair winding",
+        "Turn triangles so that each surface has one outer side and closed ones look outwards, as glass needs it; the file stays as it is",
+        &mut object.repair_winding,
+    );
 }
 
 fn material_choice_ui(ui: &mut Ui, scene: &mut Scene, index: usize) {
