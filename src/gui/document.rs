@@ -14,47 +14,113 @@ use crate::scene::{Camera, Object, RadianceMap, Scene, TextureImage};
 pub struct Document {
     /// What the window shows and edits.
     pub scene: Scene,
-    /// The camera to go back to: the file's own.
-    pub home: Camera,
+    /// What was opened, one after the other: undoing leads back to them.
+    files: Vec<File>,
+    /// Number of the one that the scene belongs to.
+    file: usize,
+    undo: UndoHistory,
+}
+
+/// What a scene was opened from.
+#[derive(Clone, Debug)]
+struct File {
     name: String,
     path: Option<PathBuf>,
+    /// The scene as it was when it was last on disk.
     saved: Scene,
-    undo: UndoHistory,
+    /// The camera to go back to: the file's own.
+    home: Camera,
 }
 
 impl Document {
     /// An unchanged document. `path`: the scene file that saving writes to; `None` for the demo and for bare meshes.
     #[must_use]
     pub fn new(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
-        Self {
-            home: scene.camera,
-            saved: scene.clone(),
-            undo: UndoHistory::new(scene.clone()),
-            scene,
+        let file = File {
             name,
             path,
+            saved: scene.clone(),
+            home: scene.camera,
+        };
+        Self {
+            undo: UndoHistory::new(scene.clone()),
+            files: vec![file],
+            file: 0,
+            scene,
         }
     }
 
     /// Work that was never saved: it stays so until it is, wherever it came from.
     #[must_use]
     pub fn restored(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
-        Self {
-            saved: Scene::default(),
-            ..Self::new(scene, name, path)
+        let mut document = Self::new(scene, name, path);
+        document.files[0].saved = Scene::default();
+        document
+    }
+
+    /// Puts another scene in place of the present one, as a step to undo. The arguments are those of [`Document::new`], and what is selected
+    /// now.
+    pub fn open(
+        &mut self,
+        scene: Scene,
+        name: String,
+        path: Option<PathBuf>,
+        selection: &Selection,
+    ) {
+        self.record_edit(selection);
+        let step = format!("opening {name}");
+        self.files.push(File {
+            name,
+            path,
+            saved: scene.clone(),
+            home: scene.camera,
+        });
+        self.file = self.files.len() - 1;
+        let now = Snapshot {
+            scene: scene.clone(),
+            selection: Selection::default(),
+            file: self.file,
+        };
+        self.scene = scene;
+        self.undo.go_on(now, step);
+        // What no step leads to any more may be large.
+        for (index, file) in self.files.iter_mut().enumerate() {
+            if !self.undo.leads_to(index) {
+                file.saved = Scene::default();
+            }
         }
+    }
+
+    fn file(&self) -> &File {
+        &self.files[self.file]
+    }
+
+    fn file_mut(&mut self) -> &mut File {
+        &mut self.files[self.file]
     }
 
     /// What people call it: the file's name without extension.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.name
+        &self.file().name
     }
 
     /// The scene file, if it has one.
     #[must_use]
     pub fn path(&self) -> Option<&Path> {
-        self.path.as_deref()
+        self.file().path.as_deref()
+    }
+
+    /// The camera to go back to: the file's own.
+    #[must_use]
+    pub fn home(&self) -> Camera {
+        self.file().home
+    }
+
+    /// Which of what was opened the scene belongs to.
+    #[must_use]
+    pub fn file_number(&self) -> usize {
+        self.file
     }
 
     /// Whether closing it would lose work.
@@ -63,9 +129,9 @@ impl Document {
     /// at until something else changes.
     #[must_use]
     pub fn is_modified(&self) -> bool {
-        let camera_counts = self.path.is_some();
-        !same_but_camera(&self.scene, &self.saved)
-            || (camera_counts && self.scene.camera != self.saved.camera)
+        let File { path, saved, .. } = self.file();
+        let camera_counts = path.is_some();
+        !same_but_camera(&self.scene, saved) || (camera_counts && self.scene.camera != saved.camera)
     }
 
     /// Takes note of what was edited since the last call as one step to undo; `selection`: what is selected now.
@@ -98,6 +164,7 @@ impl Document {
 
     fn restore(&mut self, snapshot: Snapshot) -> Selection {
         self.scene = snapshot.scene;
+        self.file = snapshot.file;
         snapshot.selection
     }
 
@@ -119,7 +186,9 @@ impl Document {
     /// Changes the scene, as it is, was saved and ever was.
     fn change_all(&mut self, change: impl Fn(&mut Scene)) {
         change(&mut self.scene);
-        change(&mut self.saved);
+        for file in &mut self.files {
+            change(&mut file.saved);
+        }
         self.undo.change_all(change);
     }
 
@@ -127,23 +196,27 @@ impl Document {
     /// does.
     pub fn reload(&mut self, scene: Scene, selection: &Selection) {
         self.record_edit(selection);
-        let camera = if scene.camera == self.saved.camera {
+        let camera = if scene.camera == self.file().saved.camera {
             self.scene.camera
         } else {
             scene.camera
         };
-        self.home = scene.camera;
-        self.saved = scene.clone();
+        let file = self.file_mut();
+        file.home = scene.camera;
+        file.saved = scene.clone();
+        let name = format!("reading {} again", file.name);
         self.scene = Scene { camera, ..scene };
-        self.record_edit_as(selection, format!("reading {} again", self.name));
+        self.record_edit_as(selection, name);
     }
 
     /// Takes note that `scene` is what `path` now holds. Edits made since it was handed to the writer stay unsaved.
     pub fn set_saved(&mut self, scene: Scene, path: PathBuf) {
-        self.name = name_of(&path);
-        self.path = Some(path);
-        self.home = scene.camera;
-        self.saved = scene;
+        *self.file_mut() = File {
+            name: name_of(&path),
+            path: Some(path),
+            home: scene.camera,
+            saved: scene,
+        };
     }
 }
 
@@ -357,6 +430,35 @@ mod tests {
         document.reload(file.clone(), &Selection::Camera);
         assert_eq!(document.scene.camera, file.camera);
         assert!(!document.is_modified());
+    }
+
+    #[test]
+    fn opening_another_scene_can_be_undone_with_all_that_was_done_before() {
+        let mut document = Document::new(scene(), "room".into(), Some("room.toml".into()));
+        document.scene.lights.push(light());
+        let mine = document.scene.clone();
+        let selected = Selection::Light(0);
+        let mut other = Scene::default();
+        other.camera.eye.x += 3.0;
+        document.open(other.clone(), "bunny".into(), None, &selected);
+        assert_eq!((document.name(), document.path()), ("bunny", None));
+        assert!(!document.is_modified() && document.home() == other.camera);
+        assert_eq!(document.undo_history().next_undo(), Some("opening bunny"));
+
+        assert_eq!(document.undo(), Some(selected));
+        assert!(same_scene(&document.scene, &mine) && document.is_modified());
+        assert_eq!(document.path(), Some(Path::new("room.toml")));
+        assert_eq!(document.home(), mine.camera);
+        // A mesh that changed meanwhile is new there too.
+        document.redo();
+        assert_eq!(document.name(), "bunny");
+        let mesh = Arc::new(TriangleMesh::default());
+        document.replace_mesh("a", &mesh);
+        document.undo();
+        assert!(Arc::ptr_eq(&document.scene.meshes["a"], &mesh));
+        document.undo();
+        assert!(!document.is_modified(), "it is as its file");
+        assert!(document.undo().is_none());
     }
 
     #[test]

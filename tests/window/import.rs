@@ -122,7 +122,41 @@ fn meshes_dropped_together_are_one_question_and_one_step() {
     let scene = window.scene();
     assert_eq!(scene.objects.len(), 2);
     assert!((scene.bounds().diagonal() - 22.25_f64.sqrt() * 1e-3).abs() < 1e-9);
-    assert!(window.app().document().undo_history().next_undo().is_none());
+
+    // What was there is a step away, with its file.
+    let history = window.app().document().undo_history();
+    assert_eq!(history.next_undo(), Some("opening pyramid"));
+    window.press(Modifiers::COMMAND, Key::Z);
+    window.settle();
+    assert_eq!(window.scene().objects.len(), 1);
+    let document = window.app().document();
+    assert!(document.name() == "room" && document.path().is_some() && !document.is_modified());
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    window.settle();
+    assert_eq!(window.scene().objects.len(), 2);
+    assert_eq!(window.app().document().name(), "pyramid");
+}
+
+#[test]
+fn a_winding_is_repaired_on_import_and_as_it_was_by_a_switch() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.drop_file(files.path("pyramid.off"));
+    until_asked(&mut window);
+    window.operate("Repair winding");
+    window.click("Add to scene");
+    window.settle();
+    assert!(window.scene().objects[1].repair_winding && !window.scene().objects[0].repair_winding);
+    window.operate("Repair winding");
+    window.settle();
+    assert!(!window.scene().objects[1].repair_winding);
+    let history = window.app().document().undo_history();
+    assert_eq!(
+        history.next_undo(),
+        Some("changing the winding of pyramid 2")
+    );
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert!(window.scene().objects[1].repair_winding);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use crate::gui::orbit;
 use crate::gui::panels::NAME_FIELD;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::EditState;
+use crate::scene::Camera;
 
 impl App {
     /// What the menu Edit offers.
@@ -62,28 +63,32 @@ impl App {
     fn undo(&mut self) {
         let name = self.document.undo_history().next_undo();
         let news = format!("Undone: {}", name.unwrap_or_default());
-        let camera = self.document.scene.camera;
+        let before = (self.document.scene.camera, self.document.file_number());
         if let Some(selection) = self.document.undo() {
-            self.show_restored(selection, camera, news);
+            self.show_restored(selection, before, news);
         }
     }
 
     fn redo(&mut self) {
         let name = self.document.undo_history().next_redo();
         let news = format!("Done again: {}", name.unwrap_or_default());
-        let camera = self.document.scene.camera;
+        let before = (self.document.scene.camera, self.document.file_number());
         if let Some(selection) = self.document.redo() {
-            self.show_restored(selection, camera, news);
+            self.show_restored(selection, before, news);
         }
     }
 
-    /// Shows what was restored. Like any other move of the camera, one that is undone brings the preview back.
+    /// Shows what was restored; `before`: the camera, and the number of the file that the scene belonged to. Like any other move of the
+    /// camera, one that is undone brings the preview back.
     fn show_restored(
         &mut self,
         selection: Selection,
-        camera_before: crate::scene::Camera,
+        (camera_before, file_before): (Camera, usize),
         news: String,
     ) {
+        if self.document.file_number() != file_before {
+            self.show_other_scene();
+        }
         self.selection = selection;
         if orbit::is_moved(&camera_before, &self.document.scene.camera) {
             self.show_camera_view();

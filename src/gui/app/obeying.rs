@@ -52,7 +52,7 @@ impl App {
             Command::FrameAll => self.frame(&self.bounds()),
             Command::FrameSelected => self.frame(&self.selected_bounds()),
             Command::ResetCamera => {
-                self.document.scene.camera = self.document.home;
+                self.document.scene.camera = self.document.home();
                 self.show_camera_view();
             }
             Command::AddBookmark => self.add_bookmark(),

@@ -20,7 +20,7 @@ use crate::gui::top_bar::View;
 use crate::gui::worker;
 use crate::io::{self, LoadedScene, RadianceFile, TextureFile};
 use crate::render::SketchStore;
-use crate::scene::{Background, Material};
+use crate::scene::{Background, Material, Scene};
 
 impl App {
     /// Opens `paths` in place of the scene, once unsaved work is decided about; of meshes it is asked first whether they are to join the
@@ -141,7 +141,7 @@ impl App {
             [] => "Demo".to_owned(),
             [first, ..] => name_of(first),
         };
-        self.replace_document(Document::new(loaded.scene, name, file));
+        self.open_document(loaded.scene, name, file);
         if !loaded.warnings.is_empty() {
             let title = format!("Opened {} with remarks", what(paths));
             self.messages.warning(title, loaded.warnings.join("\n"));
@@ -151,8 +151,33 @@ impl App {
         }
     }
 
+    /// Puts another scene in place of the present one. That can be undone, unless there was none.
+    fn open_document(&mut self, scene: Scene, name: String, path: Option<PathBuf>) {
+        let before = self.document.name().to_owned();
+        let is_first = self.document.scene.objects.is_empty()
+            && self.document.undo_history().next_undo().is_none();
+        if is_first {
+            self.replace_document(Document::new(scene, name, path));
+        } else {
+            let selection = std::mem::take(&mut self.selection);
+            self.document.open(scene, name, path, &selection);
+            self.show_other_scene();
+            self.messages.clear();
+            let news = format!("Undo brings {before} back");
+            self.messages.news(news);
+        }
+    }
+
     /// Puts another document in place of the present one, and forgets what belongs to that.
     pub(super) fn replace_document(&mut self, document: Document) {
+        self.document = document;
+        self.show_other_scene();
+        self.messages.clear();
+        self.messages.news("");
+    }
+
+    /// Forgets what belonged to the scene that was shown before: the document has another one now.
+    pub(super) fn show_other_scene(&mut self) {
         self.jobs.cancel(Lane::Prepare);
         self.jobs.cancel(Lane::Render);
         self.jobs.cancel(Lane::Encode);
@@ -161,9 +186,6 @@ impl App {
         self.reloading.forget();
         self.viewport.release();
         self.rays = None;
-        self.messages.clear();
-        self.messages.news("");
-        self.document = document;
         self.selection = Selection::Camera;
         self.view = View::Preview;
         self.prepared = None;

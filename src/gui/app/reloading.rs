@@ -78,12 +78,11 @@ pub struct Reloading {
 }
 
 impl Reloading {
-    /// Forgets what was to be read again.
+    /// Forgets what was to be read again for a scene that is not shown any more. Its files go on being watched: undoing may bring it back.
     pub(super) fn forget(&mut self) {
         self.stale.clear();
         self.reading = None;
         self.asks = false;
-        self.sources = Sources::default();
     }
 }
 

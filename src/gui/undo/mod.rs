@@ -30,6 +30,8 @@ pub struct Snapshot {
     pub scene: Scene,
     /// The selected part.
     pub selection: Selection,
+    /// Number of the file, among those that were opened, that it belongs to.
+    pub file: usize,
 }
 
 /// An edit: the scene on its other side.
@@ -67,7 +69,11 @@ impl UndoHistory {
     pub fn new(scene: Scene) -> Self {
         let selection = Selection::default();
         Self {
-            present: Snapshot { scene, selection },
+            present: Snapshot {
+                scene,
+                selection,
+                file: 0,
+            },
             past: VecDeque::new(),
             future: Vec::new(),
         }
@@ -90,12 +96,27 @@ impl UndoHistory {
         let now = Snapshot {
             scene: scene.clone(),
             selection: selection.clone(),
+            file: self.present.file,
         };
+        let name = name.unwrap_or_else(|| name_of_change(&self.present.scene, scene));
+        self.go_on(now, name);
+    }
+
+    /// Takes note that `now` took the place of the scene as it was, by what is called `name`.
+    pub fn go_on(&mut self, now: Snapshot, name: String) {
         let before = std::mem::replace(&mut self.present, now);
-        let name = name.unwrap_or_else(|| name_of_change(&before.scene, scene));
-        self.past.push_back(Step::new(before, scene, name));
+        let step = Step::new(before, &self.present.scene, name);
+        self.past.push_back(step);
         self.future.clear();
         self.forget_oldest();
+    }
+
+    /// Whether undoing or doing again may lead to a scene of that file.
+    #[must_use]
+    pub fn leads_to(&self, file: usize) -> bool {
+        let steps = self.past.iter().chain(&self.future);
+        let mut snapshots = steps.map(|step| &step.snapshot).chain([&self.present]);
+        snapshots.any(|snapshot| snapshot.file == file)
     }
 
     /// What undoing would take back, such as "moving the camera"; `None` where there is nothing.
