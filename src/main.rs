@@ -82,6 +82,8 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
         paths: files.to_vec(),
     }) {
         Ok(()) => return Ok(ExitCode::SUCCESS),
+        // Who has worked in it wants no picture instead.
+        Err(error) if error.was_open() => bail!(error),
         Err(error) => error.to_string(),
     };
     #[cfg(not(feature = "gui"))]

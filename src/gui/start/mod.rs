@@ -1,0 +1,147 @@
+//! Opening the window, and words for when it does not open.
+//!
+//! - `guard`: faults while a window draws, which end that window and not the program
+//! - `reopening`: a new window when the graphics device of one is lost
+
+mod guard;
+mod reopening;
+
+use std::path::PathBuf;
+
+use eframe::wgpu;
+
+use super::app::{App, AppOptions, FileDialogs};
+pub(super) use reopening::{Survivor, open};
+
+/// What the window opens.
+#[derive(Clone, Debug, Default)]
+pub struct OpenRequest {
+    /// Scene or mesh files; the demo when there are none.
+    pub paths: Vec<PathBuf>,
+}
+
+/// Why there is no window, what is missing, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum GuiError {
+    /// No display server, or a library to talk to it is missing.
+    #[error(
+        "no display answers ({reason}).\n\
+         On a machine with a desktop, start RayMini inside it: DISPLAY or WAYLAND_DISPLAY must name it, and a stale \
+         WAYLAND_DISPLAY must be unset.\n\
+         On a fresh Debian the libraries are: apt install libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0\n\
+         Without a display, `raymini render SCENE -o picture.png` makes the same picture."
+    )]
+    NoDisplay {
+        /// What the window library says.
+        reason: String,
+    },
+    /// No graphics driver.
+    #[error(
+        "no graphics driver can draw the window ({reason}).\n\
+         On Debian: apt install mesa-vulkan-drivers (works without a graphics card, too).\n\
+         Without it, `raymini render SCENE -o picture.png` makes the same picture."
+    )]
+    NoGpu {
+        /// What the graphics library says.
+        reason: String,
+    },
+    /// A library of the display server is missing in a way that only shows by a panic.
+    #[error(
+        "the window system gave up ({reason}).\n\
+         On Debian: apt install libxkbcommon-x11-0 libx11-xcb1 libxcursor1 libxi6\n\
+         Without a window, `raymini render SCENE -o picture.png` makes the same picture."
+    )]
+    Panicked {
+        /// The message of the panic.
+        reason: String,
+    },
+    /// The graphics device was lost, and there is no other.
+    #[error(
+        "the graphics device was lost, and no other draws the window ({reason}).\n\
+         What you have not saved is kept: the next start offers it.\n\
+         Without a window, `raymini render SCENE -o picture.png` makes the same picture."
+    )]
+    DeviceLost {
+        /// What the driver says.
+        reason: String,
+    },
+    /// A fault of the program while it was in use.
+    #[error(
+        "the program has a fault and cannot go on: {reason}.\n\
+         What you have not saved is kept: the next start offers it."
+    )]
+    Fault {
+        /// The message of the panic.
+        reason: String,
+    },
+    /// The window opened, and what was to be measured in it did not come about.
+    #[error("the window cannot be measured: {reason}")]
+    NotMeasured {
+        /// What happened.
+        reason: String,
+    },
+}
+
+impl GuiError {
+    /// Whether there was a window, which somebody worked in.
+    #[must_use]
+    pub fn was_open(&self) -> bool {
+        matches!(
+            self,
+            Self::DeviceLost { .. } | Self::Fault { .. } | Self::NotMeasured { .. }
+        )
+    }
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// When there is no display, no graphics driver, or a library is missing: in words, with what to install. When the graphics device is
+/// lost for good, or the program has a fault: what is not saved is kept then.
+pub fn run(request: OpenRequest) -> Result<(), GuiError> {
+    let options = AppOptions {
+        paths: request.paths,
+        file_dialogs: FileDialogs::Desktop,
+        data_folder: super::keeping::data_folder(),
+    };
+    open(|creation| App::new(creation, options))
+}
+
+fn native_options() -> eframe::NativeOptions {
+    eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("RayMini")
+            .with_app_id("raymini")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([800.0, 520.0]),
+        // Pictures are shown as they are saved, without noise on top.
+        dithering: false,
+        ..eframe::NativeOptions::default()
+    }
+}
+
+/// Why the library that opens windows, which does not tell, has opened none: what the graphics drivers say.
+fn why_no_window() -> GuiError {
+    let setup = eframe::egui_wgpu::WgpuSetup::without_display_handle();
+    let instance = pollster::block_on(setup.new_instance());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+    let reason = if names.is_empty() {
+        "none is installed".to_owned()
+    } else {
+        format!("not even {}", names.join(", "))
+    };
+    GuiError::NoGpu { reason }
+}
+
+/// What went wrong with the window system, for a sentence.
+fn no_display(error: &winit::error::EventLoopError) -> GuiError {
+    let text = error.to_string();
+    // Some libraries name the line of their source that failed, which helps nobody here.
+    let reason = match text.rsplit_once(".rs:") {
+        Some((_, after)) => after.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':'),
+        None => &text,
+    };
+    let reason = reason.trim().trim_end_matches('.').to_owned();
+    GuiError::NoDisplay { reason }
+}
