@@ -58,6 +58,9 @@ pub struct FrameFigures {
     pub while_user: &'static str,
     /// Processor time of the thread that draws the window, in a frame.
     pub cpu_ms: Spread,
+    /// That of it until the frame is handed to the graphics driver. The rest is the driver's: where the processor draws, it sends all pixels
+    /// to the display on this thread, which takes the longer the less the display gets of the processor.
+    pub own_cpu_ms: Spread,
     /// From the start of a frame to that of the next. Nobody waits for frames where the user only watches.
     pub interval_ms: Spread,
 }
@@ -92,7 +95,8 @@ pub struct WindowFigures {
     pub frames: Vec<FrameFigures>,
     /// From asking for a cancel until no thread renders.
     pub cancel_ms: Spread,
-    /// From the loss of the graphics device until all is there again, in a new window.
+    /// From the loss of the graphics device until all is there again, in a new window. Half of them are lost between two frames, half in the
+    /// middle of one.
     pub loss_ms: Spread,
     /// From an edit to the new picture.
     pub restarts: Vec<RestartFigures>,
@@ -135,6 +139,15 @@ impl WindowFigures {
         {
             let name = format!("processor time of a frame while the user {while_user}");
             lines.push((name, cpu_ms, Some(FRAME_BAR)));
+        }
+        for FrameFigures {
+            while_user,
+            own_cpu_ms,
+            ..
+        } in &self.frames
+        {
+            let name = format!("of it without the driver's while the user {while_user}");
+            lines.push((name, own_cpu_ms, Some(FRAME_BAR)));
         }
         for FrameFigures {
             while_user,
@@ -196,6 +209,7 @@ mod tests {
             frames: vec![FrameFigures {
                 while_user: "watches",
                 cpu_ms: Spread::of(vec![1.0, 5.0]),
+                own_cpu_ms: Spread::of(vec![1.0, 3.0]),
                 interval_ms: Spread::of(vec![33.0]),
             }],
             cancel_ms: Spread::of(vec![12.0]),
@@ -208,6 +222,7 @@ mod tests {
             line("processor time of a frame while the user watches")
                 .ends_with("5.00  ≤   4 missed")
         );
+        assert!(line("of it without the driver's").ends_with("3.00  ≤   4 kept"));
         assert!(line("time between frames").ends_with("33.00"));
         assert!(line("from cancel").ends_with("12.00  ≤  50 kept"));
     }

@@ -1,9 +1,12 @@
 //! What is done in the window, one task after the other, by the events that keys and mouse would bring.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait};
+use eframe::wgpu;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
 
 use super::figures::{FrameFigures, RestartFigures, Spread, WindowFigures};
@@ -133,6 +136,8 @@ enum Task {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LossPhase {
     Start,
+    /// It goes in the middle of this frame, when all is ready to be drawn.
+    InFrame,
     /// The graphics device is gone since.
     Lost(Instant),
     /// A window is there again; the preview is still to come.
@@ -170,7 +175,10 @@ pub struct Script {
     begun: Instant,
     /// Processor time of this thread and time at the start of the last frame.
     last_frame: Option<(Duration, Instant)>,
+    /// Processor time of this thread when the last frame was handed to the driver.
+    handed_over: HandedOver,
     cpu: [Vec<f64>; Doing::ALL.len()],
+    own_cpu: [Vec<f64>; Doing::ALL.len()],
     intervals: [Vec<f64>; Doing::ALL.len()],
     cancels: Vec<f64>,
     losses: Vec<f64>,
@@ -183,6 +191,38 @@ pub struct Script {
 
 fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
+}
+
+/// A mark that is drawn last, and takes note when that is: what is drawn comes to the driver together, after it.
+#[derive(Clone, Debug, Default)]
+struct HandedOver(Arc<Mutex<Option<Duration>>>);
+
+impl HandedOver {
+    /// Processor time of the window's thread when the frame before was handed over; `None` where it was not drawn.
+    fn take(&self) -> Option<Duration> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+impl CallbackTrait for HandedOver {
+    fn paint(
+        &self,
+        _: egui::PaintCallbackInfo,
+        _: &mut wgpu::RenderPass<'static>,
+        _: &CallbackResources,
+    ) {
+        let now = ThreadTime::now().as_duration();
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
+    }
+}
+
+/// What a frame took.
+#[derive(Clone, Copy, Debug)]
+struct FrameTime {
+    cpu: Duration,
+    /// Until it was handed to the driver.
+    own_cpu: Option<Duration>,
+    interval: Duration,
 }
 
 /// Presses and releases a key.
@@ -222,7 +262,9 @@ impl Script {
             ending: None,
             begun: Instant::now(),
             last_frame: None,
+            handed_over: HandedOver::default(),
             cpu: Default::default(),
+            own_cpu: Default::default(),
             intervals: Default::default(),
             cancels: Vec::new(),
             losses: Vec::new(),
@@ -266,6 +308,7 @@ impl Script {
                 .map(|doing| FrameFigures {
                     while_user: doing.in_words(),
                     cpu_ms: take(&mut self.cpu[doing as usize]),
+                    own_cpu_ms: take(&mut self.own_cpu[doing as usize]),
                     interval_ms: take(&mut self.intervals[doing as usize]),
                 })
                 .into(),
@@ -301,7 +344,12 @@ impl Script {
             let text = format!("{}: {}", message.title, message.text);
             return self.end(Ending::Stuck(text));
         }
-        let last = before.map(|(cpu, at)| (now.0.saturating_sub(cpu), now.1 - at));
+        let handed_over = self.handed_over.take();
+        let last = before.map(|(cpu, at)| FrameTime {
+            cpu: now.0.saturating_sub(cpu),
+            own_cpu: handed_over.map(|handed_over| handed_over.saturating_sub(cpu)),
+            interval: now.1 - at,
+        });
         if let (Some(last), Task::Restart { phase, .. }) = (last, &self.task)
             && matches!(phase, RestartPhase::Edited(_) | RestartPhase::Shown(_))
         {
@@ -320,9 +368,10 @@ impl Script {
         }
     }
 
-    fn take_frame(&mut self, doing: Doing, (cpu, interval): (Duration, Duration)) {
-        self.cpu[doing as usize].push(milliseconds(cpu));
-        self.intervals[doing as usize].push(milliseconds(interval));
+    fn take_frame(&mut self, doing: Doing, frame: FrameTime) {
+        self.cpu[doing as usize].push(milliseconds(frame.cpu));
+        self.own_cpu[doing as usize].extend(frame.own_cpu.map(milliseconds));
+        self.intervals[doing as usize].push(milliseconds(frame.interval));
     }
 
     fn set_up(&mut self, app: &mut App) -> bool {
@@ -347,7 +396,7 @@ impl Script {
         app: &App,
         ctx: &egui::Context,
         events: &mut Vec<Event>,
-        last: Option<(Duration, Duration)>,
+        last: Option<FrameTime>,
     ) -> bool {
         let Task::Frames {
             doing,
@@ -380,13 +429,6 @@ impl Script {
             self.wake = Some(Duration::ZERO);
             return false;
         };
-        // What was done to begin does not count.
-        if *frames > 2
-            && let Some((cpu, interval)) = last
-        {
-            self.cpu[doing as usize].push(milliseconds(cpu));
-            self.intervals[doing as usize].push(milliseconds(interval));
-        }
         *frames += 1;
         if doing != Doing::Watching {
             let turn = *frames as f32 * 0.1;
@@ -394,6 +436,12 @@ impl Script {
             self.wake = Some(Duration::ZERO);
         }
         let is_over = *frames > MOST_FRAMES || started.elapsed() > FRAMES_TIME;
+        // What was done to begin does not count.
+        if *frames > 3
+            && let Some(last) = last
+        {
+            self.take_frame(doing, last);
+        }
         if is_over {
             if doing == Doing::Orbiting {
                 events.push(button(middle, false));
@@ -489,17 +537,18 @@ impl Script {
         };
         self.wake = Some(Duration::ZERO);
         match *phase {
-            LossPhase::Start => {
-                app.lose_device();
+            LossPhase::Start if self.losses.len().is_multiple_of(2) => {
                 *phase = LossPhase::Lost(Instant::now());
+                app.lose_device();
             }
+            LossPhase::Start => *phase = LossPhase::InFrame,
             // The preview was drawn by the frame before.
             LossPhase::Moved(lost) if !app.is_settling() => {
                 self.losses.push(milliseconds(lost.elapsed()));
                 *phase = LossPhase::Done;
                 return true;
             }
-            LossPhase::Lost(_) | LossPhase::Moved(_) => {}
+            LossPhase::InFrame | LossPhase::Lost(_) | LossPhase::Moved(_) => {}
             LossPhase::Done => return true,
         }
         false
@@ -520,7 +569,13 @@ impl Script {
         if let Some(delay) = self.wake.take() {
             ctx.request_repaint_after(delay);
         }
+        let mark = Callback::new_paint_callback(ctx.content_rect(), self.handed_over.clone());
+        ctx.debug_painter().add(mark);
         match &mut self.task {
+            Task::Loss(phase) if *phase == LossPhase::InFrame => {
+                *phase = LossPhase::Lost(Instant::now());
+                app.lose_device();
+            }
             Task::Cancel(phase) => {
                 if let CancelPhase::Asked(asked) = *phase {
                     while app.render_threads() > 0 && asked.elapsed() < PATIENCE {
