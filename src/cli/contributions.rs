@@ -45,6 +45,8 @@ struct Measured {
     mean_change: [f64; 3],
     /// Of the mean of the picture; none where that is black.
     mean_share: Option<f64>,
+    /// How far noise puts it off at most, in 95 of 100 cases; none where that is not known.
+    mean_share_error: Option<f64>,
     largest_change: Option<Largest>,
     /// Of the picture without against the whole.
     relmse: Option<f64>,
@@ -138,7 +140,7 @@ impl MeasuredContributions {
         let mut text = format!(
             "\nwhat each brings, in {width}×{height} pixels of {samples_per_pixel} samples, and how wrong the picture is without:\n"
         );
-        text += "     mean     largest  relmse    \n";
+        text += "     mean             largest  relmse    \n";
         for measured in &self.contributions {
             let _ = writeln!(text, "{}", measured.line());
         }
@@ -158,6 +160,7 @@ impl Measured {
         let Figures {
             mean,
             mean_share,
+            mean_share_error,
             largest,
             relmse,
             scale,
@@ -171,6 +174,7 @@ impl Measured {
             scale,
             mean_change: mean,
             mean_share: finite(mean_share),
+            mean_share_error,
             largest_change: largest.map(|largest| Largest {
                 value: largest.value,
                 x: largest.x,
@@ -185,12 +189,18 @@ impl Measured {
             || "–".to_owned(),
             |share| format!("{:+.2} %", 100.0 * share),
         );
+        let error = self
+            .mean_share_error
+            .map_or_else(String::new, |error| format!("± {:.2}", 100.0 * error));
         let largest = self.largest_change.as_ref();
         let largest = largest.map_or_else(|| "–".to_owned(), |l| format!("{:+.3e}", l.value));
         let relmse = self
             .relmse
             .map_or_else(|| "–".to_owned(), |r| format!("{r:.2e}"));
-        format!("{share:>9}  {largest:>10}  {relmse:>8}  {}", self.name)
+        format!(
+            "{share:>9} {error:<7}  {largest:>10}  {relmse:>8}  {}",
+            self.name
+        )
     }
 }
 

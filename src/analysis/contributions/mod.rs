@@ -18,6 +18,8 @@ use crate::scene::{Background, Light, Material, Rgb, Scene, SceneError, Stop};
 
 /// Pixels of the pictures along their longer side, where nothing else is asked for.
 pub const LONGER_SIDE: u32 = 160;
+/// Standard deviations that 95 of 100 values of a normal distribution lie within.
+const CONFIDENCE: f64 = 1.96;
 /// The most samples of a pixel.
 const MOST_SAMPLES: u32 = 32;
 
@@ -112,6 +114,11 @@ fn shines(material: &Material) -> bool {
 }
 
 /// What something brings to a picture.
+///
+/// How far noise puts the mean of the change off is told by the errors of the two pictures, which are estimated (see
+/// [`ErrorEstimate`](crate::render::ErrorEstimate)). Pixels are sampled on their own, so errors of a mean over `n` of them fall by `√n`. Those of
+/// the two pictures come of the same samples, and may cancel or not: their sum is what the error of the difference is at most, so what is
+/// told is rather too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contribution {
     /// What brings it.
@@ -131,6 +138,9 @@ pub struct Figures {
     pub mean: [f64; 3],
     /// Mean of all channels, as a share of the mean of the picture; infinite where the picture is black.
     pub mean_share: f64,
+    /// How far noise puts [`Self::mean_share`] off at most, in 95 of 100 cases; `None` where the error of the pictures is not known. See
+    /// [`Contribution`].
+    pub mean_share_error: Option<f64>,
     /// The largest change of a channel, with its sign, and where it is; `None` where no pixel counts.
     pub largest: Option<LocatedDifference>,
     /// Mean of change² / (picture² + 0.01) over pixels and channels: how wrong the picture is without. NaN where no pixel counts.
@@ -144,7 +154,27 @@ pub struct Figures {
 pub struct Whole {
     scene: Scene,
     prepared: PreparedScene,
+    picture: Picture,
+}
+
+/// A picture, and how wrong it is.
+#[derive(Clone, Debug)]
+struct Picture {
     image: Image,
+    /// The upper end of its interval; `None` where it is not known.
+    rmse: Option<f64>,
+}
+
+impl Picture {
+    /// `None` when cancelled.
+    fn render(prepared: &PreparedScene, run: &RunConfig) -> Option<Self> {
+        let outcome = render(prepared, None, run, &RenderProgress::default(), None)?;
+        let error = outcome.stats.error.map(|error| error.rmse.high);
+        Some(Self {
+            image: outcome.image,
+            rmse: error.filter(|error| error.is_finite()),
+        })
+    }
 }
 
 impl Whole {
@@ -164,22 +194,24 @@ impl Whole {
         [settings.width, settings.height] = fitted([settings.width, settings.height], longer_side);
         settings.samples_per_pixel = settings.samples_per_pixel.min(MOST_SAMPLES);
         settings.stop = Stop::default();
-        settings.error_estimate = false;
+        settings.error_estimate = true;
+        // The same samples with and without.
+        settings.adaptive = false;
         let Some(prepared) = PreparedScene::prepare(&small, prepared, &run.cancel)? else {
             return Ok(None);
         };
-        let image = image_of(&prepared, run);
-        Ok(image.map(|image| Self {
+        let picture = Picture::render(&prepared, run);
+        Ok(picture.map(|picture| Self {
             scene: small,
             prepared,
-            image,
+            picture,
         }))
     }
 
     /// The picture with everything.
     #[must_use]
     pub fn image(&self) -> &Image {
-        &self.image
+        &self.picture.image
     }
 
     /// The scene in the size and with the samples of the picture.
@@ -199,8 +231,8 @@ impl Whole {
     ) -> Result<Option<Contribution>, SceneError> {
         let scene = contributor.removed_from(&self.scene);
         let prepared = self.prepare(&scene, &run.cancel)?;
-        let without = prepared.and_then(|prepared| image_of(&prepared, run));
-        Ok(without.map(|without| Contribution::new(contributor.clone(), &self.image, without)))
+        let without = prepared.and_then(|prepared| Picture::render(&prepared, run));
+        Ok(without.map(|without| Contribution::new(contributor.clone(), &self.picture, without)))
     }
 
     fn prepare(
@@ -217,25 +249,33 @@ impl Contribution {
     ///
     /// # Panics
     /// When the sizes differ.
-    fn new(contributor: Contributor, whole: &Image, without: Image) -> Self {
+    fn new(contributor: Contributor, whole: &Picture, without: Picture) -> Self {
         const ONE_SIZE: &str = "both are rendered in one size";
+        let errors = whole.rmse.zip(without.rmse);
+        let (whole, without) = (&whole.image, without.image);
         let change = signed_difference(whole, &without).expect(ONE_SIZE);
         let metrics = Metrics::measure(&without, whole).expect(ONE_SIZE);
         let [before, after] = [metrics.mean_a, metrics.mean_b];
         let mean = std::array::from_fn(|channel| after[channel] - before[channel]);
         let sum = |channels: [f64; 3]| channels.into_iter().sum::<f64>();
         let changed = sum(mean);
+        let mean_share = if changed == 0.0 {
+            0.0
+        } else {
+            changed / sum(after)
+        };
+        let mean_share_error = errors.map(|(of_whole, of_without)| {
+            let to_mean = CONFIDENCE / (whole.pixels.len() as f64).sqrt() / (sum(after) / 3.0);
+            to_mean * (of_whole + of_without + mean_share.abs() * of_whole)
+        });
         let largest = metrics.largest.map(|largest| LocatedDifference {
             value: f64::from(colors::largest_channel(change.pixel(largest.x, largest.y))),
             ..largest
         });
         let figures = Figures {
             mean,
-            mean_share: if changed == 0.0 {
-                0.0
-            } else {
-                changed / sum(after)
-            },
+            mean_share,
+            mean_share_error: mean_share_error.filter(|error| error.is_finite()),
             largest,
             relmse: metrics.errors.relmse,
             scale: scale_of(&change),
@@ -247,11 +287,6 @@ impl Contribution {
             figures,
         }
     }
-}
-
-fn image_of(prepared: &PreparedScene, run: &RunConfig) -> Option<Image> {
-    let outcome = render(prepared, None, run, &RenderProgress::default(), None)?;
-    Some(outcome.image)
 }
 
 /// The largest size of the same shape that is `longer_side` along its longer side and no larger than `size`, and at least 1 × 1.

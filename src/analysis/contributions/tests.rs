@@ -201,7 +201,9 @@ fn figures_are_those_of_the_formulas() {
     };
     let with = image([[2.0, 2.0, 2.0], [4.0, 0.0, 1.0]]);
     let without = image([[1.0, 3.0, 2.0], [4.0, 2.0, 1.0]]);
-    let contribution = Contribution::new(Contributor::Background, &with, without);
+    let of = |image, rmse| Picture { image, rmse };
+    let [with, without] = [of(with, Some(0.1)), of(without, Some(0.2))];
+    let contribution = Contribution::new(Contributor::Background, &with, without.clone());
     assert_eq!(
         contribution.change.pixels,
         [[1.0, -1.0, 0.0], [0.0, -2.0, 0.0]]
@@ -209,10 +211,53 @@ fn figures_are_those_of_the_formulas() {
     let figures = contribution.figures;
     assert_eq!(figures.mean, [0.5, -1.5, 0.0]);
     assert!((figures.mean_share - -2.0 / 11.0).abs() < 1e-12);
+    // Of two pixels of mean 11/6, with 2/11 of them changed.
+    let error = 1.96 / 2.0_f64.sqrt() / (11.0 / 6.0) * (0.1 + 0.2 + 0.1 * 2.0 / 11.0);
+    assert!((figures.mean_share_error.unwrap() - error).abs() < 1e-12);
+    let unknown = of(with.image, None);
+    let unknown = Contribution::new(Contributor::Background, &unknown, without);
+    assert_eq!(unknown.figures.mean_share_error, None);
     let largest = figures.largest.unwrap();
     assert_eq!((largest.value, largest.x, largest.y), (-2.0, 1, 0));
     let relmse = (2.0 / 4.01 + 4.0 / 0.01) / 6.0;
     assert!((figures.relmse - relmse).abs() < 1e-9 * relmse);
+}
+
+/// Of the same scene with other seeds the share is another one, by no more than is told; with more samples less is told.
+#[test]
+fn what_paths_bring_is_told_with_how_far_it_is_off() {
+    const SEEDS: u64 = 24;
+    let mut scene = rich();
+    scene.render.mode = Mode::Path;
+    let figures_of = |scene: &Scene, contributor: &Contributor| {
+        let contribution = brought(&whole(scene), contributor);
+        contribution.figures
+    };
+    let contributors = [
+        Contributor::Light(0),
+        Contributor::Effect(Effect::IndirectLight),
+    ];
+    for contributor in contributors {
+        scene.render.samples_per_pixel = 16;
+        let found: Vec<Figures> = (0..SEEDS)
+            .map(|seed| {
+                scene.render.seed = seed;
+                figures_of(&scene, &contributor)
+            })
+            .collect();
+        let mean = found.iter().map(|f| f.mean_share).sum::<f64>() / SEEDS as f64;
+        let told = |figures: &Figures| figures.mean_share_error.expect("it is known");
+        let within = found
+            .iter()
+            .filter(|f| (f.mean_share - mean).abs() <= told(f));
+        // 95 of 100 at least: 21 of 24 or fewer would be a chance of 1 in 40 where it is just that.
+        assert!(within.count() >= 22, "{contributor:?}: {found:?}");
+        let few = told(&found[0]);
+        assert!(few < 0.2 * mean.abs(), "{contributor:?}: {few} of {mean}");
+        scene.render.samples_per_pixel = 32;
+        let more = told(&figures_of(&scene, &contributor));
+        assert!(more < 0.9 * few, "{contributor:?}: {few}, then {more}");
+    }
 }
 
 #[test]

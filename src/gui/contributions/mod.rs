@@ -248,6 +248,7 @@ mod tests {
             figures: Figures {
                 mean: [0.0; 3],
                 mean_share: 0.0,
+                mean_share_error: None,
                 largest: None,
                 relmse: 0.0,
                 scale: 0.0,

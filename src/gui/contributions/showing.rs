@@ -71,8 +71,13 @@ impl Contributions {
     fn share_ui(&self, ui: &mut Ui, contributor: &Contributor) {
         let known = self.known(contributor);
         let share = known.map_or_else(|| "…".to_owned(), |known| signed_share(&known.figures));
-        ui.label(RichText::new(share).weak())
-            .on_hover_text("Mean of the change, as a share of the mean of the picture");
+        let error = known.and_then(|known| error_of_share(&known.figures));
+        let error = error.map_or_else(String::new, |error| {
+            format!("; noise puts it off by {error} at most, in 95 of 100 cases")
+        });
+        ui.label(RichText::new(share).weak()).on_hover_text(format!(
+            "Mean of the change, as a share of the mean of the picture{error}"
+        ));
     }
 
     /// The small picture of what `contributor` brings: larger under the mouse, in a window of its own by a click.
@@ -276,9 +281,11 @@ fn details_ui(ui: &mut Ui, figures: &Figures, width: f32) {
                 ui.end_row();
             };
             let [r, g, b] = figures.mean.map(signed);
+            let error = error_of_share(figures);
+            let error = error.map_or_else(String::new, |error| format!(" ± {error}"));
             row(
                 "Mean change",
-                format!("{}   ({r}, {g}, {b} {unit})", signed_share(figures)),
+                format!("{}{error}   ({r}, {g}, {b} {unit})", signed_share(figures)),
             );
             let largest = figures.largest.map_or_else(
                 || "–".to_owned(),
@@ -293,6 +300,11 @@ fn details_ui(ui: &mut Ui, figures: &Figures, width: f32) {
             row("Largest change", largest);
             row("relMSE without", format_number(figures.relmse, 5));
         });
+}
+
+/// How far noise puts the mean change off, as a share of the mean of the picture; `None` where that is not known.
+fn error_of_share(figures: &Figures) -> Option<String> {
+    figures.mean_share_error.map(percent)
 }
 
 /// The mean change as a share of the mean of the picture.
