@@ -3,8 +3,9 @@
 //! Errors are small and differ by orders of magnitude between scenes, so the scale is that of the picture itself; the legend
 //! says what it is.
 
-use egui::{Align2, Color32, FontId, Mesh, Pos2, Rect, Ui, Vec2};
+use egui::{Color32, Rect, Ui};
 
+use super::legend::Legend;
 use super::widgets::format_number;
 use crate::render::Image;
 
@@ -19,10 +20,6 @@ const COLORS: [[u8; 3]; 5] = [
 
 /// One pixel in so many may lie beyond the scale.
 const PIXELS_PER_OUTLIER: usize = 100;
-
-/// Size of the legend, and its distance from the picture's edges, in points.
-const LEGEND: Vec2 = Vec2::new(236.0, 44.0);
-const LEGEND_DISTANCE: f32 = 10.0;
 
 /// The error of a pixel: that of its worst channel.
 fn worst_channel(rgb: [f32; 3]) -> f32 {
@@ -71,45 +68,17 @@ fn color_of_share(share: f32) -> Color32 {
 }
 
 /// Draws what the colours mean into the lower left corner of the picture in `frame`.
-pub fn legend_ui(ui: &mut Ui, frame: Rect, scale: f32) {
-    let corner = frame.left_bottom() + Vec2::new(LEGEND_DISTANCE, -LEGEND_DISTANCE - LEGEND.y);
-    let area = Rect::from_min_size(corner, LEGEND);
-    let painter = ui.painter();
-    painter.rect_filled(area, 6.0, Color32::from_black_alpha(190));
-    let inside = area.shrink2(Vec2::new(10.0, 7.0));
-    let bar = Rect::from_min_max(inside.left_bottom() - Vec2::new(0.0, 9.0), inside.max);
-    let mut mesh = Mesh::default();
-    let mut share = 0.0;
-    for (corner, _) in (0..).step_by(2).zip(COLORS) {
-        let x = egui::lerp(bar.x_range(), share);
-        for y in [bar.top(), bar.bottom()] {
-            mesh.colored_vertex(Pos2::new(x, y), color_of_share(share));
-        }
-        if share > 0.0 {
-            mesh.add_triangle(corner - 2, corner - 1, corner);
-            mesh.add_triangle(corner - 1, corner, corner + 1);
-        }
-        share += 1.0 / (COLORS.len() - 1) as f32;
-    }
-    painter.add(mesh);
-
-    let text = format!("{} W/m²/sr or more", format_number(f64::from(scale), 4));
-    let ink = Color32::from_gray(0xe8);
-    let font = || FontId::proportional(11.0);
-    painter.text(inside.left_top(), Align2::LEFT_TOP, "Error 0", font(), ink);
-    painter.text(inside.right_top(), Align2::RIGHT_TOP, &text, font(), ink);
-    let response = ui.interact(
-        area,
-        ui.scope_id().with("error legend"),
-        egui::Sense::hover(),
-    );
-    response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Error up to {text}"))
-    });
-    response.on_hover_text(
-        "Colours of the error of each pixel, in its worst channel, averaged over the pixels around it. One pixel in a hundred \
-         lies beyond the scale",
-    );
+pub fn legend_ui(ui: &Ui, frame: Rect, scale: f32) {
+    let most = format!("{} W/m²/sr or more", format_number(f64::from(scale), 4));
+    let legend = Legend {
+        start: "Error 0",
+        end: &most,
+        marks: &[],
+        name: format!("Error up to {most}"),
+        explanation: "Colours of the error of each pixel, in its worst channel, averaged over the pixels around it. One pixel in a hundred \
+             lies beyond the scale",
+    };
+    legend.show_ui(ui, frame, color_of_share);
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@
 //! - [`picture`], [`picture_buffer`], [`canvas`], [`tile_outlines`], [`first_look`]: the render as it fills in
 //! - [`part`], [`region`], [`threads`]: which of its pixels, and who renders them
 //! - [`renders`], [`compare`]: the renders of this session, one against another
-//! - [`zoom`], [`look`], [`inspector`], [`histogram`], [`steps_legend`]: a picture looked at closely
+//! - [`zoom`], [`look`], [`false_colors`], [`inspector`], [`histogram`], [`steps_legend`], [`legend`]: a picture looked at closely
 //! - [`error_plot`], [`error_colors`]: how wrong it still is
 //! - [`report`]: error against run time, measured over several renders
 //! - [`costs`], [`contributions`], [`time_estimate`]: what effects cost, what they bring, and how long all takes
@@ -40,6 +40,7 @@ pub mod edit;
 pub mod error_colors;
 pub mod error_plot;
 pub mod event;
+pub mod false_colors;
 pub mod first_look;
 pub mod focus;
 pub mod gizmo;
@@ -48,6 +49,7 @@ pub mod icons;
 pub mod inspector;
 pub mod jobs;
 pub mod keeping;
+pub mod legend;
 pub mod log_plot;
 pub mod look;
 pub mod messages;

@@ -1,4 +1,4 @@
-//! From linear radiance to what a screen shows: exposure, tone curve, sRGB, in this order, quantised once at the end.
+//! From linear radiance to what a screen shows: exposure, tone curve, gamma, sRGB, in this order, quantised once at the end.
 
 use crate::math::{Vec3, color::srgb_from_linear};
 use crate::scene::{Display, ToneCurve};
@@ -11,7 +11,15 @@ pub fn encode(rgb: [f32; 3], display: &Display) -> [f32; 3] {
         ToneCurve::None => exposed,
         ToneCurve::Aces => exposed.map(aces),
     };
-    toned.to_array().map(srgb_from_linear)
+    let exponent = 1.0 / display.gamma;
+    let bent = |value: f32| {
+        if exponent == 1.0 {
+            value
+        } else {
+            raised(value, exponent)
+        }
+    };
+    toned.to_array().map(|value| srgb_from_linear(bent(value)))
 }
 
 /// [`encode`] in 8 bits per channel, rounded to nearest.
@@ -41,6 +49,13 @@ pub fn encode_16(rgb: [f32; 3], display: &Display) -> [u16; 3] {
 #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
 pub fn exposure_factor(display: &Display) -> f32 {
     libm::exp2(display.exposure) as f32
+}
+
+/// A value raised to `exponent`, in `0..=1` before and after; NaN becomes 0.
+#[expect(clippy::manual_clamp, reason = "clamp keeps NaN")]
+#[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
+fn raised(value: f32, exponent: f64) -> f32 {
+    libm::pow(value.max(0.0).min(1.0).into(), exponent) as f32
 }
 
 /// The value on a filmic curve; NaN becomes 0.
@@ -75,18 +90,43 @@ mod tests {
 
     #[test]
     fn every_value_encodes_into_range() {
-        for tone_curve in [ToneCurve::None, ToneCurve::Aces] {
+        let curves = [ToneCurve::None, ToneCurve::Aces];
+        let kinds = curves.map(|curve| [0.1, 1.0, 10.0].map(|gamma| (curve, gamma)));
+        for (tone_curve, gamma) in kinds.into_iter().flatten() {
             let display = Display {
                 exposure: 0.0,
                 tone_curve,
+                gamma,
             };
             for value in [-1.0, 0.0, 1e-30, 1.0, 1e30, f32::INFINITY, f32::NAN] {
                 let [encoded, ..] = encode([value; 3], &display);
                 assert!(
                     (0.0..=1.0).contains(&encoded),
-                    "{tone_curve:?} {value}: {encoded}"
+                    "{tone_curve:?} {gamma} {value}: {encoded}"
                 );
             }
         }
+    }
+
+    #[test]
+    fn gamma_brightens_what_is_between_black_and_white() {
+        let squared = Display {
+            gamma: 0.5,
+            ..Display::default()
+        };
+        let root = Display {
+            gamma: 2.0,
+            ..Display::default()
+        };
+        let plain = Display::default();
+        // Squares and roots of these are exact.
+        assert_eq!(
+            encode([0.5, 0.25, 1.0], &squared),
+            encode([0.25, 0.0625, 1.0], &plain)
+        );
+        assert_eq!(
+            encode([0.25, 0.0625, 0.0], &root),
+            encode([0.5, 0.25, 0.0], &plain)
+        );
     }
 }

@@ -1,12 +1,24 @@
 use super::Choice;
 
 /// From linear radiance to what a screen shows. It changes no stored radiance.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Display {
     /// In stops: radiance is multiplied by `2^exposure`.
     pub exposure: f64,
     /// How bright values are bent into the range a screen has.
     pub tone_curve: ToneCurve,
+    /// What is made brighter (above 1) or darker between black and white, after that: values are raised to `1 / gamma`. Positive.
+    pub gamma: f64,
+}
+
+impl Default for Display {
+    fn default() -> Self {
+        Self {
+            exposure: 0.0,
+            tone_curve: ToneCurve::default(),
+            gamma: 1.0,
+        }
+    }
 }
 
 /// How values above what a screen can show are treated, before the sRGB curve.

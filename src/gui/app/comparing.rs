@@ -133,7 +133,7 @@ impl App {
         };
         let buffer = Arc::clone(&comparison.buffer);
         buffer.set_display(self.document.scene.display);
-        buffer.set_shown(self.shown_layer);
+        self.look_at(&buffer);
         self.jobs.start(Lane::EncodeOther, move |job| {
             buffer.encode_all(&job.cancel, |tile| {
                 job.send(Event::CompareTile(Side::Other, tile));

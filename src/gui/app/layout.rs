@@ -14,6 +14,7 @@ use crate::gui::dialogs::{
 use crate::gui::event::Event;
 use crate::gui::focus::FocusAid;
 use crate::gui::jobs::Lane;
+use crate::gui::look::Channels;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
 use crate::gui::preview::choice::Omission;
@@ -24,7 +25,7 @@ use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent};
 use crate::gui::viewport::{self, ViewportScene};
 use crate::gui::zoom::Place;
-use crate::gui::{compare, error_colors, error_plot, inspector, steps_legend};
+use crate::gui::{compare, error_colors, error_plot, false_colors, inspector, steps_legend};
 use crate::io;
 use crate::math::DBounds;
 use crate::scene::Mode;
@@ -187,6 +188,7 @@ impl App {
                             threads: &mut self.threads,
                             region: &mut self.region,
                             shown_layer: &mut self.shown_layer,
+                            channels: &mut self.channels,
                             layers,
                             histogram: self.brightness.histogram.as_ref(),
                             structure,
@@ -276,11 +278,14 @@ impl App {
             }
         }
         let picture = self.picture_on_screen();
-        if let Some(picture) = picture.filter(|p| p.scene.render.mode == Mode::Steps) {
-            steps_legend::legend_ui(ui, frame.intersect(area), &picture.scene.display);
-        }
-        if let Some(scale) = picture.and_then(|picture| picture.buffer.shown_error_scale()) {
-            error_colors::legend_ui(ui, frame.intersect(area), scale);
+        let Some(picture) = picture else { return };
+        let (seen, display) = (frame.intersect(area), &picture.scene.display);
+        if let Some(scale) = picture.buffer.shown_error_scale() {
+            error_colors::legend_ui(ui, seen, scale);
+        } else if self.channels == Channels::FalseColors {
+            false_colors::legend_ui(ui, seen, display);
+        } else if picture.scene.render.mode == Mode::Steps {
+            steps_legend::legend_ui(ui, seen, display);
         }
     }
 

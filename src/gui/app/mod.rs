@@ -68,6 +68,7 @@ use super::event::Event;
 use super::gizmo::Orientation;
 use super::inspector::Inspected;
 use super::jobs::{Jobs, Lane};
+use super::look::Channels;
 use super::messages::Messages;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
@@ -152,6 +153,8 @@ pub struct App {
     error_plot: ErrorPlot,
     /// The layer of the picture to show, where it is kept; `None` shows all of it.
     shown_layer: Option<Layer>,
+    /// The channels that show.
+    channels: Channels,
     /// Whether a render follows every change of what it shows.
     is_live: bool,
     /// A render was asked for at this time and waits for its geometry.
@@ -234,6 +237,7 @@ impl App {
             brightness: seeing::Brightness::default(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
+            channels: Channels::default(),
             is_live: false,
             waiting_render: None,
             costs: CostState::default(),
@@ -542,7 +546,7 @@ impl eframe::App for App {
             // What was typed before is a step of its own.
             self.document.record_edit(&self.selection);
         }
-        let layer_before = self.shown_layer;
+        let before = (self.shown_layer, self.channels);
         let asked = self.window_ui(ui);
         commands.extend(asked.commands);
         match asked.recent {
@@ -572,8 +576,8 @@ impl eframe::App for App {
         {
             self.show_picture_with(display);
         }
-        if self.shown_layer != layer_before {
-            self.show_layer(self.shown_layer);
+        if (self.shown_layer, self.channels) != before {
+            self.show_picture_as_asked();
         }
         self.restart_edited_render();
         self.share_processor(&ctx);

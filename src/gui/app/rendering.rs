@@ -168,7 +168,7 @@ impl App {
             self.is_live = false;
             return;
         };
-        buffer.set_shown(self.shown_layer);
+        self.look_at(&buffer);
         let progress = RenderProgress::default();
         let name = self.name_of_next_picture();
         let was_shown = self.view == View::Picture && self.shown_render.is_none();
@@ -331,11 +331,16 @@ impl App {
         self.encode_other();
     }
 
-    /// Shows a layer of the picture, or all of it.
-    pub(super) fn show_layer(&mut self, layer: Option<Layer>) {
-        self.shown_layer = layer;
+    /// Has the layer and the channels of a picture shown that are asked for.
+    pub(super) fn look_at(&self, buffer: &PictureBuffer) {
+        buffer.set_shown(self.shown_layer);
+        buffer.set_channels(self.channels);
+    }
+
+    /// Shows the picture in the layer and the channels that are asked for by now.
+    pub(super) fn show_picture_as_asked(&mut self) {
         if let Some(picture) = self.shown_picture() {
-            picture.buffer.set_shown(layer);
+            self.look_at(&picture.buffer);
             self.encode_picture();
             self.encode_other();
         }

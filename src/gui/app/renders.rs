@@ -64,12 +64,10 @@ impl App {
         let is_present = self.picture.as_ref().is_some_and(|p| p.number == number);
         self.shown_render = (!is_present).then_some(number);
         let display = self.document.scene.display;
-        let layer = self.shown_layer;
         if let Some(picture) = self.shown_picture_mut() {
             picture.scene.display = display;
             picture.buffer.set_display(display);
-            picture.buffer.set_shown(layer);
-            self.encode_picture();
+            self.show_picture_as_asked();
         } else {
             self.messages.news(format!(
                 "Of render {number} only the small picture is left; its settings can be restored"

@@ -22,6 +22,7 @@ use super::commands::Command;
 use super::contributions::Contributions;
 use super::costs::CostState;
 use super::histogram::Histogram;
+use super::look::Channels;
 use super::region::RegionTool;
 use super::selection::Selection;
 use super::threads::Threads;
@@ -45,6 +46,8 @@ pub struct PanelState<'a> {
     pub region: &'a mut RegionTool,
     /// The layer of the picture that is shown; `None` shows all of it.
     pub shown_layer: &'a mut Option<Layer>,
+    /// The channels of it that show.
+    pub channels: &'a mut Channels,
     /// The layers that the picture has.
     pub layers: &'a [Layer],
     /// How bright the picture on the screen is.
@@ -99,6 +102,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             histogram.histogram_ui(ui);
         }
         settings::layers_ui(ui, state);
+        settings::channels_ui(ui, state.channels);
         settings::display_ui(ui, state.scene);
     });
 }

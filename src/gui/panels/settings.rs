@@ -4,6 +4,7 @@ use super::PanelState;
 use crate::analysis::contributions::Contributor;
 use crate::analysis::cost::Effect;
 use crate::gui::contributions::Contributions;
+use crate::gui::look::Channels;
 use crate::gui::threads::{Threads, cores};
 use crate::gui::widgets::{
     Number, choice_row_ui, combo_row_ui, counted, integer_row_ui, number_row_ui,
@@ -503,6 +504,18 @@ pub fn layers_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     );
 }
 
+/// Which channels of the picture show.
+pub fn channels_ui(ui: &mut Ui, channels: &mut Channels) {
+    let choices = Channels::ALL.map(|channels| (channels, channels.label().to_owned()));
+    combo_row_ui(
+        ui,
+        "Channels",
+        "Which channels of the picture to look at; false colours tell how bright each place is, in stops. Files are saved with all",
+        channels,
+        &choices,
+    );
+}
+
 /// From radiance to the screen. It changes no radiance and needs no new render.
 pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
     number_row_ui(
@@ -523,6 +536,16 @@ pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
         |curve| match curve {
             ToneCurve::None => ("Clip", "Brighter values are white"),
             ToneCurve::Aces => ("ACES", "Bright values roll off as in film"),
+        },
+    );
+    number_row_ui(
+        ui,
+        "Gamma",
+        "Above 1, what is between black and white is shown brighter, below 1 darker; after the tone curve, in PNG files too",
+        &mut scene.display.gamma,
+        &Number {
+            decimals: 2,
+            ..Number::within(0.1..=10.0, 0.01)
         },
     );
     combo_row_ui(

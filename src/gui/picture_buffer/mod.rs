@@ -1,45 +1,27 @@
 //! The pixels that a render fills in, and how they become colours for the screen.
 //!
 //! The render's threads put linear tiles into a [`PictureBuffer`] and encode them for the screen there, so the window's
-//! thread only copies finished bytes into a texture. A picture wider or higher than a texture may be is shown at a whole
-//! fraction of its size, one pixel of every block; nothing but the showing is reduced.
+//! thread only copies finished bytes into a texture.
+//!
+//! - `texels`: which pixel each texel of the texture shows
+//! - `reading`: what is read from a picture beside its tiles
 
 mod reading;
+mod texels;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use egui::{Color32, ColorImage, Vec2};
+use egui::{ColorImage, Vec2};
 
-use super::look::Look;
+use super::look::{Channels, Look};
 use super::part::Part;
 use crate::control::CancelToken;
 use crate::render::{CoarsePicture, Image, Layer, Region, TilePixels};
 use crate::scene::Display;
 
-/// Largest side of the texture a picture is shown with, whatever the GPU can hold: more than screens show, and made and
-/// copied within a frame.
-const LARGEST_TEXTURE: u32 = 4096;
-/// Rows of one piece of a picture that is encoded anew.
-const ROWS_PER_BAND: u32 = 64;
-
-/// A piece of the picture as the screen shows it, in texels of the texture.
-#[derive(Clone, Debug)]
-pub struct EncodedTile {
-    /// Left and top edge.
-    pub position: [usize; 2],
-    /// Size and colours.
-    pub pixels: ColorImage,
-}
-
-/// A coarse picture as the screen shows it.
-#[derive(Clone, Debug)]
-pub struct CoarseTexels {
-    /// A texel for each block of pixels.
-    pub pixels: ColorImage,
-    /// What of their width and height the picture takes: blocks at its edges are cut off.
-    pub share: Vec2,
-}
+pub use texels::{CoarseTexels, EncodedTile};
+use texels::{ROWS_PER_BAND, Texels};
 
 /// The linear picture so far, shared by the threads that fill it and those that show or save it.
 #[derive(Debug)]
@@ -49,8 +31,7 @@ pub struct PictureBuffer {
     /// Its size in pixels.
     width: u32,
     height: u32,
-    /// Picture pixels per texel along each axis.
-    step: u32,
+    texels: Texels,
     layers: Vec<Layer>,
     /// Whether the layers were given up.
     is_bare: AtomicBool,
@@ -67,6 +48,7 @@ struct BufferState {
     /// Which of them is on the screen.
     shown: usize,
     display: Display,
+    channels: Channels,
     /// The error with the last colour, see [`super::error_colors`]; `None` while nothing is known of it.
     error_scale: Option<f32>,
 }
@@ -82,11 +64,20 @@ impl BufferState {
         &mut self.planes
     }
 
-    /// How to show values of `layer`, or of the picture.
+    /// How values of `layer`, or of the picture, look in all channels.
     fn look(&self, layer: Option<Layer>) -> Look {
+        self.look_in(layer, Channels::All)
+    }
+
+    /// How to show values of `layer`, or of the picture, on the screen.
+    fn look_on_screen(&self, layer: Option<Layer>) -> Look {
+        self.look_in(layer, self.channels)
+    }
+
+    fn look_in(&self, layer: Option<Layer>, channels: Channels) -> Look {
         match layer {
             Some(Layer::Error) => Look::Error(self.error_scale.unwrap_or_default()),
-            _ => Look::Light(self.display),
+            _ => Look::Light(self.display, channels),
         }
     }
 }
@@ -101,7 +92,6 @@ impl PictureBuffer {
         display: Display,
         largest_texture: u32,
     ) -> Option<Self> {
-        let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
         let Region { width, height, .. } = part.region;
         let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
         let planes = 1 + layers.len();
@@ -113,7 +103,7 @@ impl PictureBuffer {
             part,
             width,
             height,
-            step: width.max(height).div_ceil(largest).max(1),
+            texels: Texels::of([width, height], largest_texture),
             layers,
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
@@ -122,6 +112,7 @@ impl PictureBuffer {
                 size: [width, height],
                 shown: 0,
                 display,
+                channels: Channels::default(),
                 error_scale: None,
             }),
         })
@@ -130,12 +121,11 @@ impl PictureBuffer {
     /// A picture that is whole, without layers.
     #[must_use]
     pub fn of_image(image: Image, display: Display, largest_texture: u32) -> Self {
-        let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
         Self {
             part: Part::whole([image.width, image.height]),
             width: image.width,
             height: image.height,
-            step: image.width.max(image.height).div_ceil(largest).max(1),
+            texels: Texels::of([image.width, image.height], largest_texture),
             layers: Vec::new(),
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
@@ -144,6 +134,7 @@ impl PictureBuffer {
                 planes: vec![image],
                 shown: 0,
                 display,
+                channels: Channels::default(),
                 error_scale: None,
             }),
         }
@@ -187,13 +178,13 @@ impl PictureBuffer {
     /// Picture pixels per texel along each axis: 1 unless the picture is too large for a texture.
     #[must_use]
     pub fn step(&self) -> u32 {
-        self.step
+        self.texels.step()
     }
 
     /// Width and height of the texture.
     #[must_use]
     pub fn texture_size(&self) -> [usize; 2] {
-        [self.width, self.height].map(|side| side.div_ceil(self.step) as usize)
+        self.texels.size()
     }
 
     /// The picture so far.
@@ -219,6 +210,11 @@ impl PictureBuffer {
     /// Shows the picture with `display` from now on; tiles already shown need [`PictureBuffer::encode_all`].
     pub fn set_display(&self, display: Display) {
         self.lock().display = display;
+    }
+
+    /// Shows these channels from now on; what is already shown needs [`PictureBuffer::encode_all`].
+    pub fn set_channels(&self, channels: Channels) {
+        self.lock().channels = channels;
     }
 
     /// Whether the layer of the error is on the screen.
@@ -259,7 +255,7 @@ impl PictureBuffer {
             y: tile.region.y - self.part.region.y,
             ..tile.region
         };
-        let (display, rgb) = {
+        let (look, rgb) = {
             let mut state = self.lock();
             // The error, which is the last, comes in no tile.
             let planes = std::iter::once(tile.rgb).chain(tile.layers.iter().map(Vec::as_slice));
@@ -271,19 +267,18 @@ impl PictureBuffer {
                 .checked_sub(1)
                 .map(|index| tile.layers.get(index));
             (
-                state.display,
+                state.look_on_screen(None),
                 match shown {
                     None => tile.rgb,
                     Some(layer) => layer?.as_slice(),
                 },
             )
         };
-        let look = Look::Light(display);
         let encode = |x: u32, y: u32| {
             let index = (y - region.y) as usize * region.width as usize + (x - region.x) as usize;
             look.color(rgb[index])
         };
-        self.encode(
+        self.texels.encode(
             region.x..region.x + region.width,
             region.y..region.y + region.height,
             encode,
@@ -293,7 +288,7 @@ impl PictureBuffer {
     /// Takes in a coarse picture of the part that is kept and returns what to show; `None` where a layer is on the screen: it has none.
     #[must_use]
     pub fn accept_coarse(&self, coarse: &CoarsePicture) -> Option<CoarseTexels> {
-        let display = {
+        let look = {
             let mut state = self.lock();
             let rows = state.planes()[0]
                 .pixels
@@ -303,9 +298,8 @@ impl PictureBuffer {
                     *pixel = rgb;
                 }
             }
-            (state.shown == 0).then_some(state.display)?
+            (state.shown == 0).then(|| state.look_on_screen(None))?
         };
-        let look = Look::Light(display);
         let size = coarse.size();
         let pixels = coarse.rgb.iter().map(|&rgb| look.color(rgb)).collect();
         let share =
@@ -318,11 +312,11 @@ impl PictureBuffer {
 
     /// Encodes the whole picture anew, band by band.
     pub fn encode_all(&self, cancel: &CancelToken, mut show: impl FnMut(EncodedTile)) {
-        for top in (0..self.height).step_by((ROWS_PER_BAND * self.step) as usize) {
+        for top in (0..self.height).step_by((ROWS_PER_BAND * self.step()) as usize) {
             if cancel.is_cancelled() {
                 return;
             }
-            let rows = top..(top + ROWS_PER_BAND * self.step).min(self.height);
+            let rows = top..(top + ROWS_PER_BAND * self.step()).min(self.height);
             let (band, look) = {
                 let mut state = self.lock();
                 let shown = state.shown;
@@ -330,43 +324,17 @@ impl PictureBuffer {
                 let range = rows.start as usize * row..rows.end as usize * row;
                 (
                     state.planes()[shown].pixels[range].to_vec(),
-                    state.look(self.layer(shown)),
+                    state.look_on_screen(self.layer(shown)),
                 )
             };
             let encode = |x: u32, y: u32| {
                 let index = (y - rows.start) as usize * self.width as usize + x as usize;
                 look.color(band[index])
             };
-            if let Some(tile) = self.encode(0..self.width, rows.clone(), encode) {
+            if let Some(tile) = self.texels.encode(0..self.width, rows.clone(), encode) {
                 show(tile);
             }
         }
-    }
-
-    /// The texels whose pixel lies in the given columns and rows.
-    fn encode(
-        &self,
-        columns: std::ops::Range<u32>,
-        rows: std::ops::Range<u32>,
-        color: impl Fn(u32, u32) -> Color32,
-    ) -> Option<EncodedTile> {
-        let texels = |range: &std::ops::Range<u32>| {
-            range.start.div_ceil(self.step)..range.end.div_ceil(self.step)
-        };
-        let (columns, rows) = (texels(&columns), texels(&rows));
-        if columns.is_empty() || rows.is_empty() {
-            return None;
-        }
-        let size = [columns.len(), rows.len()];
-        let position = [columns.start as usize, rows.start as usize];
-        let pixels = rows
-            .flat_map(|row| columns.clone().map(move |column| (column, row)))
-            .map(|(column, row)| color(column * self.step, row * self.step))
-            .collect();
-        Some(EncodedTile {
-            position,
-            pixels: ColorImage::new(size, pixels),
-        })
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BufferState> {
@@ -378,6 +346,7 @@ impl PictureBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::Color32;
 
     fn buffer(width: u32, height: u32, largest_texture: u32) -> Option<PictureBuffer> {
         PictureBuffer::new(

@@ -5,7 +5,6 @@ use egui::ColorImage;
 use super::PictureBuffer;
 use crate::gui::histogram::Histogram;
 use crate::gui::inspector::PixelValues;
-use crate::gui::look::Look;
 use crate::render::{Image, Layer};
 
 /// Most width and height of a thumbnail, in pixels.
@@ -72,7 +71,7 @@ impl PictureBuffer {
         for y in 0..size[1] {
             // The window may want the picture in between.
             let mut state = self.lock();
-            let look = Look::Light(state.display);
+            let look = state.look(None);
             for x in 0..size[0] {
                 let rgb = self.mean_of_block(&state.planes()[0], [x * block, y * block], block);
                 pixels.push(look.color(rgb));

@@ -47,7 +47,7 @@ struct View {
     forward: vec4f,
     eye_high: vec4f,
     eye_low: vec4f,
-    // The axes times the half extent; `ray_right.w`: factor of the exposure.
+    // The axes times the half extent; `ray_right.w`: factor of the exposure, `ray_up.w`: one over gamma.
     ray_right: vec4f,
     ray_up: vec4f,
     zenith: vec4f,
@@ -233,7 +233,7 @@ fn displayed(radiance: vec3f) -> vec4f {
     if view.choices.y == TONE_ACES {
         x = aces(x);
     }
-    x = clamp(x, vec3f(0.0), vec3f(1.0));
+    x = pow(clamp(x, vec3f(0.0), vec3f(1.0)), vec3f(view.ray_up.w));
     let encoded = select(1.055 * pow(x, vec3f(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3f(0.0031308));
     return vec4f(encoded, 1.0);
 }

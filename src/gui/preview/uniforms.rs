@@ -97,7 +97,7 @@ impl ViewUniform {
             eye_high: vec4(eye_high.as_dvec3(), 0.0),
             eye_low: vec4(eye_low, 0.0),
             ray_right: vec4(axes.right * half_width, scene.display.exposure.exp2()),
-            ray_up: vec4(axes.up * half_height, 0.0),
+            ray_up: vec4(axes.up * half_height, 1.0 / scene.display.gamma),
             zenith: vec4(zenith, 0.0),
             horizon: vec4(horizon, 0.0),
             ground: vec4(ground, 0.0),

@@ -132,6 +132,7 @@ fn setting_change(before: &Scene, after: &Scene) -> &'static str {
                 (before.bookmarks != after.bookmarks, "changing a bookmark"),
                 (a.exposure != b.exposure, "changing the exposure"),
                 (a.tone_curve != b.tone_curve, "changing the tone curve"),
+                (a.gamma != b.gamma, "changing the gamma"),
                 (c.png_bits != d.png_bits, "changing the depth of PNG files"),
                 (c.layers != d.layers, "keeping layers or not"),
             ])

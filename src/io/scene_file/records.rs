@@ -349,6 +349,8 @@ fn display(keys: &mut Keys<'_>, display: &mut Display) {
         Allowed::Within(-150.0, 150.0),
     );
     keys.choice("tone_curve", &mut display.tone_curve);
+    // Beyond these a picture is white or black.
+    keys.number("gamma", &mut display.gamma, Allowed::Within(0.1, 10.0));
 }
 
 fn output(keys: &mut Keys<'_>, output: &mut Output) {

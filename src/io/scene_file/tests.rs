@@ -178,6 +178,7 @@ fn every_key_round_trips() {
         display: Display {
             exposure: -1.5,
             tone_curve: ToneCurve::Aces,
+            gamma: 1.5,
         },
         output: Output {
             png_bits: PngBits::Sixteen,
