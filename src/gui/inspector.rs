@@ -1,4 +1,5 @@
-//! What the picture holds under the mouse, in two lines below it: the values, and the surface that is seen there.
+//! What the picture holds under the mouse, in two lines below it: the values, and the surface that is seen there. Below the preview it is the
+//! surface alone; the lines are as high, so that a picture lies where the preview did.
 
 use egui::{Color32, CornerRadius, RichText, Sense, Ui, Vec2};
 
@@ -33,6 +34,21 @@ pub struct Surface {
     pub distance: f64,
     /// What shading takes for its normal, on the side that is seen; unit.
     pub normal: DVec3,
+}
+
+impl Surface {
+    /// All of it, in a line.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let normal = self.normal.to_array().map(|x| format_number(x, 2));
+        let parts = [
+            format!("{}, {}", self.object, self.material),
+            format!("triangle {}", grouped(self.triangle.into())),
+            format!("distance {}", format_number(self.distance, 3)),
+            format!("normal {}", normal.join(" ")),
+        ];
+        parts.join(SEPARATOR)
+    }
 }
 
 /// How many samples were taken of a pixel.
@@ -106,14 +122,7 @@ impl Inspected {
     /// What is seen there and what it took to find it, in a line.
     #[must_use]
     pub fn surface_in_words(&self) -> String {
-        let mut parts = Vec::new();
-        if let Some(surface) = &self.surface {
-            parts.push(format!("{}, {}", surface.object, surface.material));
-            parts.push(format!("triangle {}", grouped(surface.triangle.into())));
-            parts.push(format!("distance {}", format_number(surface.distance, 3)));
-            let normal = surface.normal.to_array().map(|x| format_number(x, 2));
-            parts.push(format!("normal {}", normal.join(" ")));
-        }
+        let mut parts: Vec<String> = self.surface.iter().map(Surface::in_words).collect();
         if let Some(Visits { nodes, blocks }) = self.visits {
             parts.push(format!("steps {nodes} + {blocks}"));
         }
@@ -163,6 +172,21 @@ pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_l
                 ui.add(egui::Label::new(words).truncate()).on_hover_text(MEANING);
             }
         });
+    });
+}
+
+/// Draws what there is to say of the preview: `surface` is what is seen of it under the mouse.
+pub fn preview_inspector_ui(ui: &mut Ui, surface: Option<&Surface>) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(HEIGHT);
+        let words = surface.map_or_else(
+            || RichText::new("Point at an object to see what it is").weak(),
+            |surface| RichText::new(surface.in_words()),
+        );
+        ui.add(egui::Label::new(words.size(12.0)).truncate())
+            .on_hover_text(
+                "Object and material, triangle, distance from the eye and shading normal under the mouse",
+            );
     });
 }
 

@@ -72,13 +72,15 @@ pub enum Lane {
     Discard,
     /// Writing the list of files opened last.
     Recent,
+    /// Writing what the window looks like.
+    Layout,
     /// Looking whether files have changed.
     Watch,
     /// Reading those that have.
     Reload,
 }
 
-const LANES: usize = 26;
+const LANES: usize = 27;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.
@@ -91,6 +93,7 @@ impl Lane {
                 | Self::Keep
                 | Self::Discard
                 | Self::Recent
+                | Self::Layout
         )
     }
 }

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, HarnessBuilder};
 use raymini::control::{CancelToken, Progress};
 use raymini::gui::dialogs::Dialog;
+use raymini::gui::keeping::load_layout;
 use raymini::gui::picture::Outcome;
 use raymini::gui::{App, AppOptions, FileDialogs, orbit, viewport};
 use raymini::io;
@@ -89,6 +90,24 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
+/// What a window looks like.
+pub struct Look {
+    /// In points.
+    pub size: Vec2,
+    pub pixels_per_point: f32,
+    pub theme: egui::Theme,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            size: Vec2::new(1280.0, 800.0),
+            pixels_per_point: 1.0,
+            theme: egui::Theme::Dark,
+        }
+    }
+}
+
 /// The window under test.
 pub struct Window {
     pub harness: Harness<'static, App>,
@@ -105,13 +124,29 @@ impl Window {
 
     /// A window that keeps unsaved work in the folder `data`.
     pub fn start_keeping(paths: Vec<PathBuf>, with_gpu: bool, data: Option<PathBuf>) -> Self {
-        let builder = Harness::builder()
-            .with_size(Vec2::new(1280.0, 800.0))
-            .with_step_dt(1.0 / 60.0);
+        let builder = Self::builder(&Look::default());
         let builder = if with_gpu { builder.wgpu() } else { builder };
+        Self::build(builder, paths, data)
+    }
+
+    /// A window that looks like `look`, and keeps unsaved work in the folder `data`.
+    pub fn start_as(paths: Vec<PathBuf>, look: &Look, data: Option<PathBuf>) -> Self {
+        Self::build(Self::builder(look).wgpu(), paths, data)
+    }
+
+    fn builder(look: &Look) -> HarnessBuilder<App> {
+        Harness::builder()
+            .with_size(look.size)
+            .with_pixels_per_point(look.pixels_per_point)
+            .with_theme(look.theme)
+            .with_step_dt(1.0 / 60.0)
+    }
+
+    fn build(builder: HarnessBuilder<App>, paths: Vec<PathBuf>, data: Option<PathBuf>) -> Self {
         let options = AppOptions {
             paths,
             file_dialogs: FileDialogs::PathField,
+            layout: data.as_deref().map(load_layout).unwrap_or_default(),
             data_folder: data,
         };
         let harness = builder.build_eframe(move |creation| App::new(creation, options));

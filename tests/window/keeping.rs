@@ -131,6 +131,46 @@ fn work_whose_mesh_is_gone_stays() {
 }
 
 #[test]
+fn a_window_looks_like_the_last_one() {
+    let files = Files::new();
+    let data = files.path("data");
+    let room = files.path("room.toml");
+    let mut window = open(&room, &data);
+    assert!(!window.has("Render, and see the error fall"));
+    window.press(Modifiers::NONE, Key::F8);
+    window.press(Modifiers::NONE, Key::O);
+    let panel = |window: &Window| 1280.0 - window.rect("Select Camera").left();
+    let edge = egui::Pos2::new(1280.0 - raymini::gui::theme::PANEL_WIDTH, 400.0);
+    let before = panel(&window);
+    window.drag(
+        egui::PointerButton::Primary,
+        edge,
+        edge - egui::Vec2::new(90.0, 0.0),
+    );
+    let wide = panel(&window);
+    assert!((wide - before - 90.0).abs() < 12.0, "{before}, then {wide}");
+    window.click("View");
+    window.click("Light");
+    window.harness.state_mut().on_exit();
+    drop(window);
+    // The harness has colours of its own for the next.
+    let theme = raymini::gui::keeping::load_layout(&data).theme;
+    assert_eq!(theme, raymini::gui::keeping::Theme::Light);
+
+    let mut window = open(&room, &data);
+    window.harness.run_steps(3);
+    assert!(window.has("Render, and see the error fall"));
+    assert!((panel(&window) - wide).abs() < 2.0, "{wide}");
+    window.press(Modifiers::NONE, Key::O);
+    window.press(Modifiers::NONE, Key::F9);
+    assert!(!window.has("Select Camera"));
+    window.harness.state_mut().on_exit();
+    drop(window);
+    let window = open(&room, &data);
+    assert!(!window.has("Select Camera"), "the panel stays folded");
+}
+
+#[test]
 fn a_folder_that_cannot_be_written_gets_a_banner() {
     let files = Files::new();
     let no_folder = files.write("data", "a file");

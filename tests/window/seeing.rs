@@ -4,7 +4,9 @@ use crate::driver::{self, Files, Window};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable;
 use raymini::gui::inspector::Samples;
+use raymini::gui::jobs::Lane;
 use raymini::gui::top_bar::View;
+use raymini::math::DVec3;
 use raymini::scene::Background;
 
 /// What of the picture is seen.
@@ -123,12 +125,100 @@ fn the_pixel_under_the_mouse_is_told() {
     window.harness.run_steps(3);
     assert_eq!(window.app().inspected().unwrap().surface, None);
 
+    // In the preview, which lies where the picture does, it is the surface alone.
+    let centre = picture.center();
+    window.press(Modifiers::NONE, Key::Num1);
+    window.harness.hover_at(centre);
+    window.harness.run_steps(3);
+    assert_eq!(frame(&window), picture, "nothing jumps");
+    let seen = window.app().seen().unwrap().clone();
+    assert_eq!(
+        (seen.object.as_str(), seen.material.as_str()),
+        ("pyramid", "clay")
+    );
+    assert!((seen.distance - surface.distance).abs() < 0.05, "{seen:?}");
+    assert!(window.says(&seen.in_words()));
+    window.press(Modifiers::NONE, Key::Num2);
+
     // The triangles are no longer those of the picture.
     window.harness.state_mut().document_mut().scene.objects[0].scale = 2.0;
     window.settle();
     window.harness.hover_at(picture.center());
     window.harness.run_steps(3);
     assert_eq!(window.app().inspected().unwrap().surface, None);
+}
+
+/// Channels change what is seen, at once and in the next render, and nothing of what is saved or told of a pixel.
+#[test]
+fn channels_are_seen_alone_and_as_false_colours() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let place = window.on_screen(DVec3::new(0.2, -0.4, 0.8));
+    let pixel = |window: &mut Window| {
+        window.harness.run_steps(10);
+        let screen = window.harness.render().unwrap();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "pixels"
+        )]
+        let pixel = screen.get_pixel(place.x as u32, place.y as u32);
+        [pixel[0], pixel[1], pixel[2]]
+    };
+    let choose = |window: &mut Window, name: &str| {
+        window.operate("Channels");
+        window.operate(name);
+        window.until("it is shown", |app| !app.works_in(Lane::Encode));
+    };
+    let all = pixel(&mut window);
+    assert!(all[0] > all[2], "clay is reddish: {all:?}");
+    choose(&mut window, "Red");
+    assert_eq!(pixel(&mut window), [all[0]; 3]);
+    choose(&mut window, "Blue");
+    assert_eq!(pixel(&mut window), [all[2]; 3]);
+    assert!(!window.says("Colours of luminance in stops"));
+    choose(&mut window, "False colours");
+    assert!(window.says("Colours of luminance in stops"));
+    let colours = pixel(&mut window);
+    let linear = window.app().picture().unwrap().buffer.image();
+    let frame = frame(&window);
+    let share = (place - frame.min) / frame.size();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "within the picture"
+    )]
+    let [r, g, b] = linear.pixel(
+        (share.x * linear.width as f32) as u32,
+        (share.y * linear.height as f32) as u32,
+    );
+    let luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    let expected = raymini::gui::false_colors::color(luminance, &window.scene().display);
+    let expected = [expected.r(), expected.g(), expected.b()];
+    let is_it = |(seen, expected): (&u8, u8)| seen.abs_diff(expected) <= 2;
+    assert!(
+        colours.iter().zip(expected).all(is_it),
+        "{colours:?}, {expected:?}"
+    );
+
+    // The inspector and files keep to all channels, and another render is seen in the same way.
+    window.harness.hover_at(place);
+    window.harness.run_steps(2);
+    let told = window.app().inspected().unwrap().values.color;
+    let told = [told.r(), told.g(), told.b()];
+    let is_near = |(told, seen): (&u8, u8)| told.abs_diff(seen) <= 2;
+    assert!(told.iter().zip(all).all(is_near), "{told:?}, {all:?}");
+    window.render();
+    assert_eq!(pixel(&mut window), colours);
+    let saved = files.path("seen.png");
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&saved);
+    window.until("the picture is saved", |app| {
+        app.messages().last_news().starts_with("Saved")
+    });
+    let png = image::open(&saved).unwrap().to_rgb8();
+    assert!(png.pixels().any(|p| p.0 == told), "as it always was");
 }
 
 #[test]

@@ -83,6 +83,11 @@ impl App {
             .for_each(Lost::discard);
     }
 
+    /// Where the window keeps what outlives it; `None` where it keeps nothing.
+    pub(super) fn keeping_folder(&self) -> Option<PathBuf> {
+        self.keeping.data.clone()
+    }
+
     fn not_kept(&mut self, error: &str) {
         let text = format!(
             "{error}\nWere the program to end now, what you have not saved would be lost: save often."

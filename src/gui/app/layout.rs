@@ -65,30 +65,32 @@ impl App {
             .frame(bar(12, 1))
             .show(ui, |ui| self.status_ui(ui));
         let mut open = self.panel_open;
-        Panel::right("side panel")
+        let panel = Panel::right("side panel")
             .frame(bar(0, 0))
-            .default_size(theme::PANEL_WIDTH)
+            .default_size(self.looks.layout.panel.size_or(theme::PANEL_WIDTH))
             .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
             .show_collapsible(ui, &mut open, |ui| {
                 self.panels_ui(ui, &mut bar_asked.commands);
             });
         self.panel_open = open;
+        let width = panel.map(|panel| panel.response.rect.width());
+        self.looks.layout.panel.note(open, width);
         let mut open = self.error_plot.open;
-        Panel::bottom("error plot")
+        let plot = Panel::bottom("error plot")
             .frame(bar(12, 8))
-            .default_size(error_plot::HEIGHT)
+            .default_size(self.looks.layout.error_plot.size_or(error_plot::HEIGHT))
             .size_range(error_plot::LEAST_HEIGHT..=480.0)
             .show_collapsible(ui, &mut open, |ui| {
                 self.error_plot.plot_ui(ui, self.picture.as_ref());
             });
         self.error_plot.open = open;
+        let height = plot.map(|plot| plot.response.rect.height());
+        self.looks.layout.error_plot.note(open, height);
         let render = self.renders_ui(ui, bar(12, 8));
-        if self.picture_on_screen().is_some() {
-            let is_live = self.is_live_view();
-            Panel::bottom("pixel").frame(bar(12, 1)).show(ui, |ui| {
-                let scale = self.zoom.scale();
-                inspector::inspector_ui(ui, self.inspected.as_ref(), scale, is_live);
-            });
+        if !self.document.scene.objects.is_empty() {
+            Panel::bottom("pixel")
+                .frame(bar(12, 1))
+                .show(ui, |ui| self.inspector_ui(ui));
         }
         CentralPanel::default()
             .frame(Frame::new())
@@ -111,11 +113,25 @@ impl App {
         };
         let response = Panel::bottom("renders")
             .frame(frame)
-            .default_size(renders::HEIGHT)
+            .default_size(self.looks.layout.renders.size_or(renders::HEIGHT))
             .size_range(renders::LEAST_HEIGHT..=320.0)
             .show_collapsible(ui, &mut open, |ui| self.renders.strip_ui(ui, &state));
         self.renders.open = open;
+        let height = response.as_ref();
+        let height = height.map(|strip| strip.response.rect.height());
+        self.looks.layout.renders.note(open, height);
         response.and_then(|response| response.inner)
+    }
+
+    /// Draws what is known of what the mouse points at.
+    fn inspector_ui(&self, ui: &mut Ui) {
+        if self.picture_on_screen().is_some() {
+            let scale = self.zoom.scale();
+            let is_live = self.is_live_view();
+            inspector::inspector_ui(ui, self.inspected.as_ref(), scale, is_live);
+        } else {
+            inspector::preview_inspector_ui(ui, self.seen.as_ref());
+        }
     }
 
     fn status_ui(&self, ui: &mut Ui) {
@@ -405,6 +421,8 @@ impl App {
         }
         if is_picture {
             self.inspect_ui(ui);
+        } else {
+            self.look_ui(ui, frame.intersect(area), frame);
         }
     }
 

@@ -16,6 +16,7 @@
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
 //! - `seeing`: pixels and brightness of the picture on the screen
 //! - `rendering`: preparing, rendering, showing the picture
+//! - `looks`: what the window looks like, for the next one
 //! - `live`: the picture that follows every change
 //! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
@@ -36,6 +37,7 @@ mod importing;
 mod keeping;
 mod layout;
 mod live;
+mod looks;
 mod measuring;
 mod news;
 mod obeying;
@@ -66,8 +68,9 @@ use super::edit::Part;
 use super::error_plot::ErrorPlot;
 use super::event::Event;
 use super::gizmo::Orientation;
-use super::inspector::Inspected;
+use super::inspector::{Inspected, Surface};
 use super::jobs::{Jobs, Lane};
+use super::keeping::Layout;
 use super::look::Channels;
 use super::messages::Messages;
 use super::picture::Picture;
@@ -103,6 +106,8 @@ pub struct AppOptions {
     pub file_dialogs: FileDialogs,
     /// Where unsaved work and the list of recent files are kept; `None` keeps neither.
     pub data_folder: Option<PathBuf>,
+    /// What the window looks like at first.
+    pub layout: Layout,
 }
 
 /// Where file paths come from.
@@ -149,6 +154,8 @@ pub struct App {
     zoom: Zoom,
     /// What the mouse points at in the picture.
     inspected: Option<Inspected>,
+    /// What it points at in the preview.
+    seen: Option<Surface>,
     brightness: seeing::Brightness,
     error_plot: ErrorPlot,
     /// The layer of the picture to show, where it is kept; `None` shows all of it.
@@ -180,6 +187,7 @@ pub struct App {
     may_close: bool,
     panel_open: bool,
     tile_outlines: TileOutlines,
+    looks: looks::Looks,
     threads: Threads,
     attention: Attention,
     /// The part of the picture that is rendered.
@@ -234,6 +242,7 @@ impl App {
             comparison: None,
             zoom: Zoom::default(),
             inspected: None,
+            seen: None,
             brightness: seeing::Brightness::default(),
             error_plot: ErrorPlot::default(),
             shown_layer: None,
@@ -259,11 +268,13 @@ impl App {
             may_close: false,
             panel_open: true,
             tile_outlines: TileOutlines::default(),
+            looks: looks::Looks::new(options.layout),
             threads: Threads::default(),
             attention: Attention::default(),
             region: RegionTool::default(),
             title: String::new(),
         };
+        app.take_looks(&creation.egui_ctx);
         app.load(options.paths);
         app.begin_keeping(options.data_folder);
         app
@@ -339,6 +350,12 @@ impl App {
     #[must_use]
     pub fn inspected(&self) -> Option<&Inspected> {
         self.inspected.as_ref()
+    }
+
+    /// What the mouse points at in the preview.
+    #[must_use]
+    pub fn seen(&self) -> Option<&Surface> {
+        self.seen.as_ref()
     }
 
     /// The renders of this session and their errors.
@@ -528,6 +545,7 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
+        self.end_looks();
         self.end_keeping();
     }
 
@@ -591,6 +609,7 @@ impl eframe::App for App {
         self.watch_files();
         self.reload_next();
         self.keep_work(&ctx);
+        self.keep_looks(&ctx);
         self.ask_about_lost_work();
         self.update_title(&ctx);
     }

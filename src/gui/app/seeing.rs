@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::Ui;
+use egui::{Pos2, Rect, Ui};
 
 use super::App;
 use crate::accel::Visits;
@@ -15,8 +15,9 @@ use crate::gui::jobs::Lane;
 use crate::gui::orbit::PictureSize;
 use crate::gui::pick;
 use crate::gui::picture::Picture;
+use crate::gui::viewport;
 use crate::math::DVec2;
-use crate::render::Layer;
+use crate::render::{Layer, PreparedGeometry};
 use crate::scene::{Display, Scene};
 
 /// Time between two histograms of a picture that still changes.
@@ -65,15 +66,59 @@ fn middle_of(scene: &Scene, [x, y]: [u32; 2]) -> (PictureSize, DVec2) {
     (size, position)
 }
 
+/// What is seen of `scene` at a place of its picture.
+fn surface_at(
+    geometry: &PreparedGeometry,
+    scene: &Scene,
+    size: PictureSize,
+    place: DVec2,
+) -> Option<Surface> {
+    let picked = pick::pick(geometry, &scene.camera, &scene.render, size, place)?;
+    let object = scene.objects.get(picked.object)?;
+    let name = if object.name.is_empty() {
+        format!("object {}", picked.object + 1)
+    } else {
+        object.name.clone()
+    };
+    let material = object.material.clone();
+    Some(Surface {
+        object: name,
+        material: material.unwrap_or_else(|| "default grey".to_owned()),
+        triangle: picked.triangle,
+        distance: picked.point.distance(scene.camera.eye),
+        normal: picked.normal,
+    })
+}
+
 impl App {
-    /// Takes note of what the picture on the screen holds under the mouse.
-    pub(super) fn inspect_ui(&mut self, ui: &Ui) {
+    /// Where the mouse is, unless something lies over the central area there.
+    fn free_position(&self, ui: &Ui) -> Option<Pos2> {
         let position = ui.input(|input| input.pointer.hover_pos());
         let is_free = self.dialog.is_none();
-        let position = position.filter(|&position| {
+        position.filter(|&position| {
             let layer = ui.ctx().layer_id_at(position);
             is_free && layer.is_none_or(|layer| layer == ui.layer_id())
+        })
+    }
+
+    /// Takes note of what of the preview, which is in `frame` and `visible` there, is under the mouse.
+    pub(super) fn look_ui(&mut self, ui: &Ui, visible: Rect, frame: Rect) {
+        let position = self.free_position(ui);
+        let position = position.filter(|&position| visible.contains(position));
+        let is_busy = ui.input(|input| input.pointer.any_down());
+        let state = self.prepared.as_ref().filter(|_| self.is_prepared());
+        self.seen = position.filter(|_| !is_busy).and_then(|position| {
+            let size = viewport::picture_size(frame);
+            let offset = position - frame.min;
+            let place = DVec2::new(offset.x.into(), offset.y.into());
+            let geometry = &state?.placed.geometry;
+            surface_at(geometry, &self.document.scene, size, place)
         });
+    }
+
+    /// Takes note of what the picture on the screen holds under the mouse.
+    pub(super) fn inspect_ui(&mut self, ui: &Ui) {
+        let position = self.free_position(ui);
         let pixel = position.and_then(|position| self.zoom.pixel_at(position));
         self.inspected = pixel.and_then(|pixel| self.inspect(pixel));
     }
@@ -113,22 +158,7 @@ impl App {
             return None;
         }
         let (size, position) = middle_of(scene, pixel);
-        let geometry = &state.placed.geometry;
-        let picked = pick::pick(geometry, &scene.camera, &scene.render, size, position)?;
-        let object = scene.objects.get(picked.object)?;
-        let name = if object.name.is_empty() {
-            format!("object {}", picked.object + 1)
-        } else {
-            object.name.clone()
-        };
-        let material = object.material.clone();
-        Some(Surface {
-            object: name,
-            material: material.unwrap_or_else(|| "default grey".to_owned()),
-            triangle: picked.triangle,
-            distance: picked.point.distance(scene.camera.eye),
-            normal: picked.normal,
-        })
+        surface_at(&state.placed.geometry, scene, size, position)
     }
 
     /// Has the histogram of the picture on the screen made, where it is not known.

@@ -14,6 +14,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::app::{App, AppOptions, FileDialogs};
+use super::keeping::Layout;
 use super::start::{self, GuiError, Survivor};
 use crate::analysis::report::Machine;
 pub use figures::{FrameFigures, RestartFigures, Spread, WindowFigures};
@@ -36,12 +37,12 @@ pub fn measure(request: &BenchRequest) -> Result<WindowFigures, GuiError> {
     let options = AppOptions {
         paths: request.scene.iter().cloned().collect(),
         file_dialogs: FileDialogs::PathField,
-        data_folder: None,
+        ..AppOptions::default()
     };
     let ending: Arc<Mutex<Option<Ending>>> = Arc::default();
     let place = Arc::clone(&ending);
     let repeats = usize::from(request.repeats);
-    start::open(move |creation| {
+    start::open(&Layout::default(), move |creation| {
         let render_state = creation.wgpu_render_state.as_ref();
         let adapter = render_state.map(|state| state.adapter.get_info().name);
         Bench {

@@ -1,9 +1,10 @@
-//! What outlives the window: unsaved work, in case the program ends before it is saved, and the files opened last.
+//! What outlives the window: unsaved work, in case the program ends before it is saved, the files opened last, and what the window looks like.
 //!
 //! Everything lies in one folder of the user's data. Each window has a session there, a folder of its own that it holds a lock on:
 //! the system gives the lock back however the program ends, so a session that nobody holds and that has a scene in it is work that
 //! was lost. A window that offers such work holds its lock meanwhile, so several windows never offer or remove the same.
 
+mod layout;
 mod recent;
 mod session;
 
@@ -11,6 +12,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use layout::{Fold, LEAST_WINDOW, Layout, Theme, load_layout, save_layout};
 pub use recent::{MOST_RECENT, load_recent, save_recent};
 pub use session::{Begun, Lost, Session, begin};
 

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use eframe::wgpu;
 
 use super::app::{App, AppOptions, FileDialogs};
+use super::keeping::{LEAST_WINDOW, Layout};
 pub(super) use reopening::{Survivor, open};
 
 /// What the window opens.
@@ -99,21 +100,26 @@ impl GuiError {
 /// When there is no display, no graphics driver, or a library is missing: in words, with what to install. When the graphics device is
 /// lost for good, or the program has a fault: what is not saved is kept then.
 pub fn run(request: OpenRequest) -> Result<(), GuiError> {
+    let data_folder = super::keeping::data_folder();
+    let layout = data_folder.as_deref().map(super::keeping::load_layout);
+    let layout = layout.unwrap_or_default();
     let options = AppOptions {
         paths: request.paths,
         file_dialogs: FileDialogs::Desktop,
-        data_folder: super::keeping::data_folder(),
+        data_folder,
+        layout,
     };
-    open(|creation| App::new(creation, options))
+    open(&layout, |creation| App::new(creation, options))
 }
 
-fn native_options() -> eframe::NativeOptions {
+fn native_options(layout: &Layout) -> eframe::NativeOptions {
     eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("RayMini")
             .with_app_id("raymini")
-            .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([800.0, 520.0]),
+            .with_inner_size(layout.window_size())
+            .with_maximized(layout.is_maximized)
+            .with_min_inner_size(LEAST_WINDOW),
         // Pictures are shown as they are saved, without noise on top.
         dithering: false,
         ..eframe::NativeOptions::default()

@@ -11,6 +11,7 @@ use winit::platform::run_on_demand::EventLoopExtRunOnDemand as _;
 
 use super::guard::Guard;
 use super::{GuiError, native_options, no_display, why_no_window};
+use crate::gui::keeping::Layout;
 use crate::render::panic_message;
 
 /// What is in a window, and goes on in another one when the graphics device of the first is lost.
@@ -35,8 +36,9 @@ const MOST_USELESS: usize = 3;
 /// How long a driver may take to say that its device is lost, once drawing has failed.
 const LATE: Duration = Duration::from_secs(1);
 
-/// Opens a window with what `create` makes in it, and opens it anew whenever its graphics device is lost.
+/// Opens a window that looks like `layout`, with what `create` makes in it, and opens it anew whenever its graphics device is lost.
 pub(in crate::gui) fn open<A: Survivor + 'static>(
+    layout: &Layout,
     create: impl FnOnce(&eframe::CreationContext<'_>) -> A,
 ) -> Result<(), GuiError> {
     // One for all windows: no process may have two.
@@ -52,7 +54,13 @@ pub(in crate::gui) fn open<A: Survivor + 'static>(
     loop {
         let opened_at = Instant::now();
         let place = Place::default();
-        let fault = show(&mut events, create.take(), before.take(), &place)?;
+        let mut native = native_options(layout);
+        if let Some(Saved { window, .. }) = &before {
+            native.viewport = placed_as(native.viewport, window);
+        }
+        // Where no window opens, what was saved is still here.
+        place.waiting.replace(before.take());
+        let fault = show(&mut events, native, create.take(), &place)?;
         let (saved, waiting) = (place.saved.take(), place.waiting.take());
         if let Some(mut lost) = waiting {
             // The first window of all has nothing that waits.
@@ -108,19 +116,13 @@ impl<A> Default for Place<A> {
     }
 }
 
-/// Shows a window until it closes, with what was saved of the one before, or with what `create` makes. Returns the fault that it ended by.
+/// Shows a window until it closes, with what waits in `place`, or with what `create` makes. Returns the fault that it ended by.
 fn show<A: Survivor + 'static>(
     events: &mut EventLoop<UserEvent>,
+    native: eframe::NativeOptions,
     create: Option<impl FnOnce(&eframe::CreationContext<'_>) -> A>,
-    before: Option<Saved<A>>,
     place: &Place<A>,
 ) -> Result<Option<String>, GuiError> {
-    let mut native = native_options();
-    if let Some(Saved { window, .. }) = &before {
-        native.viewport = placed_as(native.viewport, window);
-    }
-    // Where no window opens, what was saved is still here.
-    place.waiting.replace(before);
     let waiting = Rc::clone(&place.waiting);
     let is_filled = Rc::clone(&place.is_filled);
     let (saved, has_failed) = (Rc::clone(&place.saved), Rc::clone(&place.has_failed));
