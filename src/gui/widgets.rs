@@ -386,11 +386,26 @@ pub fn combo_row_ui<T: PartialEq + Clone>(
             .truncate()
             .show_ui(ui, |ui| {
                 for (choice, name) in choices {
-                    ui.selectable_value(value, choice.clone(), name);
+                    if ui.selectable_value(value, choice.clone(), name).clicked() {
+                        // A click of the mouse closes the list anyway, one of a screen reader does not.
+                        ui.close();
+                    }
                 }
             })
             .response
     });
+}
+
+/// Text at the end of a line that may be selected: fainter than the name before it, and still read on the colour of selection.
+#[must_use]
+pub fn faint_text(ui: &Ui, text: impl Into<String>, is_selected: bool) -> RichText {
+    let text = RichText::new(text);
+    if is_selected {
+        let visuals = &ui.visuals().selection;
+        text.color(visuals.bg_fill.lerp_to_gamma(visuals.stroke.color, 0.8))
+    } else {
+        text.weak()
+    }
 }
 
 /// A row with a switch.

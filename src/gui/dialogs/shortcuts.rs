@@ -3,12 +3,16 @@ use egui::{RichText, Ui};
 use super::{buttons_ui, modal_ui};
 use crate::gui::commands::Command;
 
-/// Width of the sheet, what the window leaves around it, that of the keys, and the gap beside those, in points.
+/// Width of the sheet and what the window leaves around it, in points.
 const LEAST_WIDTH: f32 = 480.0;
-const MOST_WIDTH: f32 = 900.0;
-const AROUND: f32 = 90.0;
-const KEYS_WIDTH: f32 = 210.0;
-const GAP: f32 = 18.0;
+const MOST_WIDTH: f32 = 1180.0;
+const AROUND: f32 = 60.0;
+/// Where there is so much room, the sheet has two columns, with this gap between them.
+const TWO_COLUMNS: f32 = 1000.0;
+const BETWEEN: f32 = 24.0;
+/// Width of the keys in one column and in each of two, and the gap beside them.
+const KEYS_WIDTH: [f32; 2] = [210.0, 128.0];
+const GAP: f32 = 14.0;
 
 /// What the mouse does in the preview.
 const MOUSE: [(&str, &str); 8] = [
@@ -55,32 +59,39 @@ pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
     let response = modal_ui(ctx, "shortcuts", width, |ui| {
         ui.heading("Keyboard and mouse");
         ui.add_space(6.0);
-        let height = (ctx.content_rect().height() - 190.0).max(120.0);
+        let height = (ctx.content_rect().height() - 150.0).max(120.0);
         egui::ScrollArea::vertical()
             .max_height(height)
             .min_scrolled_height(height)
             .auto_shrink([false, true])
             .show(ui, |ui| {
-                ui.spacing_mut().interact_size.y = 18.0;
-                group_ui(
-                    ui,
-                    "Mouse, in the preview, and in the whole picture with Live on",
-                    |ui| {
-                        for (keys, what) in MOUSE {
-                            line_ui(ui, keys, what);
-                        }
-                    },
-                );
-                group_ui(ui, "Mouse, over other pictures", |ui| {
-                    for (keys, what) in MOUSE_OVER_PICTURE {
-                        line_ui(ui, keys, what);
-                    }
-                });
-                group_ui(ui, "Keyboard", |ui| {
-                    for command in Command::ALL {
-                        let keys: Vec<_> = command.shortcut_texts(ctx).collect();
-                        line_ui(ui, &keys.join(",  "), command.description());
-                    }
+                ui.spacing_mut().interact_size.y = 14.0;
+                ui.spacing_mut().item_spacing.y = 2.0;
+                let room = ui.available_width();
+                if room < TWO_COLUMNS {
+                    mouse_ui(ui, KEYS_WIDTH[0]);
+                    commands_ui(ui, "Keyboard", KEYS_WIDTH[0], &Command::ALL);
+                    return;
+                }
+                // All of it is to be seen at once.
+                ui.style_mut().override_font_id = Some(egui::FontId::proportional(12.5));
+                // About as many lines in each.
+                let mouse = MOUSE.len() + MOUSE_OVER_PICTURE.len();
+                let (left, right) = Command::ALL.split_at((Command::ALL.len() - mouse) / 2);
+                ui.horizontal_top(|ui| {
+                    let width = (room - BETWEEN) / 2.0;
+                    let column = egui::vec2(width, 0.0);
+                    let layout = egui::Layout::top_down(egui::Align::Min);
+                    ui.allocate_ui_with_layout(column, layout, |ui| {
+                        ui.set_width(width);
+                        mouse_ui(ui, KEYS_WIDTH[1]);
+                        commands_ui(ui, "Keyboard", KEYS_WIDTH[1], left);
+                    });
+                    ui.add_space(BETWEEN - ui.spacing().item_spacing.x);
+                    ui.allocate_ui_with_layout(column, layout, |ui| {
+                        ui.set_width(width);
+                        commands_ui(ui, "Keyboard, continued", KEYS_WIDTH[1], right);
+                    });
                 });
             });
         buttons_ui(ui, |ui| ui.button("Close").clicked())
@@ -88,19 +99,44 @@ pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
     !(response.inner || response.should_close())
 }
 
-fn group_ui(ui: &mut Ui, title: &str, lines: impl FnOnce(&mut Ui)) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(title).weak());
-    egui::Grid::new(title)
-        .num_columns(2)
-        .min_col_width(KEYS_WIDTH)
-        .max_col_width(ui.available_width() - KEYS_WIDTH - GAP)
-        .spacing([GAP, 4.0])
-        .show(ui, lines);
+fn mouse_ui(ui: &mut Ui, keys_width: f32) {
+    title_ui(
+        ui,
+        "Mouse, in the preview, and in the whole picture with Live on",
+    );
+    for (keys, what) in MOUSE {
+        line_ui(ui, keys_width, keys, what);
+    }
+    title_ui(ui, "Mouse, over other pictures");
+    for (keys, what) in MOUSE_OVER_PICTURE {
+        line_ui(ui, keys_width, keys, what);
+    }
 }
 
-fn line_ui(ui: &mut Ui, keys: &str, what: &str) {
-    ui.label(RichText::new(keys).strong());
-    ui.add(egui::Label::new(what).wrap());
-    ui.end_row();
+fn commands_ui(ui: &mut Ui, title: &str, keys_width: f32, commands: &[Command]) {
+    title_ui(ui, title);
+    for command in commands {
+        let keys: Vec<_> = command.shortcut_texts(ui.ctx()).collect();
+        line_ui(ui, keys_width, &keys.join(",  "), command.description());
+    }
+}
+
+fn title_ui(ui: &mut Ui, title: &str) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(title).weak());
+}
+
+fn line_ui(ui: &mut Ui, keys_width: f32, keys: &str, what: &str) {
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = GAP;
+        ui.allocate_ui_with_layout(
+            egui::vec2(keys_width, 0.0),
+            egui::Layout::top_down(egui::Align::Min),
+            |ui| {
+                ui.set_width(keys_width);
+                ui.add(egui::Label::new(RichText::new(keys).strong()).wrap());
+            },
+        );
+        ui.add(egui::Label::new(what).wrap());
+    });
 }

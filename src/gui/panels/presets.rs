@@ -72,7 +72,7 @@ fn preset_ui(ui: &mut Ui, balls: &mut Balls, preset: &MaterialPreset) -> bool {
     response.on_hover_text(preset.description).clicked()
 }
 
-/// Draws the ball of a material, or a disk of its colour while it is not there.
+/// Draws the ball of a material, with an edge that is seen where it is as bright as the ground, or a disk of its colour while it is not there.
 fn ball_ui(ui: &Ui, balls: &mut Balls, square: Rect, name: Option<&str>, material: &Material) {
     if let Some(texture) = balls.texture(name, material) {
         icons::ball(ui.painter(), square, texture);
@@ -81,4 +81,7 @@ fn ball_ui(ui: &Ui, balls: &mut Balls, square: Rect, name: Option<&str>, materia
         let radius = square.width() / 2.0;
         ui.painter().circle_filled(square.center(), radius, color);
     }
+    let edge = ui.visuals().widgets.noninteractive.bg_stroke;
+    ui.painter()
+        .circle_stroke(square.center(), square.width() / 2.0, edge);
 }

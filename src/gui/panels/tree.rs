@@ -8,7 +8,7 @@ use crate::gui::edit;
 use crate::gui::icons::{self, Icon, color_of, hue_of};
 use crate::gui::preview::uniforms::MAX_LIGHTS;
 use crate::gui::selection::Selection;
-use crate::gui::widgets::{counted, grouped};
+use crate::gui::widgets::{counted, faint_text, grouped};
 use crate::scene::{Background, Light, Material, NamedLight, Rgb, Scene};
 
 /// Most points of height the tree takes before it scrolls.
@@ -166,7 +166,7 @@ fn part_ui(
     // Room for the icon, which is painted over it.
     let room = egui::AtomExt::atom_size("", Vec2::splat(icons::SIDE));
     let button = egui::Button::selectable(is_selected, (room, name))
-        .right_text(RichText::new(detail).weak().small())
+        .right_text(faint_text(ui, detail, is_selected).small())
         .truncate()
         .min_size(Vec2::new(width, 22.0));
     let response = ui.add(button).accessible_name(format!("Select {name}"));

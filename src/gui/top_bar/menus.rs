@@ -7,6 +7,7 @@ use egui::{Button, RichText, Ui, Vec2};
 use super::{Asked, EditState, Recent, TopBarState, View};
 use crate::gui::commands::Command;
 use crate::gui::tool::Tool;
+use crate::gui::widgets::faint_text;
 
 /// Height of the window that a menu leaves, in points.
 const ROOM_AROUND: f32 = 60.0;
@@ -181,7 +182,7 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         _ => command.label().to_owned(),
     };
     let button = Button::new(&label)
-        .shortcut_text(command.shortcut_text(ui.ctx()))
+        .right_text(faint_text(ui, command.shortcut_text(ui.ctx()), shown))
         .selected(shown);
     let response = ui
         .add_enabled(state.allows(command), button)
