@@ -9,7 +9,7 @@ use crate::driver::{
     DEADLINE, Files, MESH, SCENE, Window, library_hash, load, set_number, set_samples,
 };
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::control::CancelToken;
 use raymini::gui::costs::CostState;
 use raymini::gui::dialogs::Dialog;
@@ -411,6 +411,46 @@ fn a_lights_marker_moves_the_light() {
 }
 
 /// A small image of all directions.
+/// A light that is dragged by its marker is where it was once Esc is pressed, and nothing is left to undo.
+#[test]
+fn esc_puts_a_dragged_light_back() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let camera = &mut window.harness.state_mut().document_mut().scene.camera;
+    camera.eye = camera.target + (camera.eye - camera.target) * 3.0;
+    window.settle();
+    window.harness.run_steps(2);
+    let before = window.scene().clone();
+    let undo = window.app().document().undo_history().next_undo();
+    let undo = undo.map(str::to_owned);
+    let marker = window.on_screen(before.lights[0].position());
+    let press = |pressed| Event::PointerButton {
+        pos: marker,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.harness.hover_at(marker);
+    window.harness.run_steps(1);
+    window.harness.event(press(true));
+    for step in 1..=3_u8 {
+        let by = Vec2::new(25.0, 10.0) * f32::from(step);
+        window.harness.hover_at(marker + by);
+        window.harness.run_steps(1);
+    }
+    assert_ne!(window.scene().lights[0], before.lights[0]);
+    window.press(Modifiers::NONE, Key::Escape);
+    assert_eq!(window.scene(), &before);
+    // The button is still held, and nothing follows it any more.
+    window.harness.hover_at(marker + Vec2::new(-40.0, 30.0));
+    window.harness.run_steps(2);
+    window.harness.event(press(false));
+    window.harness.run_steps(2);
+    assert_eq!(window.scene(), &before);
+    let history = window.app().document().undo_history();
+    assert_eq!(history.next_undo().map(str::to_owned), undo);
+}
+
 fn write_image(path: &Path) {
     let pixel = |i: u8| image::Rgb([f32::from(i), 2.0, 30.0 - f32::from(i)]);
     let pixels: Vec<_> = (0..32).map(pixel).collect();
@@ -524,6 +564,65 @@ fn every_command_is_on_the_sheet() {
     }
     window.press(Modifiers::NONE, Key::Escape);
     assert!(window.app().dialog().is_none());
+}
+
+/// What is written in the window, and where the middle of it is.
+fn texts_drawn(window: &Window) -> impl Iterator<Item = (&str, Pos2)> {
+    let shapes = window.harness.output().shapes.iter();
+    shapes.filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) => {
+            let place = text.visual_bounding_rect().center();
+            Some((text.galley.text(), place))
+        }
+        _ => None,
+    })
+}
+
+/// Every command is in a menu, with its keys in the same line, and on the sheet, with the same keys and all others.
+#[test]
+fn menus_name_the_keys_of_the_sheet() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let ctx = window.harness.ctx.clone();
+    let mut seen = Vec::new();
+    for menu in ["File", "Edit", "View", "Render menu", "Help"] {
+        window.click(menu);
+        for command in raymini::gui::commands::Command::ALL {
+            let keys = command.shortcut_text(&ctx);
+            let is_item = |node: &egui_kittest::Node<'_>| {
+                let node = node.accesskit_node();
+                node.label()
+                    .is_some_and(|label| label.starts_with(command.label()))
+            };
+            let root = window.harness.root();
+            let items = root.children_recursive().filter(is_item);
+            let mut rects = items.map(|item| item.rect());
+            // Its keys are drawn in the same line.
+            let is_named = rects.any(|rect| {
+                let mut texts = texts_drawn(&window);
+                texts.any(|(text, place)| text == keys && rect.contains(place))
+            });
+            if is_named {
+                seen.push(command);
+            }
+        }
+        window.press(Modifiers::NONE, Key::Escape);
+    }
+    for command in raymini::gui::commands::Command::ALL {
+        assert!(
+            seen.contains(&command),
+            "no menu names the keys of {command:?}"
+        );
+    }
+    window.press(Modifiers::NONE, Key::F1);
+    for command in raymini::gui::commands::Command::ALL {
+        let keys: Vec<_> = command.shortcut_texts(&ctx).collect();
+        let line = window.harness.get_by_label(command.description()).rect();
+        let keys = keys.join(",  ");
+        let mut named = window.harness.query_all_by_label(&keys);
+        let is_beside = named.any(|text| (text.rect().center().y - line.center().y).abs() < 30.0);
+        assert!(is_beside, "{command:?}: {keys}");
+    }
 }
 
 /// Without a GPU the window builds, says what is missing, and renders.

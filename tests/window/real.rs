@@ -165,6 +165,15 @@ impl<'a> Window<'a> {
         });
     }
 
+    /// Ends it as the system does that has no memory left.
+    #[cfg(unix)]
+    fn kill(&mut self) {
+        self.process.0.kill().unwrap();
+        let status = self.process.0.wait().unwrap();
+        let signal = std::os::unix::process::ExitStatusExt::signal(&status);
+        assert_eq!(signal, Some(9));
+    }
+
     /// Closes it, as nothing is unsaved.
     fn quit(mut self) {
         self.press("ctrl+q");
@@ -232,15 +241,56 @@ fn what_was_edited_before_a_kill_is_restored() {
     });
     window.start_render();
     std::thread::sleep(Duration::from_secs(1));
-    window.process.0.kill().unwrap();
-    let status = window.process.0.wait().unwrap();
-    assert_eq!(
-        std::os::unix::process::ExitStatusExt::signal(&status),
-        Some(9)
-    );
+    window.kill();
     assert_eq!(std::fs::read_to_string(&scene).unwrap(), before);
 
-    let window = Window::open(&display, folder.path(), &scene);
+    let after = restored(&display, folder.path(), &scene);
+    assert!(!after.contains(EYE), "{after}");
+    assert!(after.contains("samples_per_pixel = 1000000"), "{after}");
+}
+
+/// Killed with SIGKILL while the mouse drags the camera, after a step of that: all but the last second of the drag is there.
+#[cfg(unix)]
+#[test]
+fn what_is_dragged_at_a_kill_is_restored_but_for_the_last_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = write_scene(folder.path(), 64);
+    let display = Display::start();
+    let mut window = Window::open(&display, folder.path(), &scene);
+    let go_to = |x: u32| display.xdotool(&["mousemove", &x.to_string(), "400"]);
+    // Until the preview is there, nothing can be dragged.
+    wait_for("the camera to be dragged", || {
+        go_to(400);
+        std::thread::sleep(Duration::from_millis(300));
+        display.xdotool(&["mousedown", "1"]);
+        for x in [420, 440, 460] {
+            std::thread::sleep(Duration::from_millis(150));
+            go_to(x);
+        }
+        let is_dragged = wait_briefly(3, || window.title().contains('•').then_some(()));
+        if is_dragged.is_none() {
+            display.xdotool(&["mouseup", "1"]);
+        }
+        is_dragged
+    });
+    std::thread::sleep(Duration::from_millis(1500));
+    go_to(520);
+    std::thread::sleep(Duration::from_millis(100));
+    window.kill();
+    display.xdotool(&["mouseup", "1"]);
+    let after = restored(&display, folder.path(), &scene);
+    assert!(!after.contains(EYE), "{after}");
+}
+
+/// The camera of the scene.
+#[cfg(unix)]
+const EYE: &str = "eye = [1.0, -4.0, 1.5]";
+
+/// Opens the window again on `scene`, has it restore what is offered and save it; returns the file.
+#[cfg(unix)]
+fn restored(display: &Display, folder: &Path, scene: &Path) -> String {
+    assert!(std::fs::read_to_string(scene).unwrap().contains(EYE));
+    let window = Window::open(display, folder, scene);
     assert!(!window.title().contains('•'));
     wait_for("the work to be restored", || {
         window.press("Return");
@@ -250,10 +300,8 @@ fn what_was_edited_before_a_kill_is_restored() {
         window.press("ctrl+s");
         wait_briefly(3, || (!window.title().contains('•')).then_some(()))
     });
-    let after = std::fs::read_to_string(&scene).unwrap();
-    assert!(!after.contains("eye = [1.0, -4.0, 1.5]"), "{after}");
-    assert!(after.contains("samples_per_pixel = 1000000"), "{after}");
     window.quit();
+    std::fs::read_to_string(scene).unwrap()
 }
 
 /// How often threads of the process have run so far, but for those of the crate `blocking`, by which the desktop's accessibility bus

@@ -68,6 +68,44 @@ fn a_mesh_that_changes_is_read_again_and_one_that_is_broken_is_not() {
     assert_eq!(window.hash(), library_hash(&load(&files.path("room.toml"))));
 }
 
+/// A scene file that is read again is a step to undo, and a mesh that changes after that is the file's in every step.
+#[test]
+fn files_change_before_and_after_an_undo() {
+    let files = Files::new();
+    let mut window = watched(&files, "room.toml");
+    let red = |scene: &Scene| scene.lights[0].emission().x;
+    files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "7, 9, 9"));
+    window.until("the light is another", |app| {
+        red(&app.document().scene) == 7.0
+    });
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(red(window.scene()), 60.0);
+    assert!(window.app().document().is_modified());
+
+    files.write("pyramid.off", TRIANGLE);
+    window.until("the triangle is there", |app| {
+        triangles(&app.document().scene) == 1
+    });
+    window.settle();
+    assert_eq!(red(window.scene()), 60.0, "what was undone stays so");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!((red(window.scene()), triangles(window.scene())), (7.0, 1));
+    assert!(!window.app().document().is_modified());
+
+    // The file changes again while an older state is looked at: that is not thrown away without a question.
+    window.press(Modifiers::COMMAND, Key::Z);
+    files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "8, 9, 9"));
+    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    assert_eq!(red(window.scene()), 60.0);
+    window.click("Read it again");
+    window.until("the file's light is there", |app| {
+        red(&app.document().scene) == 8.0
+    });
+    window.settle();
+    window.render();
+    assert_eq!(window.hash(), library_hash(&load(&files.path("room.toml"))));
+}
+
 #[test]
 fn a_scene_file_that_changes_is_read_again_where_nothing_is_lost_and_asked_about_else() {
     let files = Files::new();
