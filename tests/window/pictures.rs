@@ -165,9 +165,11 @@ fn editing(window: &mut Window, album: &mut Album) {
     scroll_to(window, "Measure costs");
     album.take(window, "plan");
     key(window, Key::F7);
-    window.until("costs are measured", |app| !app.works_in(Lane::Costs));
+    rest(window, Duration::from_millis(800));
+    album.take(window, "costs being measured");
+    key(window, Key::Escape);
     scroll_to(window, "Display");
-    album.take(window, "costs and display");
+    album.take(window, "display");
     window.operate("Plan");
     scroll_to(window, "Show boxes");
     window.operate("Show boxes");
@@ -374,6 +376,9 @@ fn take_all(name: &str, look: &Look) {
     let mut album = Album::of(name);
     let files = Files::new();
     let mut window = Window::start_as(Vec::new(), look, None);
+    // Smaller than usual, to be there sooner.
+    let render = &mut scene_mut(&mut window).render;
+    [render.width, render.height] = [640, 360];
     let started = Instant::now();
     editing(&mut window, &mut album);
     rendering(&mut window, &mut album);

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use egui::{CentralPanel, Color32, FontId, Frame, Margin, Panel, Rect, RichText, Ui, Vec2};
+use egui::{
+    CentralPanel, Color32, CornerRadius, FontId, Frame, Margin, Panel, Rect, RichText, Ui, Vec2,
+};
 
 use super::App;
 use super::tools::{focus_aid, moves_since};
@@ -221,13 +223,24 @@ impl App {
     }
 
     fn central_ui(&mut self, ui: &mut Ui) {
+        let ground = ui.painter().add(egui::Shape::Noop);
         self.messages.banners_ui(ui);
         if let Some(problem) = &self.problem {
             problem_ui(ui, problem);
         }
         self.reload_question_ui(ui);
         self.comparison_bar_ui(ui);
-        let area = ui.available_rect_before_wrap();
+        // Between the bars, and between them and the rest, there would be lines of nothing.
+        let mut area = ui.available_rect_before_wrap();
+        if area.top() > ui.max_rect().top() {
+            area.min.y -= ui.spacing().item_spacing.y;
+        }
+        let bars = area.with_min_y(ui.max_rect().top()).with_max_y(area.min.y);
+        let fill = ui.visuals().panel_fill;
+        ui.painter().set(
+            ground,
+            egui::Shape::rect_filled(bars, CornerRadius::ZERO, fill),
+        );
         self.follow_edits(ui.ctx());
         let showing_picture = self.picture_on_screen().is_some();
         let scene = self.picture_on_screen().map(|picture| &picture.scene);
