@@ -55,6 +55,11 @@ pub struct CameraSamples {
 }
 
 impl CameraSamples {
+    /// Forgets the last batch.
+    pub fn forget(&mut self) {
+        self.begun.clear();
+    }
+
     /// Where each of the samples `ids`, at least one, begins; those of one pixel come one after the other. Where all samples of a pixel look along one line,
     /// one of them looks, and where the last batch ended with that pixel, none.
     pub fn begin(

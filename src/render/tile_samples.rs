@@ -133,6 +133,9 @@ pub struct TileBlock {
     pub samples: Vec<PixelSamples>,
     pub sums: TileSums,
     pub counts: SampleCounts,
+    /// Those that are taken next.
+    ids: Vec<SampleId>,
+    beginnings: CameraSamples,
 }
 
 /// What ends the sampling of a tile in the middle.
@@ -168,13 +171,14 @@ pub fn sample_tile<K: Kernel>(
         samples,
         sums,
         counts,
+        ids,
+        beginnings,
     } = block;
+    beginnings.forget();
     sums.reset(layers, tile.pixel_count());
     *counts = SampleCounts::default();
     let mut tally = K::Tally::default();
     let place = |(x, y): (u32, u32)| ((y - tile.y) * tile.width + x - tile.x) as usize;
-    let mut beginnings = CameraSamples::default();
-    let mut ids = Vec::with_capacity(Packet::MOST_RAYS);
     for part in tile.cut(PACKET_SIDE) {
         let traced_before = tally.rays().total();
         let mut taken = 0;
@@ -189,7 +193,7 @@ pub fn sample_tile<K: Kernel>(
                 break;
             };
             note.set(first);
-            let begun = beginnings.begin(scene, &ids, &mut tally);
+            let begun = beginnings.begin(scene, ids, &mut tally);
             for begun in begun {
                 if stops.is_asked() {
                     return None;

@@ -16,6 +16,8 @@ const FINEST: f64 = 0.5;
 const STEP: f64 = 1.5;
 /// The coarsest.
 const COARSEST: f64 = 64.0;
+/// What is nearer, in radii of the ball it is in, counts as that far away.
+const NEAREST: f64 = 0.25;
 /// Levels with fewer triangles are drawn as a whole, all blocks at once.
 const WHOLE: usize = 4096;
 
@@ -148,9 +150,11 @@ impl Sight {
         is_inside(&self.forward) && self.sides.iter().all(is_inside)
     }
 
-    /// How many pixels something of size 1 in a ball has at the most.
+    /// How many pixels something of size 1 in a ball has at the most. Of balls about the eye, only what is a way off counts: else all in
+    /// them would keep its details, and leave nothing for what is behind.
     fn pixels_in(&self, ball: &Ball) -> f64 {
-        self.pixels / (ball.center.length() - ball.radius).max(0.0)
+        let nearest = ball.center.length() - ball.radius;
+        self.pixels / nearest.max(ball.radius * NEAREST)
     }
 }
 
@@ -426,6 +430,16 @@ mod tests {
         let enough = FINEST * STEP.powi(3);
         assert_eq!((choice.triangles, choice.omission.pixels), (20, enough));
         assert_eq!(choice.omission.copies, 1);
+    }
+
+    #[test]
+    fn what_is_about_the_eye_may_be_coarse_too() {
+        let about = stock(&[DVec3::new(0.0, 0.5, 0.0)]);
+        assert_eq!(choose(&about, &[], 1000).triangles, 1000);
+        // A cell of 0.1 a quarter of a radius of √0.75 away has 23 pixels.
+        let choice = choose(&about, &[], 999);
+        let enough = FINEST * STEP.powi(10);
+        assert_eq!((choice.triangles, choice.omission.pixels), (10, enough));
     }
 
     #[test]
