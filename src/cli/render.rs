@@ -374,6 +374,7 @@ fn render_with_progress(
     let watch = Watch {
         checkpoints: kept.map(|file| CheckpointKeeper {
             every: file.every,
+            most_share: f64::INFINITY,
             keep: &keep,
         }),
         ..Watch::default()

@@ -12,6 +12,7 @@ use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
 use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
 use super::ray_view::WantedRays;
+use super::recovering::Recovered;
 use super::report::Findings;
 use super::time_estimate::Subject;
 use super::worker::Placed;
@@ -194,9 +195,20 @@ pub enum Event {
     Restored {
         /// Where it was found.
         lost: Lost,
-        /// The scene.
-        result: Result<Box<LoadedScene>, String>,
+        /// It.
+        result: Result<Box<Recovered>, String>,
     },
+    /// The running render goes on from what a window before left of it.
+    RenderGoesOn {
+        /// The part that is done, `0..=1`.
+        share_done: f64,
+        /// What that took.
+        seconds: f64,
+    },
+    /// Why what is left of an interrupted render is of no use.
+    RenderLost(String),
+    /// Why the running render is not kept on disk.
+    RenderNotKept(String),
     /// These files have changed on disk.
     FilesChanged(Vec<PathBuf>),
     /// One of them was read again, or why not.

@@ -18,7 +18,7 @@
 //! - [`costs`], [`contributions`], [`time_estimate`]: what effects cost, what they bring, and how long all takes
 //! - [`balls`]: what materials look like
 //! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
-//! - [`keeping`]: what outlives the window
+//! - [`keeping`], `recovering`, `render_keeper`: what outlives the window
 //! - [`watching`]: files that change while they are open
 //! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
@@ -62,7 +62,9 @@ pub mod picture_buffer;
 pub mod preview;
 pub mod preview_image;
 pub mod ray_view;
+mod recovering;
 pub mod region;
+mod render_keeper;
 pub mod renders;
 pub mod report;
 pub mod selection;

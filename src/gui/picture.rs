@@ -72,6 +72,8 @@ pub struct Picture {
     /// How long it had taken when the last of it came.
     newest_error: Duration,
     started: Instant,
+    /// Of a render that was interrupted: what it took before, and which part was done then, `0..=1`.
+    before: Option<(Duration, f64)>,
     elapsed: Option<Duration>,
     canvas: Canvas,
 }
@@ -104,6 +106,7 @@ impl Picture {
             errors: Vec::new(),
             newest_error: Duration::ZERO,
             started,
+            before: None,
             elapsed: None,
             canvas: Canvas::default(),
         }
@@ -112,7 +115,7 @@ impl Picture {
     /// Takes in a tile; it is on the screen from [`Self::show_tiles`] on.
     pub fn take_tile(&mut self, tile: EncodedTile) {
         if self.first_tile.is_none() {
-            self.first_tile = Some(self.elapsed());
+            self.first_tile = Some(self.elapsed_here());
         }
         self.canvas.put(tile);
     }
@@ -120,7 +123,7 @@ impl Picture {
     /// Takes in a coarse picture.
     pub fn take_coarse(&mut self, texels: CoarseTexels) {
         if self.first_tile.is_none() {
-            self.first_tile = Some(self.elapsed());
+            self.first_tile = Some(self.elapsed_here());
         }
         self.canvas.put_coarse(texels);
     }
@@ -178,7 +181,7 @@ impl Picture {
     pub fn end(&mut self, outcome: Outcome) {
         self.take_errors();
         self.is_preparing = false;
-        self.elapsed = Some(self.elapsed());
+        self.elapsed = Some(self.elapsed_here());
         self.outcome = outcome;
         self.hold.0.allow(usize::MAX);
     }
@@ -240,9 +243,26 @@ impl Picture {
         self.started
     }
 
-    /// Time since the render was asked for, up to its end, without pauses.
+    /// Takes note that it goes on with a render that was interrupted when `share_done` of it, `0..=1`, was done, after `time`.
+    pub fn go_on_after(&mut self, time: Duration, share_done: f64) {
+        self.before = Some((time, share_done));
+    }
+
+    /// Which part was done when it was interrupted, where it was, `0..=1`.
+    #[must_use]
+    pub fn goes_on_from(&self) -> Option<f64> {
+        self.before.map(|(_, share_done)| share_done)
+    }
+
+    /// Time since the render was asked for, up to its end, without pauses; with that before it was interrupted.
     #[must_use]
     pub fn elapsed(&self) -> Duration {
+        let before = self.before.map_or(Duration::ZERO, |(time, _)| time);
+        before + self.elapsed_here()
+    }
+
+    /// [`Self::elapsed`], in this session.
+    fn elapsed_here(&self) -> Duration {
         self.elapsed
             .unwrap_or_else(|| self.throttle().time_since(self.started))
     }
@@ -280,7 +300,7 @@ impl Picture {
     /// Million rays per second so far.
     #[must_use]
     pub fn mrays_per_second(&self) -> f64 {
-        self.progress.rays() as f64 / self.elapsed().as_secs_f64().max(1e-9) / 1e6
+        self.progress.rays() as f64 / self.elapsed_here().as_secs_f64().max(1e-9) / 1e6
     }
 }
 

@@ -115,6 +115,10 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
                 "Rendering"
             };
             parts.push(format!("{what} {size}, {most}{samples}"));
+            if let Some(share) = picture.goes_on_from() {
+                let done = (share * 100.0).floor();
+                parts.push(format!("interrupted at {done} %, goes on"));
+            }
             parts.push(duration(picture.elapsed()));
             if let Some(remaining) = picture.remaining() {
                 parts.push(format!("{} left", duration(remaining)));

@@ -18,11 +18,13 @@ use super::costs::PAIRS;
 use super::event::{Event, Reloaded};
 use super::first_look::FirstLook;
 use super::jobs::Job;
+use super::keeping::KeptRender;
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
+use super::render_keeper::{MOST_SHARE, RenderKeeper};
 use super::report::Findings;
 use super::time_estimate::Subject;
 use crate::analysis::cost::{Costs, Trial};
@@ -32,9 +34,9 @@ use crate::control::{CancelToken, Progress, Throttle};
 use crate::io::{self, LoadedScene};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
-    self, CoarsePicture, ErrorEstimate, Image, Layer, OnCoarse, OnRound, PictureMemory,
-    PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, Round,
-    RunConfig, Sketch, SketchStore, TilePixels, Watch,
+    self, Checkpoint, CheckpointKeeper, CoarsePicture, ErrorEstimate, Image, Layer, OnCoarse,
+    OnRound, PictureMemory, PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome,
+    RenderProgress, Round, RunConfig, Sketch, SketchStore, TilePixels, Watch,
 };
 use crate::scene::{Object, Scene, SceneError};
 
@@ -273,6 +275,10 @@ pub struct RenderRequest {
     pub progress: RenderProgress,
     /// How long tiles may wait to be shown together.
     pub tile_delay: Duration,
+    /// Where it is kept while it runs.
+    pub kept: Option<Arc<KeptRender>>,
+    /// Whether it goes on from what is kept there.
+    pub goes_on: bool,
 }
 
 /// How a render prepares its scene itself: a picture that follows what moves shows where that is first.
@@ -296,7 +302,7 @@ const HELD_REST: Duration = Duration::from_millis(150);
 /// The share of a render's time that the error of each pixel may take while nobody looks at it.
 const ERROR_LAYER_SHARE: f64 = 0.02;
 
-/// Renders a scene, sending every tile.
+/// Renders a scene, or goes on with that, sending every tile.
 pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let run = RunConfig {
         threads: request.threads,
@@ -331,6 +337,17 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         });
     }
     let prepared = prepared.with_primary_hits(&request.primary_hits);
+    let keeper = RenderKeeper::new(job, request, run.layers_of(&prepared), memory);
+    let start = keeper.as_ref().filter(|_| request.goes_on);
+    let start = match start.map(|keeper| keeper.start(&prepared)).transpose() {
+        Ok(start) => start,
+        Err(reason) => return job.send(Event::RenderLost(reason)),
+    };
+    let keep = |checkpoint: Checkpoint| {
+        if let Some(keeper) = &keeper {
+            keeper.keep(&checkpoint);
+        }
+    };
     let is_first = AtomicBool::new(true);
     let on_tile = |tile: &TilePixels<'_>| {
         if let Some(tile) = request.buffer.accept(tile) {
@@ -360,21 +377,40 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     };
     let keeps_error = request.buffer.layers().contains(&Layer::Error);
     let watch = Watch {
-        on_coarse: (!is_sketched).then_some(&on_coarse as OnCoarse<'_>),
+        on_coarse: (!is_sketched && start.is_none()).then_some(&on_coarse as OnCoarse<'_>),
         on_tile: Some(&on_tile),
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
-        ..Watch::default()
+        checkpoints: keeper.as_ref().map(|keeper| CheckpointKeeper {
+            every: keeper.interval(run.thread_count()),
+            most_share: MOST_SHARE,
+            keep: &keep,
+        }),
     };
-    let outcome = render::render_watched(&prepared, region, &run, &request.progress, watch);
-    let Some(RenderOutcome {
+    let progress = &request.progress;
+    let outcome = match start {
+        Some(start) => {
+            job.send(Event::RenderGoesOn {
+                share_done: start.share_done(),
+                seconds: start.seconds(),
+            });
+            start.show(&on_tile);
+            render::resume(&prepared, start, &run, progress, watch)
+        }
+        None => render::render_watched(&prepared, region, &run, progress, watch),
+    };
+    if let Some(outcome) = outcome {
+        finish(job, request, outcome);
+    }
+}
+
+/// Tells that a render is done.
+fn finish(job: &Job<Event>, request: &RenderRequest, outcome: RenderOutcome) {
+    let RenderOutcome {
         image,
         layers,
         stats,
         ..
-    }) = outcome
-    else {
-        return;
-    };
+    } = outcome;
     let hash = image.hash();
     if let Some((_, errors)) = layers.into_iter().find(|(l, _)| *l == Layer::Error) {
         show_error(job, request, errors);

@@ -190,6 +190,7 @@ mod tests {
         let watch = Watch {
             checkpoints: Some(CheckpointKeeper {
                 every: std::time::Duration::ZERO,
+                most_share: f64::INFINITY,
                 keep: &keep,
             }),
             ..Watch::default()

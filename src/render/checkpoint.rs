@@ -8,8 +8,9 @@ use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::ErrorPoint;
 use super::renderer::TILE_SIDE;
+use super::run::OnTile;
 use super::tile_samples::{PassWork, SampleCounts};
-use super::tiles::Region;
+use super::tiles::{Region, TilePixels};
 
 /// A moment of a render, from which [`resume`](super::resume) goes on as if nothing had happened.
 ///
@@ -102,10 +103,31 @@ impl Checkpoint {
         self.seconds
     }
 
+    /// The done part of all camera samples, as far as their number was known, `0..=1`.
+    #[must_use]
+    pub fn share_done(&self) -> f64 {
+        let done = self.shared.film.total_samples() as f64;
+        (done / self.expected_samples.max(1) as f64).min(1.0)
+    }
+
     /// Mean samples of a pixel.
     #[must_use]
     pub fn samples_per_pixel(&self) -> f64 {
         self.shared.film.mean_samples()
+    }
+
+    /// Shows every tile that has samples to `on_tile`: a render that goes on shows those that get more.
+    pub fn show(&self, on_tile: OnTile<'_>) {
+        let Shared { film, has_pass, .. } = &self.shared;
+        let tiles = film.region().tiles(TILE_SIDE).into_iter().zip(has_pass);
+        for (region, _) in tiles.filter(|(_, has_pass)| **has_pass || self.course.passes > 0) {
+            let means = film.means(region);
+            on_tile(&TilePixels {
+                region,
+                rgb: &means[0],
+                layers: &means[1..],
+            });
+        }
     }
 
     /// Whether a render of `region` of `scene` that keeps `layers` can go on from it: whether all its parts have the right size.

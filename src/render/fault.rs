@@ -136,6 +136,7 @@ mod tests {
                 on_tile: Some(&on_tile),
                 checkpoints: Some(CheckpointKeeper {
                     every: std::time::Duration::MAX,
+                    most_share: f64::INFINITY,
                     keep: &keep,
                 }),
                 ..Watch::default()

@@ -63,6 +63,17 @@ impl PictureMemory {
         }
     }
 
+    /// The bytes of a checkpoint, there or not.
+    #[must_use]
+    pub fn checkpoint_bytes(self) -> u64 {
+        self.pixels * self.checkpoint_bytes_per_pixel() as u64
+    }
+
+    fn checkpoint_bytes_per_pixel(self) -> usize {
+        let beside = if self.has_error { FALLS + CHOICE } else { 0 };
+        Film::bytes_per_pixel(self.layers, self.has_error) + beside
+    }
+
     /// The most bytes at any time. Sums become pictures one after the other, so that only one is there twice.
     #[must_use]
     pub fn bytes(self) -> u64 {
@@ -76,8 +87,11 @@ impl PictureMemory {
         } = self;
         let (kept, estimate) = if has_error { (FALLS, ESTIMATE) } else { (0, 0) };
         let film = Film::bytes_per_pixel(layers, has_error) + kept;
-        let choice = if has_error { CHOICE } else { 0 };
-        let checkpoint = if has_checkpoint { film + choice } else { 0 };
+        let checkpoint = if has_checkpoint {
+            self.checkpoint_bytes_per_pixel()
+        } else {
+            0
+        };
         let rendering = film + estimate.max(IMAGE) + checkpoint;
         let pictures = 1 + layers + usize::from(has_error && layers > 0);
         let most = rendering.max(pictures * WRITING) + copies * IMAGE;

@@ -70,8 +70,15 @@ pub struct Renderer<'a> {
     course: Course,
     crew: Crew<'a>,
     clock: Clock,
-    /// When a checkpoint was kept last, or the render began.
-    last_kept: Mutex<Instant>,
+    last_kept: Mutex<LastKept>,
+}
+
+/// The last checkpoint.
+struct LastKept {
+    /// When it was kept, or the render began.
+    at: Instant,
+    /// How long that took a thread; nothing before the first.
+    took: Duration,
 }
 
 /// What follows on samples of all pixels.
@@ -157,7 +164,10 @@ impl<'a> Renderer<'a> {
             course,
             crew,
             clock,
-            last_kept: Mutex::new(Instant::now()),
+            last_kept: Mutex::new(LastKept {
+                at: Instant::now(),
+                took: Duration::ZERO,
+            }),
         }
     }
 
@@ -483,11 +493,18 @@ impl<'a> Renderer<'a> {
         let Some(keeper) = self.watch.checkpoints else {
             return;
         };
-        if let Ok(mut last_kept) = self.last_kept.try_lock()
-            && last_kept.elapsed() >= keeper.every
-        {
+        let Ok(mut last) = self.last_kept.try_lock() else {
+            return;
+        };
+        let share = keeper.most_share * self.crew.threads() as f64;
+        let rest = Duration::try_from_secs_f64(last.took.as_secs_f64() / share);
+        if last.at.elapsed() >= keeper.every.max(rest.unwrap_or(Duration::MAX)) {
+            let began = Instant::now();
             (keeper.keep)(self.checkpoint());
-            *last_kept = Instant::now();
+            *last = LastKept {
+                at: Instant::now(),
+                took: began.elapsed(),
+            };
         }
     }
 

@@ -201,8 +201,11 @@ impl Round<'_> {
 /// Who keeps checkpoints of a render.
 #[derive(Clone, Copy)]
 pub struct CheckpointKeeper<'a> {
-    /// How long to wait from one to the next.
+    /// How long to wait from one to the next, and before the first.
     pub every: Duration,
+    /// The most that keeping them may take of the time of all threads, above 0: where one takes long, the next waits longer for it.
+    /// Infinite where that does not matter.
+    pub most_share: f64,
     /// Is given them: by the thread that finds one due after a tile, which takes no samples until it is kept, and at the end of a
     /// render that is interrupted.
     pub keep: &'a (dyn Fn(Checkpoint) + Sync),

@@ -134,7 +134,11 @@ impl Case {
         };
         let watch = Watch {
             on_tile: Some(&on_tile),
-            checkpoints: Some(CheckpointKeeper { every, keep }),
+            checkpoints: Some(CheckpointKeeper {
+                every,
+                most_share: f64::INFINITY,
+                keep,
+            }),
             ..Watch::default()
         };
         let progress = RenderProgress::default();
@@ -280,4 +284,64 @@ fn what_belongs_to_another_render_does_not_fit() {
         change(&mut other.scene.render);
         assert!(!kept.fits(&other.prepared(), full, &[]));
     }
+}
+
+/// What a checkpoint shows, and then the render that goes on from it, is all of the picture.
+#[test]
+fn a_checkpoint_and_the_tiles_after_it_show_the_whole_picture() {
+    for (number, case) in cases().iter().enumerate() {
+        let prepared = case.prepared();
+        let kept = Mutex::new(None);
+        let keep = |checkpoint| *kept.lock().expect("no panic") = Some(checkpoint);
+        case.render(&prepared, None, 2, 3 + number, Duration::MAX, &keep);
+        let kept = kept.into_inner().expect("no panic").expect("is kept");
+
+        let region = kept.region();
+        let shown = Mutex::new(Image::black(region.width, region.height));
+        let on_tile = |tile: &TilePixels<'_>| {
+            let mut shown = shown.lock().expect("no panic");
+            let width = tile.region.width as usize;
+            for (row, pixels) in tile.rgb.chunks(width).enumerate() {
+                let y = tile.region.y - region.y;
+                let first = (y as usize + row) * region.width as usize;
+                let first = first + (tile.region.x - region.x) as usize;
+                shown.pixels[first..first + width].copy_from_slice(pixels);
+            }
+        };
+        kept.show(&on_tile);
+        let run = RunConfig {
+            layers: case.layers,
+            ..RunConfig::default()
+        };
+        let watch = Watch {
+            on_tile: Some(&on_tile),
+            ..Watch::default()
+        };
+        let outcome = resume(&prepared, kept, &run, &RenderProgress::default(), watch);
+        let image = outcome.expect("nobody cancels").image;
+        let shown = shown.into_inner().expect("no panic");
+        assert_eq!(shown.hash(), image.hash(), "{}", case.name);
+    }
+}
+
+/// One that takes long is not followed by another before the share it may take allows it.
+#[test]
+fn checkpoints_wait_for_their_share_of_the_time() {
+    let case = cases().swap_remove(0);
+    let kept = AtomicUsize::new(0);
+    let keep = |_| {
+        kept.fetch_add(1, Ordering::Relaxed);
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let watch = Watch {
+        checkpoints: Some(CheckpointKeeper {
+            every: Duration::ZERO,
+            most_share: 1e-9,
+            keep: &keep,
+        }),
+        ..Watch::default()
+    };
+    let (run, progress) = (RunConfig::default(), RenderProgress::default());
+    render_watched(&case.prepared(), None, &run, &progress, watch).expect("nobody cancels");
+    assert_eq!(kept.into_inner(), 1);
 }

@@ -1,11 +1,13 @@
 //! Unsaved work that outlives the window, and the list of files opened last.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use crate::driver::{Files, Window, load};
+use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use raymini::gui::dialogs::Dialog;
+use raymini::gui::picture::Picture;
 
 /// A window that keeps its work in `data`.
 fn open(path: &Path, data: &Path) -> Window {
@@ -209,4 +211,165 @@ fn files_opened_last_are_in_the_menu_at_the_next_start() {
     window.harness.state_mut().on_exit();
     drop(window);
     assert!(raymini::gui::keeping::load_recent(&data).is_empty());
+}
+
+/// The checkpoints of renders in the sessions of `data`.
+fn checkpoints(data: &Path) -> Vec<PathBuf> {
+    let entries = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path()).collect::<Vec<_>>()
+    };
+    let sessions = entries(&data.join("sessions"));
+    let renders = sessions.iter().flat_map(|session| entries(session));
+    let files = renders.map(|render| render.join("checkpoint"));
+    files.filter(|file| file.is_file()).collect()
+}
+
+/// Starts a render, and pauses it when it is on disk.
+fn render_until_kept(window: &mut Window, data: &Path) {
+    window.click("Render");
+    window.just_until("it runs", |app| {
+        app.picture().is_some_and(Picture::is_running)
+    });
+    window.click("Pause");
+    // So that one is due after the next tile, however quick the machine is.
+    std::thread::sleep(Duration::from_millis(2500));
+    window.click("Resume");
+    window.just_until("it is kept", |_| !checkpoints(data).is_empty());
+    window.click("Pause");
+}
+
+/// What a process leaves that is killed now: `to` is beside `from`.
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let copy = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &copy);
+        } else {
+            std::fs::copy(entry.path(), copy).unwrap();
+        }
+    }
+}
+
+fn wait_until_no_render_is_kept(window: &mut Window, data: &Path) {
+    let deadline = Instant::now() + DEADLINE;
+    while !checkpoints(data).is_empty() {
+        assert!(Instant::now() < deadline, "a checkpoint stays");
+        window.harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_render_that_was_killed_goes_on_to_the_same_bits() {
+    let files = Files::new();
+    let text = crate::driver::SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 300");
+    let room = files.write("room.toml", &text);
+    let data = files.path("data");
+    let mut window = open(&room, &data);
+    render_until_kept(&mut window, &data);
+    let [killed, damaged, foreign] = ["killed", "damaged", "foreign"].map(|name| files.path(name));
+    for copy in [&killed, &damaged, &foreign] {
+        copy_folder(&data, copy);
+    }
+    window.click("Cancel");
+    wait_until_no_render_is_kept(&mut window, &data);
+    drop(window);
+
+    let mut window = open(&room, &killed);
+    asks(&mut window);
+    assert!(window.says("before the render of room was done"));
+    window.click("Restore");
+    window.until("the render goes on", |app| {
+        let share = app.picture().and_then(Picture::goes_on_from);
+        share.is_some_and(|share| share > 0.0 && share < 1.0)
+    });
+    window.until("it is finished", |app| {
+        app.picture().is_some_and(|picture| !picture.is_running())
+    });
+    assert_eq!(window.hash(), library_hash(&load(&room)));
+    assert!(!window.app().document().is_modified());
+    wait_until_no_render_is_kept(&mut window, &killed);
+    window.harness.state_mut().on_exit();
+    drop(window);
+    let window = open(&room, &killed);
+    assert!(window.app().dialog().is_none(), "nothing is left");
+    drop(window);
+
+    // What cannot be gone on with is told, and nothing runs.
+    let [file] = &checkpoints(&damaged)[..] else {
+        panic!("one render is kept");
+    };
+    let mut bytes = std::fs::read(file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(file, bytes).unwrap();
+    let [file] = &checkpoints(&foreign)[..] else {
+        panic!("one render is kept");
+    };
+    let scene = file.with_file_name("scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let other = text.replace("samples_per_pixel = 300", "samples_per_pixel = 301");
+    assert_ne!(text, other);
+    std::fs::write(&scene, other).unwrap();
+    for (data, reason) in [(&damaged, "damaged"), (&foreign, "another render")] {
+        let mut window = open(&room, data);
+        asks(&mut window);
+        window.click("Restore");
+        window.until("it is told", |app| !app.messages().banners().is_empty());
+        let banner = &window.app().messages().banners()[0];
+        assert_eq!(banner.title, "The interrupted render cannot go on");
+        assert!(banner.text.contains(reason), "{}", banner.text);
+        assert!(!window.app().picture().is_some_and(Picture::is_running));
+        assert_eq!(window.app().document().name(), "room");
+        wait_until_no_render_is_kept(&mut window, data);
+    }
+}
+
+/// Unsaved work comes back as it was edited last, and the render goes on with the scene it was started with.
+#[test]
+fn a_render_goes_on_beside_what_was_edited_since() {
+    let files = Files::new();
+    let data = files.path("data");
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 300);
+    let rendered = window.scene().clone();
+    render_until_kept(&mut window, &data);
+    window.click("Add light");
+    window.until("the work is kept", raymini::gui::App::is_work_kept);
+    let killed = files.path("killed");
+    copy_folder(&data, &killed);
+    drop(window);
+
+    let mut window = open(&files.path("pyramid.off"), &killed);
+    asks(&mut window);
+    assert!(window.says("A render was interrupted, and goes on."));
+    window.click("Restore");
+    window.until("it is finished", |app| {
+        app.picture().is_some_and(|picture| !picture.is_running())
+    });
+    assert_eq!(window.hash(), library_hash(&rendered));
+    assert_eq!(window.scene().lights.len(), 2);
+    assert!(window.app().document().is_modified());
+}
+
+/// A picture that follows every change is soon another.
+#[test]
+fn live_pictures_are_not_kept() {
+    let files = Files::new();
+    let data = files.path("data");
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 100_000);
+    window.click("Live");
+    window.just_until("it runs", |app| {
+        app.picture().is_some_and(Picture::is_running)
+    });
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_millis(2500) {
+        window.harness.step();
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(checkpoints(&data), Vec::<PathBuf>::new());
 }

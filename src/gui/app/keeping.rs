@@ -2,21 +2,23 @@
 //!
 //! Whatever was edited is on disk a second later: it is written at most every half second, by a job, while there is something that
 //! is not saved. Restored work is removed from where it was found only when this window keeps it itself.
+//! A render is kept too while it runs, and goes on when it is restored.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::App;
-use crate::control::CancelToken;
+use super::{App, WaitingRender};
 use crate::gui::dialogs::Dialog;
 use crate::gui::dialogs::recovery::Answer;
-use crate::gui::document::{Document, same_scene};
+use crate::gui::document::same_scene;
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::keeping::{self, Begun, Lost, Session};
-use crate::io::{self, LoadedScene};
+use crate::gui::picture::Outcome;
+use crate::gui::recovering::{Recovered, recover};
+use crate::gui::top_bar::View;
 use crate::scene::Scene;
 
 /// Time between two writes of work that goes on changing.
@@ -40,6 +42,13 @@ pub struct Keeping {
     fault: Option<String>,
     /// The files opened or saved last, newest first.
     pub(super) recent: Vec<PathBuf>,
+}
+
+impl Keeping {
+    /// The session, where there is one.
+    pub(super) fn session(&self) -> Option<&Arc<Session>> {
+        self.session.as_ref()
+    }
 }
 
 impl App {
@@ -193,35 +202,71 @@ impl App {
 
     fn restore(&mut self, lost: Lost) {
         let progress = self.begin_loading(lost.about.name.clone());
+        let session = self.keeping.session.clone();
         self.jobs.start(Lane::Load, move |job| {
-            let cancel: &CancelToken = &job.cancel;
-            let result = match io::load_scene(lost.scene_file(), cancel, &progress) {
-                Ok(None) => return,
-                Ok(Some(loaded)) => Ok(Box::new(loaded)),
-                Err(error) => Err(error.to_string()),
-            };
-            job.send(Event::Restored { lost, result });
+            let result = recover(&lost, session.as_ref(), &job.cancel, &progress).transpose();
+            if let Some(result) = result {
+                let result = result.map(Box::new);
+                job.send(Event::Restored { lost, result });
+            }
         });
     }
 
-    pub(super) fn restored(&mut self, lost: Lost, result: Result<Box<LoadedScene>, String>) {
+    pub(super) fn restored(&mut self, lost: Lost, result: Result<Recovered, String>) {
         self.loading = None;
         match result {
-            Ok(loaded) => {
-                let about = lost.about.clone();
-                let document = Document::restored(loaded.scene, about.name, about.path);
+            Ok(Recovered { document, render }) => {
                 self.replace_document(document);
-                self.keeping.restored = Some(lost);
-                self.messages.news("Restored what was not saved");
+                if self.document.is_modified() {
+                    self.keeping.restored = Some(lost);
+                    self.messages.news("Restored what was not saved");
+                } else {
+                    self.jobs.start(Lane::Discard, move |_| lost.discard());
+                }
+                match render {
+                    Some(Ok(interrupted)) => {
+                        self.is_live = false;
+                        self.waiting_render = Some(WaitingRender {
+                            interrupted: Some(interrupted),
+                            ..WaitingRender::new()
+                        });
+                    }
+                    Some(Err(reason)) => self.render_lost(&reason),
+                    None => {}
+                }
             }
             Err(error) => {
-                let file = lost.scene_file().display();
+                let folder = lost.folder().display();
                 let text = format!(
-                    "{error}\nThe work stays in {file}, and is offered again at the next start."
+                    "{error}\nThe work stays in {folder}, and is offered again at the next start."
                 );
                 self.messages.error("Cannot restore the unsaved work", text);
             }
         }
+    }
+
+    pub(super) fn render_goes_on(&mut self, share_done: f64, seconds: f64) {
+        if let Some(picture) = &mut self.picture {
+            let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+            picture.go_on_after(time, share_done);
+        }
+    }
+
+    /// What is left of an interrupted render is of no use.
+    pub(super) fn render_lost(&mut self, reason: &str) {
+        self.end_picture(Outcome::Failed);
+        self.view = View::Preview;
+        let text = format!("{reason}.\nThe scene is here: Render begins anew.");
+        let title = "The interrupted render cannot go on";
+        self.messages.warning(title, text);
+    }
+
+    pub(super) fn render_not_kept(&mut self, reason: &str) {
+        let text = format!(
+            "{reason}\nThe render goes on. Were the program to end before it is done, it would begin anew."
+        );
+        self.messages
+            .warning("The running render is not kept on disk", text);
     }
 
     /// Takes note that `path` was opened or saved.

@@ -76,6 +76,7 @@ use super::messages::Messages;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
 use super::ray_view::RayView;
+use super::recovering::Interrupted;
 use super::region::RegionTool;
 use super::renders::{Freed, Renders};
 use super::report::ReportWindow;
@@ -164,8 +165,8 @@ pub struct App {
     channels: Channels,
     /// Whether a render follows every change of what it shows.
     is_live: bool,
-    /// A render was asked for at this time and waits for its geometry.
-    waiting_render: Option<Instant>,
+    /// A render that waits for its geometry.
+    waiting_render: Option<WaitingRender>,
     costs: CostState,
     time: TimeState,
     balls: Balls,
@@ -203,6 +204,24 @@ struct PreparedState {
     prepared: Option<PreparedScene>,
     scene: Scene,
     bounds: DBounds,
+}
+
+/// A render that was asked for.
+#[derive(Debug)]
+struct WaitingRender {
+    asked: Instant,
+    /// What it goes on with; `None` where it is one of the scene as it is.
+    interrupted: Option<Interrupted>,
+}
+
+impl WaitingRender {
+    /// One of the scene as it is, asked for now.
+    fn new() -> Self {
+        Self {
+            asked: Instant::now(),
+            interrupted: None,
+        }
+    }
 }
 
 /// Files being read.

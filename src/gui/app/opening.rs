@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
-use super::{App, Loading};
+use super::{App, Loading, WaitingRender};
 use crate::control::Progress;
 use crate::gui::app::FileDialogs;
 use crate::gui::commands::TextureUse;
@@ -201,7 +201,7 @@ impl App {
             self.keep_render(picture);
         }
         // What follows every change follows this one.
-        self.waiting_render = self.is_live.then(Instant::now);
+        self.waiting_render = self.is_live.then(WaitingRender::new);
     }
 
     pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {

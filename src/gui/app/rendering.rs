@@ -3,20 +3,23 @@
 //! One prepare job runs at a time. While it does, further edits pile up in the scene; when it ends, the newest state is
 //! prepared, if it differs. So an object that is dragged moves in the preview as often as the machine manages.
 
+use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::{App, PreparedState};
+use super::{App, PreparedState, WaitingRender};
 use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::error_plot::name_of_render;
 use crate::gui::jobs::Lane;
+use crate::gui::keeping::{KeptRender, RenderAbout};
 use crate::gui::part::Part;
 use crate::gui::pick::world_bounds;
 use crate::gui::picture::{Outcome, Picture};
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::preview::paint::same_paint;
 use crate::gui::preview_image::PreviewImage;
+use crate::gui::recovering::Interrupted;
 use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
 use crate::gui::worker::{self, Placed, Preparation, RenderRequest};
@@ -142,14 +145,24 @@ impl App {
         self.cancel_measuring_costs();
         self.stop_estimating_time();
         self.messages.news("");
-        self.waiting_render = Some(Instant::now());
+        self.waiting_render = Some(WaitingRender::new());
         self.update_background_work();
     }
 
-    pub(super) fn start_render(&mut self, asked: Instant, preparation: Option<Preparation>) {
-        let scene = self.document.scene.clone();
+    fn start_render(&mut self, waiting: WaitingRender, preparation: Option<Preparation>) {
+        let WaitingRender { asked, interrupted } = waiting;
+        let goes_on = interrupted.is_some();
+        let (scene, part, kept) = if let Some(Interrupted { scene, kept }) = interrupted {
+            let region = kept.about().region;
+            let of = [scene.render.width, scene.render.height];
+            let part = Part { region, of };
+            self.region.choose(part);
+            (scene, part, Some(kept))
+        } else {
+            let scene = self.document.scene.clone();
+            (scene, self.wanted_part(), self.place_for_render())
+        };
         let largest = self.largest_texture();
-        let part = self.wanted_part();
         let mut layers = if scene.output.layers {
             Layer::all_of(&scene)
         } else {
@@ -189,6 +202,10 @@ impl App {
         }
         picture.number = self.render_count + 1;
         picture.is_preparing = preparation.is_some();
+        if goes_on {
+            // What was edited beside it before, it goes on beside.
+            picture.pass_over(&self.document.scene, self.wanted_part());
+        }
         let is_awaited = self.is_live && self.is_drawn_by_processor();
         let first_look = is_awaited.then(|| picture.first_look.clone());
         let number = picture.number;
@@ -208,6 +225,8 @@ impl App {
             buffer,
             progress,
             tile_delay: self.refresh_interval(),
+            kept: kept.map(Arc::new),
+            goes_on,
         };
         self.jobs.cancel(Lane::Encode);
         let freed = std::mem::take(&mut self.freed);
@@ -216,6 +235,16 @@ impl App {
             drop(freed);
             worker::render(job, &request);
         });
+    }
+
+    /// Where the render that starts now is kept while it runs. One that follows every change is soon another.
+    fn place_for_render(&self) -> Option<KeptRender> {
+        let session = self.keeping.session().filter(|_| !self.is_live)?;
+        Some(session.place_render(RenderAbout {
+            name: self.document.name().to_owned(),
+            path: self.document.path().map(Path::to_owned),
+            region: self.wanted_part().region,
+        }))
     }
 
     /// What the render that starts now is called among those of this session. One that it takes the place of was none.

@@ -25,15 +25,25 @@ pub enum Answer {
 #[must_use]
 pub fn recovery_ui(ctx: &egui::Context, lost: &Lost) -> Answer {
     let response = modal_ui(ctx, "recovery", 460.0, |ui| {
-        ui.heading("Restore unsaved work?");
+        let is_unsaved = lost.scene_file().is_some();
+        ui.heading(if is_unsaved {
+            "Restore unsaved work?"
+        } else {
+            "Go on with the render?"
+        });
         ui.add_space(4.0);
         let age = lost.edited.elapsed().unwrap_or_default();
         let name = &lost.about.name;
-        ui.label(format!(
-            "RayMini ended before the changes to {name} were saved. They were made {}.",
-            ago(age)
-        ));
-        if let Some(path) = &lost.about.path {
+        let age = ago(age);
+        ui.label(if is_unsaved {
+            format!("RayMini ended before the changes to {name} were saved. They were made {age}.")
+        } else {
+            format!("RayMini ended before the render of {name} was done. It was kept {age}.")
+        });
+        if is_unsaved && lost.render().is_some() {
+            ui.label("A render was interrupted, and goes on.");
+        }
+        if is_unsaved && let Some(path) = &lost.about.path {
             let text = format!("{} is as it was saved last.", path.display());
             ui.label(RichText::new(text).weak());
         }
@@ -42,12 +52,12 @@ pub fn recovery_ui(ctx: &egui::Context, lost: &Lost) -> Answer {
             for (button, tooltip, meaning) in [
                 (
                     primary_button("Restore"),
-                    "Go on with the work where it ended",
+                    "Go on where it ended",
                     Answer::Restore,
                 ),
                 (
                     egui::Button::new("Discard"),
-                    "Remove the unsaved changes for good",
+                    "Remove it for good",
                     Answer::Discard,
                 ),
                 (

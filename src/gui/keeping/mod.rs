@@ -2,10 +2,11 @@
 //!
 //! Everything lies in one folder of the user's data. Each window has a session there, a folder of its own that it holds a lock on:
 //! the system gives the lock back however the program ends, so a session that nobody holds and that has a scene in it is work that
-//! was lost. A window that offers such work holds its lock meanwhile, so several windows never offer or remove the same.
+//! was lost. So is a render that is kept there while it runs. A window that offers such work holds its lock meanwhile, so several windows never offer or remove the same.
 
 mod layout;
 mod recent;
+mod render;
 mod session;
 
 use std::fs::File;
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 pub use layout::{Fold, LEAST_WINDOW, Layout, Theme, load_layout, save_layout};
 pub use recent::{MOST_RECENT, load_recent, save_recent};
+pub use render::{KeptRender, RenderAbout, scene_of_render};
 pub use session::{Begun, Lost, Session, begin};
 
 /// The program's folder in the user's data; `None` where the system knows no home.

@@ -1,13 +1,15 @@
-//! Unsaved work on disk: one folder per window, and what windows before left behind.
+//! Unsaved work and running renders on disk: one folder per window, and what windows before left behind.
 
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
+use super::render::{KeptRender, RenderAbout, newest_render};
 use super::{lock_shared, open_lock};
 use crate::io::{save_scene, write_atomically};
 use crate::scene::Scene;
@@ -56,7 +58,14 @@ impl Held {
 
 /// The place of this window's unsaved work. It stays until [`Session::end`], so that it also outlives a fault of the window.
 #[derive(Debug)]
-pub struct Session(Mutex<Held>);
+pub struct Session {
+    folder: PathBuf,
+    held: Mutex<Held>,
+    /// Renders that were given a place.
+    renders: AtomicUsize,
+    /// Whether renders may not be kept any more. Whoever writes one holds it.
+    is_over: Mutex<bool>,
+}
 
 impl Session {
     /// Writes unsaved work, whole or not at all.
@@ -82,11 +91,28 @@ impl Session {
     /// Removes all of it, as the window closes: the user has decided about the work. Nothing can be kept any more. Waits for what is
     /// being written.
     pub fn end(&self) {
+        *self.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.held().remove();
     }
 
+    /// A place for the render of `about`, which has nothing yet.
+    #[must_use]
+    pub fn place_render(self: &Arc<Self>, about: RenderAbout) -> KeptRender {
+        let number = self.renders.fetch_add(1, Ordering::Relaxed);
+        KeptRender::new(Arc::clone(self), &self.folder, number, about)
+    }
+
+    /// Does `write`, which writes a render, unless the session is over. Meanwhile it does not end.
+    pub(super) fn write_render(
+        &self,
+        write: impl FnOnce() -> Result<(), String>,
+    ) -> Result<(), String> {
+        let is_over = self.is_over.lock().unwrap_or_else(PoisonError::into_inner);
+        if *is_over { Ok(()) } else { write() }
+    }
+
     fn held(&self) -> MutexGuard<'_, Held> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -95,33 +121,76 @@ impl Session {
 pub struct Lost {
     /// What it belongs to.
     pub about: About,
-    /// When it was last edited.
+    /// When it was last edited, or the render kept.
     pub edited: SystemTime,
+    folder: PathBuf,
     held: Arc<Mutex<Held>>,
-    scene: PathBuf,
+    /// `None` where nothing was unsaved.
+    scene: Option<PathBuf>,
+    render: Option<PathBuf>,
 }
 
 impl Lost {
-    fn of(held: Held) -> Option<Self> {
-        let scene = held.folder.join(SCENE);
-        let edited = fs::metadata(&scene).and_then(|m| m.modified()).ok()?;
-        let about = fs::read_to_string(held.folder.join(ABOUT)).unwrap_or_default();
+    /// What is left in the folder of `held`; gives that back where nothing is.
+    fn of(held: Held) -> Result<Self, Held> {
+        let scene = Some(held.folder.join(SCENE)).filter(|scene| scene.is_file());
+        let render = newest_render(&held.folder);
+        let about = scene
+            .as_ref()
+            .map_or(render.as_ref(), |_| Some(&held.folder));
+        let Some(folder) = about else {
+            return Err(held);
+        };
+        let about = fs::read_to_string(folder.join(ABOUT)).unwrap_or_default();
         let about = serde_json::from_str(&about).unwrap_or_else(|_| About {
             name: "untitled".to_owned(),
             path: None,
         });
-        Some(Self {
+        let newest = scene.as_ref().unwrap_or(folder);
+        let edited = fs::metadata(newest).and_then(|m| m.modified());
+        Ok(Self {
             about,
-            edited,
+            edited: edited.unwrap_or(SystemTime::UNIX_EPOCH),
+            folder: held.folder.clone(),
             held: Arc::new(Mutex::new(held)),
             scene,
+            render,
         })
     }
 
-    /// The scene file.
+    /// The scene file; `None` where all was saved, and only a render was lost.
     #[must_use]
-    pub fn scene_file(&self) -> &Path {
-        &self.scene
+    pub fn scene_file(&self) -> Option<&Path> {
+        self.scene.as_deref()
+    }
+
+    /// Where all of it is.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The folder of the render that was interrupted.
+    #[must_use]
+    pub fn render(&self) -> Option<&Path> {
+        self.render.as_deref()
+    }
+
+    /// Moves the render that was interrupted into `session`.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn move_render(
+        &self,
+        session: &Arc<Session>,
+        about: RenderAbout,
+    ) -> Result<Option<KeptRender>, String> {
+        let moved = self.render.as_ref().map(|folder| {
+            let kept = session.place_render(about);
+            let moved = kept.take(folder);
+            moved.map(|()| kept)
+        });
+        moved.transpose()
     }
 
     /// Removes it for good.
@@ -154,11 +223,9 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
         let Some(held) = Held::of(entry.path()) else {
             continue;
         };
-        if held.folder.join(SCENE).is_file() {
-            lost.extend(Lost::of(held));
-        } else {
-            let mut held = held;
-            held.remove();
+        match Lost::of(held) {
+            Ok(found) => lost.push(found),
+            Err(mut held) => held.remove(),
         }
     }
     lost.sort_by_key(|lost| std::cmp::Reverse(lost.edited));
@@ -172,7 +239,12 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
     })?;
     drop(shared);
     Ok(Begun {
-        session: Session(Mutex::new(held)),
+        session: Session {
+            folder: held.folder.clone(),
+            held: Mutex::new(held),
+            renders: AtomicUsize::new(0),
+            is_over: Mutex::new(false),
+        },
         lost,
     })
 }
@@ -208,7 +280,11 @@ mod tests {
         let work = lost.pop().unwrap();
         assert_eq!(work.about.name, "room");
         assert_eq!(work.about.path, path);
-        let loaded = load_scene(work.scene_file(), &CancelToken::new(), &Progress::new());
+        let loaded = load_scene(
+            work.scene_file().unwrap(),
+            &CancelToken::new(),
+            &Progress::new(),
+        );
         assert_eq!(loaded.unwrap().unwrap().scene.camera, scene.camera);
         // Nobody else is offered it meanwhile; who puts it off is asked again.
         let others = || {

@@ -1,0 +1,90 @@
+//! Reading what a window before left behind: unsaved work, and the render that was interrupted.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::document::Document;
+use super::keeping::{KeptRender, Lost, RenderAbout, Session, scene_of_render};
+use crate::control::{CancelToken, Progress};
+use crate::io::{self, LoadError};
+use crate::scene::Scene;
+
+/// What is restored.
+#[derive(Debug)]
+pub struct Recovered {
+    /// The scene as it was edited last.
+    pub document: Document,
+    /// The render to go on with, or why it cannot be.
+    pub render: Option<Result<Interrupted, String>>,
+}
+
+/// A render to go on with.
+#[derive(Debug)]
+pub struct Interrupted {
+    /// The scene as it was when the render began.
+    pub scene: Scene,
+    /// Where it is kept.
+    pub kept: KeptRender,
+}
+
+/// Reads `lost` work. Its render moves to `session`. `None` when cancelled.
+///
+/// # Errors
+/// In words, when there is no scene to show.
+pub fn recover(
+    lost: &Lost,
+    session: Option<&Arc<Session>>,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Recovered>, String> {
+    let Some(document) = document(lost, cancel, progress).map_err(|error| error.to_string())?
+    else {
+        return Ok(None);
+    };
+    let render = lost.render().zip(session).map(|(folder, session)| {
+        let about = RenderAbout::read(folder)?;
+        let scene = scene_of_render(folder);
+        let loaded = io::reload_scene(&scene, &document.scene, cancel);
+        let loaded = loaded.map_err(|error| error.to_string())?;
+        let scene = loaded.ok_or("cancelled")?.scene;
+        let settings = &scene.render;
+        if !about.region.fits(settings.width, settings.height) {
+            return Err("what it is of was damaged on disk".to_owned());
+        }
+        let kept = lost.move_render(session, about)?;
+        let kept = kept.ok_or("it is not there any more")?;
+        Ok(Interrupted { scene, kept })
+    });
+    if cancel.is_cancelled() {
+        return Ok(None);
+    }
+    Ok(Some(Recovered { document, render }))
+}
+
+/// The document that `lost` was of: unsaved work, or else what its file holds.
+fn document(
+    lost: &Lost,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Document>, LoadError> {
+    let (name, path) = (lost.about.name.clone(), lost.about.path.clone());
+    let load = |file: &Path| -> Result<Option<Scene>, LoadError> {
+        let loaded = io::load_scene(file, cancel, progress)?;
+        Ok(loaded.map(|loaded| loaded.scene))
+    };
+    if let Some(unsaved) = lost.scene_file() {
+        let scene = load(unsaved)?;
+        return Ok(scene.map(|scene| Document::restored(scene, name, path)));
+    }
+    if let Some(Ok(scene)) = path.as_deref().map(load) {
+        return Ok(scene.map(|scene| Document::new(scene, name, path)));
+    }
+    let rendered = lost.render().map(scene_of_render).unwrap_or_default();
+    // Where its file is gone, this is all there is of it.
+    let make = if path.is_some() {
+        Document::restored
+    } else {
+        Document::new
+    };
+    Ok(load(&rendered)?.map(|scene| make(scene, name, path)))
+}
