@@ -38,6 +38,8 @@ impl Display {
                 "1280x800x24",
                 "-nolisten",
                 "tcp",
+                // Else it begins anew, and refuses whoever comes then, when the last window is killed.
+                "-noreset",
             ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
