@@ -62,6 +62,10 @@ impl Level {
         self.vertices.chunks_exact(3)
     }
 
+    fn corners(&self, triangle: usize) -> &[Vertex] {
+        &self.vertices[triangle * 3..triangle * 3 + 3]
+    }
+
     fn source(&self, triangle: usize) -> u32 {
         match &self.sources {
             Some(sources) => sources[triangle],
@@ -206,31 +210,41 @@ fn joined(finer: &Level, origin: Vec3, cell: f64) -> Level {
     };
     let cells: Vec<u32> = finer.vertices.iter().map(cluster_of).collect();
     let mut known = HashSet::with_hasher(FixedState::default());
-    let mut sources = Vec::new();
-    let mut coarse = Level {
+    made_of(finer, cell, |triangle, _| {
+        let mut corners = [0, 1, 2].map(|i| cells[triangle * 3 + i]);
+        let [a, b, c] = corners;
+        corners.sort_unstable();
+        let is_left = a != b && b != c && c != a && known.insert(corners);
+        let corner = |(i, cluster): (usize, u32)| {
+            clusters[cluster as usize].vertex(finer.corners(triangle)[i].normal())
+        };
+        is_left.then(|| [(0, a), (1, b), (2, c)].map(corner))
+    })
+}
+
+/// What `coarser` makes of the triangles of `finer`, told of each its number and that in its block; the cell is that of the result.
+fn made_of(
+    finer: &Level,
+    cell: f64,
+    mut coarser: impl FnMut(usize, usize) -> Option<[Vertex; 3]>,
+) -> Level {
+    let mut level = Level {
         cell,
         starts: vec![0],
         ..Level::default()
     };
+    let mut sources = Vec::new();
     for block in finer.starts.windows(2) {
-        for triangle in block[0]..block[1] {
-            let mut corners = [0, 1, 2].map(|i| cells[triangle * 3 + i]);
-            let [a, b, c] = corners;
-            corners.sort_unstable();
-            if a == b || b == c || c == a || !known.insert(corners) {
-                continue;
+        for (in_block, triangle) in (block[0]..block[1]).enumerate() {
+            if let Some(corners) = coarser(triangle, in_block) {
+                level.vertices.extend(corners);
+                sources.push(finer.source(triangle));
             }
-            let fine = &finer.vertices[triangle * 3..triangle * 3 + 3];
-            let vertices = [a, b, c].into_iter().zip(fine);
-            coarse.vertices.extend(
-                vertices.map(|(cluster, fine)| clusters[cluster as usize].vertex(fine.normal())),
-            );
-            sources.push(finer.source(triangle));
         }
-        coarse.starts.push(sources.len());
+        level.starts.push(sources.len());
     }
-    coarse.sources = Some(sources.into());
-    coarse
+    level.sources = Some(sources.into());
+    level
 }
 
 impl Cluster {
@@ -246,24 +260,14 @@ impl Cluster {
 
 /// Every fourth triangle of `finer`, twice as wide.
 fn thinned(finer: &Level, cell: f64) -> Level {
-    let mut sources = Vec::new();
-    let mut coarse = Level {
-        cell,
-        starts: vec![0],
-        ..Level::default()
-    };
-    for block in finer.starts.windows(2) {
-        for triangle in (block[0]..block[1]).step_by(4) {
-            let fine = &finer.vertices[triangle * 3..triangle * 3 + 3];
-            let middle = fine.iter().map(Vertex::position).sum::<Vec3>() / 3.0;
-            let wider = |vertex: &Vertex| vertex.at(vertex.position() * 2.0 - middle);
-            coarse.vertices.extend(fine.iter().map(wider));
-            sources.push(finer.source(triangle));
-        }
-        coarse.starts.push(sources.len());
-    }
-    coarse.sources = Some(sources.into());
-    coarse
+    made_of(finer, cell, |triangle, in_block| {
+        let corners = finer.corners(triangle);
+        let middle = corners.iter().map(Vertex::position).sum::<Vec3>() / 3.0;
+        let wider = |vertex: &Vertex| vertex.at(vertex.position() * 2.0 - middle);
+        in_block
+            .is_multiple_of(4)
+            .then(|| [0, 1, 2].map(|i| wider(&corners[i])))
+    })
 }
 
 fn area(triangle: &[Vertex]) -> f64 {
@@ -275,6 +279,9 @@ fn area(triangle: &[Vertex]) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::{TriangleMesh, shapes};
+
+    /// Places on a ball of radius 1 have 32 bits: some of their last digits.
+    const ROUNDING: f64 = 1e-6;
 
     fn whole(mesh: &TriangleMesh) -> Level {
         let corners = |triangle: &[u32; 3]| {
@@ -315,7 +322,11 @@ mod tests {
                 for (corner, fine) in triangle.iter().zip(fine) {
                     let moved = corner.position().as_dvec3().distance(fine);
                     // From each level to the next, and twice the first cell is more than all before it.
-                    assert!(moved <= 2.0 * reach + 1e-6, "{moved} with {}", level.cell);
+                    assert!(
+                        moved <= 2.0 * reach + ROUNDING,
+                        "{moved} with {}",
+                        level.cell
+                    );
                 }
             }
             if level.cell < 0.2 {
@@ -335,7 +346,7 @@ mod tests {
         for (ball, ends) in levels[0].balls().iter().zip(levels[0].starts.windows(2)) {
             let corners = &levels[0].vertices[ends[0] * 3..ends[1] * 3];
             let is_inside = |corner: &Vertex| {
-                corner.position().as_dvec3().distance(ball.center) <= ball.radius + 1e-6
+                corner.position().as_dvec3().distance(ball.center) <= ball.radius + ROUNDING
             };
             assert!(corners.iter().all(is_inside));
             // Half of the whole is in a larger one.
