@@ -250,7 +250,7 @@ fn what_paths_bring_is_told_with_how_far_it_is_off() {
         let within = found
             .iter()
             .filter(|f| (f.mean_share - mean).abs() <= told(f));
-        // 95 of 100 at least: 21 of 24 or fewer would be a chance of 1 in 40 where it is just that.
+        // 95 of 100 at least: where it is just that, 21 of 24 or fewer come by chance once in 9 times; what is told is rather too large.
         assert!(within.count() >= 22, "{contributor:?}: {found:?}");
         let few = told(&found[0]);
         assert!(few < 0.2 * mean.abs(), "{contributor:?}: {few} of {mean}");

@@ -310,7 +310,8 @@ fn embossed(s: Sides, outside: bool, relative: vec3f, first: vec3f, second: vec3
     let outward = s.normal * side;
     let long = first - outward * dot(outward, first);
     let squared = dot(long, long);
-    if all(relative.xy == vec2f(0.0)) || squared <= 1e-37 {
+    // Below the smallest normal number a square has lost its digits, and with them the direction.
+    if all(relative.xy == vec2f(0.0)) || squared <= 1.2e-38 {
         return s.normal;
     }
     let tangent = long * inverseSqrt(squared);
