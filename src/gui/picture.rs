@@ -308,7 +308,8 @@ impl Picture {
 #[must_use]
 pub fn time_left(done: f64, elapsed: Duration) -> Option<Duration> {
     let elapsed = elapsed.as_secs_f64();
-    let known = done > 0.01 && elapsed > 0.2;
+    // Long renders tell it after a second, of which a first part of a hundredth takes minutes.
+    let known = done > 0.01 && elapsed > 0.2 || done > 0.001 && elapsed > 1.0;
     known
         .then(|| Duration::try_from_secs_f64(elapsed * (1.0 - done) / done).ok())
         .flatten()

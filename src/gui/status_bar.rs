@@ -231,12 +231,13 @@ pub(super) fn progress_ui(ui: &mut Ui, share: f64) {
     #[expect(clippy::cast_possible_truncation, reason = "a share for display")]
     let share = share as f32;
     let bar = ProgressBar::new(share)
-        .desired_width(170.0)
+        .desired_width(150.0)
         .desired_height(14.0)
         .corner_radius(CornerRadius::same(7))
-        .fill(theme::ACCENT)
-        .text(RichText::new(format!("{:.0} %", (share * 100.0).floor())).small());
+        .fill(theme::ACCENT);
     ui.add(bar).accessible_name("Progress");
+    // Beside the bar: on it, its end runs through the words.
+    ui.label(format!("{:.0} %", (share * 100.0).floor()));
 }
 
 fn line_ui(ui: &mut Ui, text: &str) {

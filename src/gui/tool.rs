@@ -10,6 +10,8 @@ use super::theme;
 const SIDE: f32 = 28.0;
 /// From the corner of the preview's room, in points.
 const DISTANCE: f32 = 8.0;
+/// What the bar and the room beside it take of the left of the area, in points.
+pub const BAR_WIDTH: f32 = SIDE + 2.0 * DISTANCE;
 
 /// What the mouse does in the preview. Dragging beside handles and markers looks around with every tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

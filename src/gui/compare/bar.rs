@@ -80,7 +80,7 @@ impl Comparison {
                 ui.add(egui::Label::new(text).truncate());
             }
             Some(Ok(distance)) => {
-                let words = in_words(distance, self.mode);
+                let words = in_words(distance);
                 ui.add(egui::Label::new(words).truncate()).on_hover_text(
                     "Over all pixels and channels, on linear values. RMSE: root of the mean squared difference. Relative MSE: each \
                      squared difference by the squared value of the second picture plus 0.01; its root is what noise means elsewhere. FLIP: how different they look when a \
@@ -91,7 +91,7 @@ impl Comparison {
     }
 }
 
-fn in_words(distance: &Distance, mode: Mode) -> String {
+fn in_words(distance: &Distance) -> String {
     if distance.differing_pixels == 0 {
         return "the same, bit for bit".to_owned();
     }
@@ -105,9 +105,6 @@ fn in_words(distance: &Distance, mode: Mode) -> String {
     ];
     if let Some(flip) = distance.flip {
         parts.push(format!("FLIP {}", format_number(flip, 4)));
-    }
-    if mode == Mode::Difference {
-        parts.push(format!("white is {}", format_number(distance.white, 4)));
     }
     if distance.non_finite_pixels > 0 {
         let count = usize::try_from(distance.non_finite_pixels).unwrap_or(usize::MAX);
@@ -132,15 +129,14 @@ mod tests {
             white: 0.25,
         };
         assert_eq!(
-            in_words(&distance, Mode::Wipe),
+            in_words(&distance),
             "RMSE 0.0123  ·  relative MSE 4.000e-4 (root 2.0 %)  ·  FLIP 0.0321"
         );
         distance.non_finite_pixels = 1;
         assert!(
-            in_words(&distance, Mode::Difference)
-                .ends_with("white is 0.25  ·  1 pixel without finite value left out")
+            in_words(&distance).ends_with("FLIP 0.0321  ·  1 pixel without finite value left out")
         );
         distance.differing_pixels = 0;
-        assert_eq!(in_words(&distance, Mode::Wipe), "the same, bit for bit");
+        assert_eq!(in_words(&distance), "the same, bit for bit");
     }
 }

@@ -4,6 +4,7 @@ use egui::{Align2, Color32, CursorIcon, FontId, Id, Key, Rect, Sense, Stroke, Ui
 
 use super::{Comparison, Mode};
 use crate::gui::canvas::Canvas;
+use crate::gui::widgets::format_number;
 
 /// How far beside the divider the mouse takes hold of it, in points.
 const REACH: f32 = 7.0;
@@ -25,7 +26,13 @@ impl Comparison {
             }
             Mode::Difference => {
                 self.picture_ui(ui, frame, visible, self.difference());
-                tag_ui(ui, visible, Align2::LEFT_TOP, "Difference");
+                let white = match &self.distance {
+                    Some(Ok(distance)) => {
+                        format!(", white is {}", format_number(distance.white, 4))
+                    }
+                    _ => String::new(),
+                };
+                tag_ui(ui, visible, Align2::LEFT_TOP, &format!("Difference{white}"));
             }
         }
     }

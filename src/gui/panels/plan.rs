@@ -1,4 +1,4 @@
-use egui::{Grid, Label, ProgressBar, RichText, Ui};
+use egui::{Grid, Label, RichText, Ui};
 
 use super::PanelState;
 use crate::analysis::cost::{Costs, Share};
@@ -6,6 +6,7 @@ use crate::gui::commands::Command;
 use crate::gui::contributions::Contributions;
 use crate::gui::costs::CostState;
 use crate::gui::document::same_picture;
+use crate::gui::status_bar::progress_ui;
 use crate::render::{Used, reasons};
 use crate::scene::Scene;
 
@@ -18,9 +19,10 @@ pub fn plan_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     contributions_ui(ui, state.contributions);
     match state.costs {
         CostState::Measuring(progress) => {
-            #[expect(clippy::cast_possible_truncation, reason = "a part of a bar")]
-            let share = progress.fraction() as f32;
-            ui.add(ProgressBar::new(share).text("Measuring costs"));
+            ui.horizontal(|ui| {
+                progress_ui(ui, progress.fraction());
+                ui.label("Measuring costs");
+            });
             if ui.button("Cancel measuring").clicked() {
                 state.commands.push(Command::Cancel);
             }

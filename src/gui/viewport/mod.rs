@@ -16,7 +16,7 @@ use super::orbit::{self, DistanceLimits, PictureSize};
 use super::pick::{self, Picked};
 use super::selection::Selection;
 use super::theme;
-use super::tool::Tool;
+use super::tool::{self, Tool};
 use super::zoom::Zoom;
 use crate::math::{DBounds, DVec2, DVec3};
 use crate::render::PreparedGeometry;
@@ -89,18 +89,19 @@ pub struct ViewportScene<'a> {
     pub picture: Option<(Camera, [u32; 2])>,
 }
 
-/// The largest rectangle with the picture's ratio inside `area`, on whole pixels of the screen.
+/// The largest rectangle with the picture's ratio inside `area` and beside the bar of tools, on whole pixels of the screen.
 #[must_use]
 pub fn frame_in(area: Rect, settings: &RenderSettings, pixels_per_point: f32) -> Rect {
     let inside = area.shrink(MARGIN);
+    let inside = inside.with_min_x(area.left() + tool::BAR_WIDTH);
     let ratio = settings.width.max(1) as f32 / settings.height.max(1) as f32;
     let available = inside.size().max(Vec2::splat(1.0));
     let width = available.x.min(available.y * ratio);
     let size = Vec2::new(width, width / ratio);
     let snap = |points: f32| (points * pixels_per_point).round() / pixels_per_point;
-    let min = inside.center() - size / 2.0;
+    let min = area.center() - size / 2.0;
     Rect::from_min_size(
-        Pos2::new(snap(min.x), snap(min.y)),
+        Pos2::new(snap(min.x.max(inside.left())), snap(min.y)),
         Vec2::new(snap(size.x), snap(size.y)).max(Vec2::splat(1.0 / pixels_per_point)),
     )
 }
