@@ -983,6 +983,36 @@ fn mistakes_in_a_report_are_told_where_they_are_made() {
     assert_eq!(json_of(&folder)["reference"]["kind"], "exact");
 }
 
+/// It is told at once and goes with its reason, while a picture is looked at too.
+#[test]
+fn what_cannot_be_rendered_is_told_as_long_as_it_is_so() {
+    const PROBLEM: &str = "This scene cannot be rendered as it is";
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    assert!(!window.says(PROBLEM));
+    let before = window.scene().camera;
+    for (field, value) in ["Target X", "Target Y", "Target Z"]
+        .into_iter()
+        .zip(before.eye.to_array())
+    {
+        set_number(&mut window, field, &value.to_string());
+    }
+    assert_eq!(window.scene().camera.target, before.eye);
+    assert!(window.says(PROBLEM) && window.says("a point other than the eye"));
+    assert!(
+        window
+            .harness
+            .get_by_label("Render")
+            .accesskit_node()
+            .is_disabled()
+    );
+    set_number(&mut window, "Target Z", "0");
+    assert!(!window.says(PROBLEM));
+    window.render();
+    window.finished();
+}
+
 /// What cannot be rendered cannot be set.
 #[test]
 fn a_stop_at_a_noise_needs_the_estimate() {

@@ -11,7 +11,7 @@ impl App {
             self.report.is_running() || self.is_measuring_costs() || self.is_estimating_time();
         let is_rendering = self.is_rendering() && !self.is_paused();
         let is_free =
-            !is_measuring && !is_rendering && !self.is_settling() && self.problem.is_none();
+            !is_measuring && !is_rendering && !self.is_settling() && self.problem().is_none();
         let is_busy = self.jobs.is_busy(Lane::Contributions);
         if is_busy && (is_other || !is_free || !self.contributions.is_on()) {
             self.jobs.cancel(Lane::Contributions);

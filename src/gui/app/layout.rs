@@ -225,7 +225,7 @@ impl App {
     fn central_ui(&mut self, ui: &mut Ui) {
         let ground = ui.painter().add(egui::Shape::Noop);
         self.messages.banners_ui(ui);
-        if let Some(problem) = &self.problem {
+        if let Some(problem) = self.problem() {
             problem_ui(ui, problem);
         }
         self.reload_question_ui(ui);

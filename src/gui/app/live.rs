@@ -37,7 +37,7 @@ impl App {
     pub(super) fn restart_edited_render(&mut self) {
         let is_shown = self.view == View::Picture && self.shown_render.is_none();
         let picture = self.picture.as_ref().filter(|_| is_shown);
-        let can_start = self.problem.is_none() && !self.report.is_running();
+        let can_start = self.problem().is_none() && !self.report.is_running();
         // What is edited in a pause shows in the preview, and in the picture when Render is pressed.
         let picture =
             picture.filter(|picture| !picture.is_paused() && !self.goes_on_as_it_was(picture));

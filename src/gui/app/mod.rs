@@ -141,7 +141,9 @@ pub struct App {
     preparing: Option<Scene>,
     /// How far its acceleration structure is.
     build_progress: Progress,
-    /// Why the scene as it is cannot be rendered.
+    /// The first value of the scene as it is that cannot be rendered.
+    invalid: Option<String>,
+    /// Why the scene that was prepared last cannot be rendered.
     problem: Option<String>,
     picture: Option<Picture>,
     renders: Renders,
@@ -252,6 +254,7 @@ impl App {
             sketches: SketchStore::default(),
             preparing: None,
             build_progress: Progress::new(),
+            invalid: None,
             problem: None,
             picture: None,
             renders: Renders::default(),
@@ -470,6 +473,7 @@ impl App {
             time: self.estimated_time(),
             is_estimating_time: self.is_estimating_time(),
             can_estimate_time: self.can_estimate_time(),
+            is_valid: self.invalid.is_none(),
             is_drawing_region: self.region.is_drawing,
             has_region: self.region.is_chosen(),
             is_measuring: self.is_measuring_costs(),

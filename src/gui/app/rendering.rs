@@ -27,9 +27,14 @@ use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
 use crate::scene::Display;
 
 impl App {
+    /// Why the scene as it is cannot be rendered.
+    pub(super) fn problem(&self) -> Option<&str> {
+        self.invalid.as_deref().or(self.problem.as_deref())
+    }
+
     /// Whether the scene's triangles and images, as they are now, have been prepared (or found impossible to prepare).
     pub(super) fn is_prepared(&self) -> bool {
-        if self.document.scene.objects.is_empty() {
+        if self.document.scene.objects.is_empty() || self.invalid.is_some() {
             return true;
         }
         self.preparing.as_ref().is_some_and(|scene| {
@@ -60,10 +65,16 @@ impl App {
 
     /// Starts what the scene's newest state needs.
     pub(super) fn update_background_work(&mut self) {
+        let invalid = self.document.scene.validate().err();
+        self.invalid = invalid.map(|error| error.to_string());
         if self.document.scene.objects.is_empty() {
             self.prepared = None;
             self.preparing = None;
             self.problem = None;
+            self.waiting_render = None;
+            return;
+        }
+        if self.invalid.is_some() {
             self.waiting_render = None;
             return;
         }

@@ -45,6 +45,7 @@ impl App {
         let is_free = !self.is_rendering() && !self.report.is_running();
         is_free
             && !self.is_measuring_costs()
+            && self.invalid.is_none()
             && self.scene_to_render().is_some()
             && !self.is_settling()
     }

@@ -63,7 +63,6 @@ fn bookmarks_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
 /// Where the camera stands and what its lens is. `length_speed`: change of a length per point of dragging.
 fn lens_and_place_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
     let length = Number::any(length_speed);
-    let before = *camera;
     vector_row_ui(
         ui,
         "Eye",
@@ -92,7 +91,7 @@ fn lens_and_place_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
         &mut camera.vertical_fov.0,
         &Number {
             decimals: 2,
-            ..Number::within(0.1..=175.0, 0.2).with_suffix("°")
+            ..Number::within(0.001..=179.9, 0.2).with_suffix("°")
         },
     );
     let aperture = Number {
@@ -136,9 +135,5 @@ fn lens_and_place_ui(ui: &mut Ui, camera: &mut Camera, length_speed: f64) {
             );
             camera.focus_distance = Some(distance);
         }
-    }
-    // A number typed in may leave no direction to look in; keep the last one that works.
-    if camera.axes().is_none() {
-        *camera = before;
     }
 }

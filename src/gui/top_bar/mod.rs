@@ -69,6 +69,8 @@ pub struct TopBarState<'a> {
     pub is_estimating_time: bool,
     /// Whether it can be found out now.
     pub can_estimate_time: bool,
+    /// Whether every value of the scene is one that can be rendered.
+    pub is_valid: bool,
     /// Whether the mouse draws the region to render.
     pub is_drawing_region: bool,
     /// Whether only a part of the picture is rendered.
@@ -157,11 +159,13 @@ impl TopBarState<'_> {
             Command::TogglePause => self.can_pause,
             Command::ClearRegion => self.has_region,
             Command::EstimateTime => self.can_estimate_time,
-            Command::Render | Command::ToggleLive => {
-                matches!(self.phase, Phase::Ready | Phase::Rendering)
+            Command::Render => {
+                self.is_valid && matches!(self.phase, Phase::Ready | Phase::Rendering)
             }
-            Command::DrawRegion | Command::Report => self.phase != Phase::Empty,
-            Command::MeasureCosts => self.phase == Phase::Ready,
+            Command::ToggleLive => matches!(self.phase, Phase::Ready | Phase::Rendering),
+            Command::DrawRegion => self.phase != Phase::Empty,
+            Command::Report => self.is_valid && self.phase != Phase::Empty,
+            Command::MeasureCosts => self.is_valid && self.phase == Phase::Ready,
             Command::Undo => self.edit.undo.is_some(),
             Command::Redo => self.edit.redo.is_some(),
             Command::Copy | Command::Duplicate => self.edit.can_copy,
