@@ -209,14 +209,17 @@ impl Document {
         self.record_edit_as(selection, name);
     }
 
-    /// Takes note that `scene` is what `path` now holds. Edits made since it was handed to the writer stay unsaved.
-    pub fn set_saved(&mut self, scene: Scene, path: PathBuf) {
-        *self.file_mut() = File {
-            name: name_of(&path),
-            path: Some(path),
-            home: scene.camera,
-            saved: scene,
-        };
+    /// Takes note that `scene`, which belongs to [file number](Self::file_number) `file`, is what `path` now holds. Edits made since it
+    /// was handed to the writer stay unsaved.
+    pub fn set_saved(&mut self, file: usize, scene: Scene, path: PathBuf) {
+        if let Some(file) = self.files.get_mut(file) {
+            *file = File {
+                name: name_of(&path),
+                path: Some(path),
+                home: scene.camera,
+                saved: scene,
+            };
+        }
     }
 }
 
@@ -467,7 +470,7 @@ mod tests {
         document.scene.lights.push(light());
         let handed_over = document.scene.clone();
         document.scene.lights.push(light());
-        document.set_saved(handed_over, "scenes/two lights.toml".into());
+        document.set_saved(0, handed_over, "scenes/two lights.toml".into());
         assert!(document.is_modified());
         assert_eq!(document.name(), "two lights");
         document.scene.lights.pop();

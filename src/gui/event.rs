@@ -146,6 +146,8 @@ pub enum Event {
     },
     /// The scene was written, or why not.
     SceneSaved {
+        /// Which of what was opened the scene belongs to.
+        file: usize,
         /// The file.
         path: PathBuf,
         /// What was written.
@@ -155,6 +157,8 @@ pub enum Event {
     PictureSaved {
         /// The file.
         path: PathBuf,
+        /// Whether the picture was finished.
+        is_whole: bool,
         /// Nothing, or why not.
         result: Result<(), String>,
     },

@@ -6,7 +6,7 @@
 //!            older job              (request_repaint)        generation still says
 //! ```
 //!
-//! The window thread never waits for a job. Starting a job in a lane, or cancelling the lane, raises the lane's
+//! The window thread never waits for a job to end, only for a first look at a picture, and not for long ([`Jobs::wait_for`]). Starting a job in a lane, or cancelling the lane, raises the lane's
 //! generation: whatever an older job still sends is dropped, so the window never shows a result it no longer wants. A
 //! job that panics is reported in words like any other failure; the window and its scene go on.
 
@@ -107,8 +107,6 @@ pub struct Jobs<E> {
     /// What came while something was waited for.
     early: VecDeque<Message<E>>,
     lanes: [LaneState; LANES],
-    /// Threads that must end before the program does.
-    must_end: Vec<JoinHandle<()>>,
 }
 
 #[derive(Debug, Default)]
@@ -121,6 +119,8 @@ struct LaneState {
     started: u64,
     /// Threads of this lane that have not ended, cancelled ones included.
     threads: Arc<AtomicUsize>,
+    /// The newest of those that [must end](Lane::must_end) before the program does; it waits for the others.
+    must_end: Option<JoinHandle<()>>,
 }
 
 #[derive(Debug)]
@@ -202,7 +202,6 @@ impl<E: Send + 'static> Jobs<E> {
             receiver,
             early: VecDeque::new(),
             lanes: Default::default(),
-            must_end: Vec::new(),
         }
     }
 
@@ -226,7 +225,13 @@ impl<E: Send + 'static> Jobs<E> {
         };
         let threads = Arc::clone(&state.threads);
         threads.fetch_add(1, Ordering::Relaxed);
+        let before = state.must_end.take();
         let thread = std::thread::spawn(move || {
+            // Files are written in the order in which they were asked for: what is written last stays.
+            if let Some(before) = before {
+                // A job catches its own panics.
+                let _ = before.join();
+            }
             let result = catch_unwind(AssertUnwindSafe(|| work(&job)));
             threads.fetch_sub(1, Ordering::Relaxed);
             let content = match result {
@@ -235,9 +240,8 @@ impl<E: Send + 'static> Jobs<E> {
             };
             job.send_and_wake(content, Duration::ZERO);
         });
-        self.must_end.retain(|thread| !thread.is_finished());
         if lane.must_end() {
-            self.must_end.push(thread);
+            self.lanes[lane as usize].must_end = Some(thread);
         }
     }
 
@@ -318,8 +322,11 @@ impl<E> Drop for Jobs<E> {
         for state in &self.lanes {
             state.cancel.cancel();
         }
-        for thread in self.must_end.drain(..) {
-            // A job catches its own panics.
+        for thread in self
+            .lanes
+            .iter_mut()
+            .filter_map(|state| state.must_end.take())
+        {
             let _ = thread.join();
         }
     }
@@ -401,6 +408,21 @@ mod tests {
         });
         drop(jobs);
         assert_eq!(written.load(Ordering::Relaxed), 1);
+    }
+
+    #[test]
+    fn files_are_written_in_the_order_asked_for() {
+        let mut jobs = Jobs::<()>::new(egui::Context::default());
+        let written = Arc::new(Mutex::new(Vec::new()));
+        for (number, time) in [(1, 30), (2, 10), (3, 0)] {
+            let written = Arc::clone(&written);
+            jobs.start(Lane::SaveScene, move |_| {
+                std::thread::sleep(Duration::from_millis(time));
+                written.lock().unwrap().push(number);
+            });
+        }
+        drop(jobs);
+        assert_eq!(*written.lock().unwrap(), [1, 2, 3]);
     }
 
     #[test]

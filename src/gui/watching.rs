@@ -91,11 +91,10 @@ impl FileWatch {
         *watched = files.into_iter().map(kept).collect();
     }
 
-    /// The file at `path` is now as the window has it: it has written or read it.
+    /// The file at `path` is now as the window has it: it has written or read it. Of one that is not watched yet this counts as soon as
+    /// it is.
     pub fn accept(&self, path: &Path) {
-        if let Some(watched) = self.lock().get_mut(path) {
-            *watched = Watched::default();
-        }
+        self.lock().insert(path.to_owned(), Watched::default());
     }
 
     /// Looks at all files once; returns those that are to be read again.
@@ -169,6 +168,19 @@ mod tests {
         std::fs::write(&b, "1").unwrap();
         files.set_files([a.clone(), b.clone()], None);
         assert_eq!([files.look(), files.look()].concat(), [a]);
+    }
+
+    /// Also where it is watched only after it was written, as of a scene that is saved under another name.
+    #[test]
+    fn what_the_window_writes_itself_is_no_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("saved");
+        let files = FileWatch::default();
+        let began = SystemTime::now() - Duration::from_secs(5);
+        std::fs::write(&path, "1").unwrap();
+        files.accept(&path);
+        files.set_files([path], Some(began));
+        assert_eq!([files.look(), files.look(), files.look()].concat().len(), 0);
     }
 
     #[test]

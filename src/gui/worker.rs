@@ -505,24 +505,25 @@ pub fn make_thumbnails(job: &Job<Event>, renders: &[(usize, Arc<PictureBuffer>)]
 }
 
 /// Writes a scene file.
-pub fn save_scene(job: &Job<Event>, scene: Scene, path: PathBuf) {
+pub fn save_scene(job: &Job<Event>, scene: Scene, file: usize, path: PathBuf) {
     let result = io::save_scene(&scene, &path);
     let result = result.map(|()| Box::new(scene)).map_err(|e| e.to_string());
-    job.send(Event::SceneSaved { path, result });
+    job.send(Event::SceneSaved { file, path, result });
 }
 
 /// Writes the picture of `scene` as the window shows it.
+///
+/// # Errors
+/// In words.
 pub fn save_picture(
-    job: &Job<Event>,
     buffer: &PictureBuffer,
     scene: &Scene,
     error: Option<&ErrorEstimate>,
-    path: PathBuf,
-) {
+    path: &Path,
+) -> Result<(), String> {
     let origin = io::Origin { scene, error };
-    let result = io::write_render(&buffer.image(), &buffer.layer_images(), &origin, &path);
-    let result = result.map_err(|error| error.to_string());
-    job.send(Event::PictureSaved { path, result });
+    io::write_render(&buffer.image(), &buffer.layer_images(), &origin, path)
+        .map_err(|error| error.to_string())
 }
 
 /// What a report job works with.

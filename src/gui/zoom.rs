@@ -137,7 +137,8 @@ impl Zoom {
     fn zoom_to(&mut self, scale: f32, fixed: Pos2) {
         let frame = self.frame();
         let share = (fixed - frame.min) / frame.size().max(Vec2::splat(f32::MIN_POSITIVE));
-        let scale = scale.clamp(f32::min(self.place.fit_scale(), 1.0), LARGEST);
+        let fit = self.place.fit_scale();
+        let scale = scale.clamp(fit.min(1.0), fit.max(LARGEST));
         let size = self.place.points(scale);
         let min = fixed - share * size;
         let is_fit = (scale / self.place.fit_scale() - 1.0).abs() < 1e-3;

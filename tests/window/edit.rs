@@ -219,6 +219,44 @@ fn undoing_shows_what_it_does() {
     assert_eq!(next_undo(&window), None);
 }
 
+/// What was typed is not lost by looking at something else, and Escape takes it back.
+#[test]
+fn a_material_has_the_name_that_was_typed() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let names =
+        |window: &Window| -> Vec<String> { window.scene().materials.keys().cloned().collect() };
+    let before = names(&window);
+    window.operate("Add material");
+    let added = names(&window)
+        .into_iter()
+        .find(|name| !before.contains(name))
+        .unwrap();
+    let title = window.harness.get_by_label_contains("Materials  ").rect();
+    window.click_at(title.left_center() - egui::vec2(10.0, 0.0));
+    for (text, key) in [("given up", Some(Key::Escape)), ("marble", None)] {
+        window.operate(&format!("Select {added}"));
+        window.press(Modifiers::NONE, Key::F2);
+        window.press(Modifiers::COMMAND, Key::A);
+        let field = window
+            .harness
+            .get_by_role_and_label(Role::TextInput, "Name");
+        field.type_text(text);
+        window.harness.run_steps(2);
+        match key {
+            Some(key) => {
+                window.press(Modifiers::NONE, key);
+                assert!(names(&window).contains(&added));
+            }
+            None => window.click("Select Camera"),
+        }
+    }
+    assert!(names(&window).contains(&"marble".to_owned()));
+    assert!(!names(&window).contains(&added));
+    undo(&mut window);
+    assert!(names(&window).contains(&added));
+}
+
 #[test]
 fn a_light_is_renamed_and_called_so_everywhere() {
     let files = Files::new();

@@ -11,8 +11,10 @@ use crate::driver::{
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::control::CancelToken;
+use raymini::gui::App;
 use raymini::gui::costs::CostState;
 use raymini::gui::dialogs::Dialog;
+use raymini::gui::jobs::Lane;
 use raymini::gui::messages::Severity;
 use raymini::gui::picture::Outcome;
 use raymini::gui::report::Outcome as ReportOutcome;
@@ -523,34 +525,96 @@ fn dropped_files_open() {
     assert_eq!(window.scene().objects.len(), 1);
 }
 
+/// Asks the window to close, as the desktop does.
+fn ask_to_close(window: &mut Window) {
+    fn events(window: &mut Window) -> &mut Vec<egui::ViewportEvent> {
+        let viewports = &mut window.harness.input_mut().viewports;
+        &mut viewports.entry(egui::ViewportId::ROOT).or_default().events
+    }
+    events(window).push(egui::ViewportEvent::Close);
+    window.harness.step();
+    events(window).clear();
+    window.harness.run_steps(2);
+}
+
 #[test]
 fn closing_asks_about_unsaved_work() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
     window.click("Add light");
-    let viewport = window
-        .harness
-        .input_mut()
-        .viewports
-        .entry(egui::ViewportId::ROOT);
-    viewport
-        .or_default()
-        .events
-        .push(egui::ViewportEvent::Close);
-    window.harness.step();
-    window
-        .harness
-        .input_mut()
-        .viewports
-        .entry(egui::ViewportId::ROOT)
-        .or_default()
-        .events
-        .clear();
-    window.harness.run_steps(2);
+    ask_to_close(&mut window);
     assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
     window.click("Save first");
     window.until("the scene is saved", |app| !app.document().is_modified());
     assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
+}
+
+/// Questions wait for one another, and none is answered by what was meant for another one.
+#[test]
+fn what_comes_from_outside_waits_for_the_question_that_shows() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("pyramid.off"));
+    window.click("Add light");
+    ask_to_close(&mut window);
+    window.click("Save first");
+    let is_path = |app: &App| matches!(app.dialog(), Some(Dialog::Path(_)));
+    assert!(is_path(window.app()), "there is no file yet");
+    window.drop_file(files.path("pyramid.off"));
+    window.harness.step();
+    window.until("the mesh is read", |app| !app.works_in(Lane::Load));
+    assert!(is_path(window.app()), "the path is still being typed");
+    ask_to_close(&mut window);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
+    window.click("Cancel");
+    assert!(is_path(window.app()), "it comes back");
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Import(_))));
+    window.click("Add to scene");
+    assert_eq!(window.scene().objects.len(), 2);
+    // Closing was given up with the path: saving now closes nothing.
+    window.press(Modifiers::COMMAND, Key::S);
+    window.enter_path(&files.path("saved.toml"));
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    let output = window.harness.output().viewport_output.values();
+    let mut commands = output.flat_map(|viewport| &viewport.commands);
+    assert!(!commands.any(|command| *command == egui::ViewportCommand::Close));
+}
+
+/// The extension that is added counts.
+#[test]
+fn a_file_that_will_be_replaced_is_told_of() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("pyramid.off"));
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    let field = window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Path");
+    field.focus();
+    window.press(Modifiers::COMMAND, Key::A);
+    let field = window
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Path");
+    field.type_text(files.path("room").to_str().unwrap());
+    let deadline = Instant::now() + DEADLINE;
+    while !window.says("will be replaced") {
+        assert!(Instant::now() < deadline, "it is not told");
+        window.harness.step();
+    }
+}
+
+/// To look at a panel is no edit.
+#[test]
+fn every_reach_of_occlusion_stays_as_it_was_read() {
+    let files = Files::new();
+    let path = files.write(
+        "reach.toml",
+        "[render.ambient_occlusion]\nenabled = true\nradius = 0.007\n[[objects]]\nmesh = \"pyramid.off\"\n",
+    );
+    let mut window = Window::open(&path);
+    window.harness.run_steps(5);
+    assert!(window.has("Occlusion reach"));
+    assert_eq!(window.scene().render.ambient_occlusion.radius, 0.007);
+    assert!(!window.app().document().is_modified());
 }
 
 #[test]
@@ -992,10 +1056,8 @@ fn what_cannot_be_rendered_is_told_as_long_as_it_is_so() {
     window.render();
     assert!(!window.says(PROBLEM));
     let before = window.scene().camera;
-    for (field, value) in ["Target X", "Target Y", "Target Z"]
-        .into_iter()
-        .zip(before.eye.to_array())
-    {
+    let fields = ["Target X", "Target Y", "Target Z"].into_iter();
+    for (field, value) in fields.zip(before.eye.to_array()) {
         set_number(&mut window, field, &value.to_string());
     }
     assert_eq!(window.scene().camera.target, before.eye);
@@ -1007,7 +1069,7 @@ fn what_cannot_be_rendered_is_told_as_long_as_it_is_so() {
             .accesskit_node()
             .is_disabled()
     );
-    set_number(&mut window, "Target Z", "0");
+    set_number(&mut window, "Target Y", "0");
     assert!(!window.says(PROBLEM));
     window.render();
     window.finished();

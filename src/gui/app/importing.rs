@@ -36,7 +36,7 @@ impl App {
                     self.add(*import);
                 } else {
                     self.viewport.release();
-                    self.dialog = Some(Dialog::Import(import));
+                    self.ask(Dialog::Import(import));
                 }
             }
             Err(error) => {
@@ -54,7 +54,7 @@ impl App {
             ImportDecision::Cancel => {}
             ImportDecision::Add => self.add(*import),
             ImportDecision::Replace if self.document.is_modified() => {
-                self.dialog = Some(Dialog::Unsaved(Intent::Import(import)));
+                self.ask(Dialog::Unsaved(Intent::Import(import)));
             }
             ImportDecision::Replace => self.replace_by(*import),
         }

@@ -23,6 +23,8 @@ use crate::scene::Scene;
 
 /// Time between two writes of work that goes on changing.
 const INTERVAL: Duration = Duration::from_millis(500);
+/// Time until work is written again that could not be.
+const RETRY_INTERVAL: Duration = Duration::from_secs(5);
 
 /// What the window keeps on disk.
 #[derive(Debug, Default)]
@@ -30,8 +32,10 @@ pub struct Keeping {
     /// Where; nothing is kept without.
     data: Option<PathBuf>,
     session: Option<Arc<Session>>,
-    /// The scene that is on disk.
+    /// The scene that is on disk, or was to be.
     kept: Option<Scene>,
+    /// Whether writing it failed.
+    has_failed: bool,
     /// When it was last handed over.
     started: Option<Instant>,
     /// Lost work that was not asked about yet.
@@ -115,6 +119,7 @@ impl App {
         let document = &self.document;
         if !document.is_modified() {
             if self.keeping.kept.take().is_some() {
+                self.keeping.has_failed = false;
                 let restored = self.keeping.restored.take();
                 self.jobs.start(Lane::Keep, move |_| {
                     session.clear();
@@ -123,29 +128,26 @@ impl App {
             }
             return;
         }
+        let has_failed = self.keeping.has_failed;
         let kept = self.keeping.kept.as_ref();
-        if kept.is_some_and(|kept| same_scene(kept, &document.scene)) {
+        if !has_failed && kept.is_some_and(|kept| same_scene(kept, &document.scene)) {
             return;
         }
+        let interval = if has_failed { RETRY_INTERVAL } else { INTERVAL };
         let since = self.keeping.started.map(|started| started.elapsed());
-        if let Some(rest) = since.and_then(|since| INTERVAL.checked_sub(since)) {
+        if let Some(rest) = since.and_then(|since| interval.checked_sub(since)) {
             ctx.request_repaint_after(rest);
             return;
         }
         let scene = document.scene.clone();
         self.keeping.kept = Some(scene.clone());
         self.keeping.started = Some(Instant::now());
-        let restored = self.keeping.restored.take();
         let (name, path) = (
             document.name().to_owned(),
             document.path().map(Path::to_owned),
         );
         self.jobs.start(Lane::Keep, move |job| {
-            let result = session.keep(&scene, name, path);
-            if result.is_ok() {
-                restored.into_iter().for_each(Lost::discard);
-            }
-            job.send(Event::WorkKept(result));
+            job.send(Event::WorkKept(session.keep(&scene, name, path)));
         });
     }
 
@@ -156,8 +158,16 @@ impl App {
     }
 
     pub(super) fn work_kept(&mut self, result: Result<(), String>) {
-        if let Err(error) = result {
-            self.not_kept(&error);
+        let had_failed = std::mem::replace(&mut self.keeping.has_failed, result.is_err());
+        match result {
+            Ok(()) => {
+                if let Some(restored) = self.keeping.restored.take() {
+                    self.jobs.start(Lane::Discard, move |_| restored.discard());
+                }
+            }
+            // It is tried again and again, and told once.
+            Err(error) if !had_failed => self.not_kept(&error),
+            Err(_) => {}
         }
     }
 
@@ -166,7 +176,9 @@ impl App {
     pub fn is_work_kept(&self) -> bool {
         let kept = self.keeping.kept.as_ref();
         let is_newest = kept.is_some_and(|kept| same_scene(kept, &self.document.scene));
-        is_newest == self.document.is_modified() && !self.jobs.is_busy(Lane::Keep)
+        is_newest == self.document.is_modified()
+            && !self.keeping.has_failed
+            && !self.jobs.is_busy(Lane::Keep)
     }
 
     /// Asks about lost work, once what was opened is there; and tells why nothing can be kept.

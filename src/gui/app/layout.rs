@@ -9,19 +9,12 @@ use egui::{
 use super::App;
 use super::tools::{focus_aid, moves_since};
 use crate::gui::commands::Command;
-use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome};
-use crate::gui::dialogs::{
-    Dialog, buttons_ui, files::FilePurpose, modal_ui, question, recovery, shortcuts_ui,
-};
-use crate::gui::event::Event;
 use crate::gui::focus::FocusAid;
-use crate::gui::jobs::Lane;
 use crate::gui::look::Channels;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
 use crate::gui::preview::choice::Omission;
 use crate::gui::renders::{self, StripState};
-use crate::gui::selection::Selection;
 use crate::gui::status_bar::{self, Activity};
 use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent};
@@ -29,7 +22,6 @@ use crate::gui::viewport::{self, ViewportScene};
 use crate::gui::zoom::Place;
 use crate::gui::{compare, error_colors, error_plot, false_colors, inspector, steps_legend};
 use crate::io;
-use crate::math::DBounds;
 use crate::scene::Mode;
 
 /// Time between two frames while a report is made and the user does nothing: rarely, as each frame takes time from what is measured.
@@ -449,80 +441,6 @@ impl App {
             area,
             egui::Label::new(RichText::new(text).size(16.0).weak()),
         );
-    }
-
-    /// The world box of the selected object.
-    pub(super) fn selected_bounds(&self) -> DBounds {
-        match (&self.selection, &self.prepared) {
-            (Selection::Object(index), Some(state)) => state
-                .placed
-                .object_bounds
-                .get(*index)
-                .copied()
-                .unwrap_or(DBounds::EMPTY),
-            _ => DBounds::EMPTY,
-        }
-    }
-
-    pub(super) fn dialogs_ui(&mut self, ctx: &egui::Context) {
-        // Taken out while it shows, so that what it leads to may put another one in its place.
-        match self.dialog.take() {
-            None => {}
-            Some(Dialog::Shortcuts) => self.dialog = shortcuts_ui(ctx).then_some(Dialog::Shortcuts),
-            Some(Dialog::Unsaved(intent)) => {
-                let name = self.document.name().to_owned();
-                let decision = question::unsaved_ui(ctx, &name, &intent);
-                self.decide(ctx, intent, decision);
-            }
-            Some(Dialog::Import(mut import)) => {
-                let decision = import.decide_ui(ctx, &self.document.scene);
-                self.decide_about_import(import, decision);
-            }
-            Some(Dialog::Recovery(lost)) => {
-                let answer = recovery::recovery_ui(ctx, &lost);
-                self.decide_about_lost_work(lost, answer);
-            }
-            Some(Dialog::Waiting(purpose)) => self.waiting_ui(ctx, purpose),
-            Some(Dialog::Path(mut field)) => match field.show_ui(ctx) {
-                PathOutcome::Cancelled => self.after_saving = None,
-                PathOutcome::Chosen(path) => self.use_paths(field.purpose, vec![path]),
-                outcome => {
-                    if let PathOutcome::List(text) = outcome
-                        && !self.jobs.is_busy(Lane::List)
-                    {
-                        let purpose = field.purpose;
-                        self.jobs.start(Lane::List, move |job| {
-                            job.send(Event::Listed(path_field::list(text, purpose)));
-                        });
-                    }
-                    self.dialog = Some(Dialog::Path(field));
-                }
-            },
-        }
-    }
-
-    /// While the desktop's dialog is open, typing a path is always the other way.
-    fn waiting_ui(&mut self, ctx: &egui::Context, purpose: FilePurpose) {
-        let response = modal_ui(ctx, "waiting", 380.0, |ui| {
-            ui.heading(purpose.title());
-            ui.add_space(4.0);
-            let text = "The desktop shows its file dialog in a window of its own.";
-            ui.label(RichText::new(text).weak());
-            buttons_ui(ui, |ui| {
-                let cancel = ui.button("Cancel").clicked();
-                let type_path = ui.button("Type a path instead").clicked();
-                (type_path, cancel)
-            })
-        });
-        let (type_path, cancel) = response.inner;
-        if type_path {
-            self.type_path(purpose, None);
-        } else if cancel {
-            self.jobs.cancel(Lane::Dialog);
-            self.after_saving = None;
-        } else if self.jobs.is_busy(Lane::Dialog) {
-            self.dialog = Some(Dialog::Waiting(purpose));
-        }
     }
 }
 

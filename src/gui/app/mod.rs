@@ -29,6 +29,7 @@
 //! - `tools`: what the mouse does in the preview
 //! - `layout`: where everything is drawn
 
+mod asking;
 mod bookmarks;
 mod comparing;
 mod contributing;
@@ -53,6 +54,7 @@ mod timing;
 mod tools;
 mod tracing;
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -187,6 +189,8 @@ pub struct App {
     dialog: Option<Dialog>,
     file_dialogs: FileDialogs,
     after_saving: Option<Intent>,
+    /// Questions that wait for the one that shows.
+    asked_later: VecDeque<Dialog>,
     may_close: bool,
     panel_open: bool,
     tile_outlines: TileOutlines,
@@ -287,6 +291,7 @@ impl App {
             dialog: None,
             file_dialogs: options.file_dialogs,
             after_saving: None,
+            asked_later: VecDeque::new(),
             may_close: false,
             panel_open: true,
             tile_outlines: TileOutlines::default(),
@@ -537,7 +542,7 @@ impl App {
         let asked = ctx.input(|input| input.viewport().close_requested());
         if asked && !self.may_close && self.document.is_modified() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.dialog = Some(Dialog::Unsaved(Intent::Close));
+            self.ask_to_close();
         }
     }
 

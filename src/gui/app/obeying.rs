@@ -89,7 +89,7 @@ impl App {
             Command::EstimateTime => self.estimate_time(),
             Command::Report => self.show_report(ctx),
             Command::MeasureCosts => self.measure_costs(),
-            Command::ShowShortcuts => self.dialog = Some(Dialog::Shortcuts),
+            Command::ShowShortcuts => self.ask(Dialog::Shortcuts),
             _ => {}
         }
     }

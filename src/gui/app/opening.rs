@@ -6,11 +6,8 @@ use std::time::SystemTime;
 
 use super::{App, Loading, WaitingRender};
 use crate::control::Progress;
-use crate::gui::app::FileDialogs;
 use crate::gui::commands::TextureUse;
 use crate::gui::costs::CostState;
-use crate::gui::dialogs::files::{self, Answer, FilePurpose};
-use crate::gui::dialogs::path_field::PathField;
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
@@ -20,7 +17,7 @@ use crate::gui::top_bar::View;
 use crate::gui::worker;
 use crate::io::{self, LoadedScene, RadianceFile, TextureFile};
 use crate::render::SketchStore;
-use crate::scene::{Background, Material, Scene};
+use crate::scene::{Material, Scene};
 
 impl App {
     /// Opens `paths` in place of the scene, once unsaved work is decided about; of meshes it is asked first whether they are to join the
@@ -30,7 +27,7 @@ impl App {
         if !self.document.scene.objects.is_empty() && !paths.iter().any(is_whole) {
             self.import(paths, !self.document.is_modified());
         } else if self.document.is_modified() {
-            self.dialog = Some(Dialog::Unsaved(Intent::Open(paths)));
+            self.ask(Dialog::Unsaved(Intent::Open(paths)));
         } else {
             self.load(paths);
         }
@@ -53,7 +50,7 @@ impl App {
     }
 
     /// Loads an image and lays it on the selected material, or that of the selected object.
-    fn set_texture(&mut self, path: PathBuf, texture: TextureUse) {
+    pub(super) fn set_texture(&mut self, path: PathBuf, texture: TextureUse) {
         let scene = &self.document.scene;
         let material = match &self.selection {
             Selection::Material(name) => Some(name.clone()),
@@ -94,6 +91,8 @@ impl App {
             let title = format!("{shown} is used, with remarks");
             self.messages.warning(title, warnings.join("\n"));
         }
+        // What was edited while it was read is a step of its own.
+        self.document.record_edit(&self.selection);
         let scene = &mut self.document.scene;
         let textures = scene.materials.get_mut(material);
         // Removed meanwhile, or of another kind now.
@@ -200,8 +199,9 @@ impl App {
         if let Some(picture) = self.picture.take() {
             self.keep_render(picture);
         }
-        // What follows every change follows this one.
-        self.waiting_render = self.is_live.then(WaitingRender::new);
+        // What follows every change follows this one, but for the times of a report, which it would spoil.
+        let is_followed = self.is_live && !self.report.is_running();
+        self.waiting_render = is_followed.then(WaitingRender::new);
     }
 
     pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {
@@ -220,6 +220,8 @@ impl App {
             let title = format!("The background is {shown}, with remarks");
             self.messages.warning(title, warnings.join("\n"));
         }
+        // What was edited while it was read is a step of its own.
+        self.document.record_edit(&self.selection);
         let scene = &mut self.document.scene;
         let image = io::absolute_image(&path.to_string_lossy(), Path::new("."));
         // Large, and not coming back on its own.
@@ -229,103 +231,6 @@ impl App {
         self.selection = Selection::Background;
         self.show_camera_view();
         self.messages.news(format!("The background is {shown}"));
-    }
-
-    /// Asks for a path: the desktop's dialog where there is one, else the path field.
-    pub(super) fn ask_for_path(&mut self, purpose: FilePurpose) {
-        match self.file_dialogs {
-            FileDialogs::Desktop => {
-                let suggestion = self.suggested_path(purpose);
-                self.dialog = Some(Dialog::Waiting(purpose));
-                self.jobs.start(Lane::Dialog, move |job| {
-                    files::ask(job, purpose, &suggestion);
-                });
-            }
-            FileDialogs::PathField => self.type_path(purpose, None),
-        }
-    }
-
-    /// Shows the path field.
-    pub(super) fn type_path(&mut self, purpose: FilePurpose, note: Option<String>) {
-        self.jobs.cancel(Lane::Dialog);
-        let field = PathField::new(purpose, &self.suggested_path(purpose), note);
-        self.dialog = Some(Dialog::Path(field));
-    }
-
-    /// The desktop's dialog has answered.
-    pub(super) fn paths_chosen(&mut self, answer: Answer) {
-        self.dialog = None;
-        if answer.nobody_saw_it {
-            let note = "This desktop offers no file dialog (no xdg-desktop-portal answers), so type \
-                        the path or click your way to it.";
-            self.file_dialogs = FileDialogs::PathField;
-            self.type_path(answer.purpose, Some(note.to_owned()));
-        } else if answer.paths.is_empty() {
-            self.after_saving = None;
-        } else {
-            self.use_paths(answer.purpose, answer.paths);
-        }
-    }
-
-    /// Does with `paths` what they were asked for.
-    pub(super) fn use_paths(&mut self, purpose: FilePurpose, paths: Vec<PathBuf>) {
-        match purpose {
-            FilePurpose::Open => self.open(paths),
-            FilePurpose::AddMesh => self.import(paths, false),
-            FilePurpose::SetBackground => {
-                for path in paths.into_iter().take(1) {
-                    self.set_background(path);
-                }
-            }
-            FilePurpose::SetTexture(texture) => {
-                for path in paths.into_iter().take(1) {
-                    self.set_texture(path, texture);
-                }
-            }
-            FilePurpose::Compare => {
-                for path in paths.into_iter().take(1) {
-                    self.compare_with_file(path);
-                }
-            }
-            FilePurpose::ReportFolder | FilePurpose::ReportReference => {
-                for path in paths.into_iter().take(1) {
-                    self.report.set_path(purpose, &path);
-                }
-            }
-            FilePurpose::SaveScene | FilePurpose::SavePicture => {
-                for path in paths.into_iter().take(1) {
-                    let path = purpose.with_extension(path);
-                    if purpose == FilePurpose::SaveScene {
-                        self.write_scene(path);
-                    } else {
-                        self.write_picture(path);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Where a file dialog starts, and the name it offers.
-    fn suggested_path(&self, purpose: FilePurpose) -> PathBuf {
-        let here = std::env::current_dir().unwrap_or_default();
-        let folder = self.document.path().and_then(Path::parent).unwrap_or(&here);
-        match purpose {
-            FilePurpose::Open
-            | FilePurpose::AddMesh
-            | FilePurpose::SetTexture(_)
-            | FilePurpose::ReportReference
-            | FilePurpose::Compare => folder.join(""),
-            FilePurpose::ReportFolder => self.report.folder(),
-            FilePurpose::SetBackground => match &self.document.scene.background {
-                // Others are likely beside it.
-                Background::Image { image, .. } => {
-                    Path::new(image).parent().unwrap_or(folder).join("")
-                }
-                _ => folder.join(""),
-            },
-            FilePurpose::SaveScene => folder.join(format!("{}.toml", self.document.name())),
-            FilePurpose::SavePicture => folder.join(format!("{}.png", self.document.name())),
-        }
     }
 }
 

@@ -68,6 +68,7 @@ impl App {
         let invalid = self.document.scene.validate().err();
         self.invalid = invalid.map(|error| error.to_string());
         if self.document.scene.objects.is_empty() {
+            self.jobs.cancel(Lane::Prepare);
             self.prepared = None;
             self.preparing = None;
             self.problem = None;
@@ -189,6 +190,9 @@ impl App {
                 part.size_in_words()
             );
             self.messages.error("Cannot render", text);
+            if preparation.is_some() {
+                self.preparing = None;
+            }
             self.is_live = false;
             return;
         };

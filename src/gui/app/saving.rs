@@ -7,6 +7,7 @@ use super::App;
 use crate::gui::dialogs::files::FilePurpose;
 use crate::gui::dialogs::question::Decision;
 use crate::gui::dialogs::{Dialog, Intent};
+use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::picture::Outcome;
 use crate::gui::worker;
@@ -23,15 +24,18 @@ impl App {
 
     pub(super) fn write_scene(&mut self, path: PathBuf) {
         let scene = self.document.scene.clone();
+        let file = self.document.file_number();
         self.messages.news("Saving the scene…");
         self.jobs.start(Lane::SaveScene, move |job| {
-            worker::save_scene(job, scene, path);
+            worker::save_scene(job, scene, file, path);
         });
     }
 
+    /// `file`: which of what was opened the scene belongs to.
     pub(super) fn scene_saved(
         &mut self,
         ctx: &egui::Context,
+        file: usize,
         path: PathBuf,
         result: Result<Box<Scene>, String>,
     ) {
@@ -42,10 +46,18 @@ impl App {
                 self.reloading
                     .watch
                     .accept(&std::path::absolute(&path).unwrap_or_else(|_| path.clone()));
+                self.document.set_saved(file, *scene, path);
+                if file != self.document.file_number() {
+                    return;
+                }
                 self.forget_stale_scene();
-                self.document.set_saved(*scene, path);
-                if let Some(intent) = self.after_saving.take() {
-                    self.go_on(ctx, intent);
+                match self.after_saving.take() {
+                    // Edited since it was handed to the writer.
+                    Some(intent) if self.document.is_modified() => {
+                        self.ask(Dialog::Unsaved(intent));
+                    }
+                    Some(intent) => self.go_on(ctx, intent),
+                    None => {}
                 }
             }
             Err(error) => {
@@ -65,19 +77,28 @@ impl App {
         let mut scene = picture.scene.clone();
         scene.output = self.document.scene.output;
         let error = picture.errors().last().map(|point| point.error);
+        let is_whole = matches!(picture.outcome, Outcome::Finished { .. });
         self.messages.news("Saving the picture…");
         self.jobs.start(Lane::SavePicture, move |job| {
-            worker::save_picture(job, &buffer, &scene, error.as_ref(), path);
+            let result = worker::save_picture(&buffer, &scene, error.as_ref(), &path);
+            job.send(Event::PictureSaved {
+                path,
+                is_whole,
+                result,
+            });
         });
     }
 
-    pub(super) fn picture_saved(&mut self, path: &Path, result: Result<(), String>) {
+    /// `is_whole`: whether the picture was finished.
+    pub(super) fn picture_saved(
+        &mut self,
+        path: &Path,
+        is_whole: bool,
+        result: Result<(), String>,
+    ) {
         match result {
             Ok(()) => {
-                let whole = self
-                    .shown_picture()
-                    .is_some_and(|p| matches!(p.outcome, Outcome::Finished { .. }));
-                let what = if whole {
+                let what = if is_whole {
                     "Saved"
                 } else {
                     "Saved what there is to"
@@ -88,6 +109,14 @@ impl App {
                 self.messages.news("");
                 self.messages.error("Cannot save the picture", error);
             }
+        }
+    }
+
+    /// Asks about unsaved work before the window closes.
+    pub(super) fn ask_to_close(&mut self) {
+        let is_asked = |dialog: &Dialog| matches!(dialog, Dialog::Unsaved(Intent::Close));
+        if !self.dialog.as_ref().is_some_and(is_asked) {
+            self.ask_first(Dialog::Unsaved(Intent::Close));
         }
     }
 

@@ -3,10 +3,11 @@
 //! What was on the device is gone, and so is the window that it drew. Nothing else is: the scene, its steps to undo, all renders and the one that
 //! runs are in memory, and go on in a window that is opened anew. See [`start`](crate::gui::start), which catches the faults that drawing with a lost device is to the library that draws.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::{App, PreparedState};
 use crate::gui::balls::Balls;
+use crate::gui::contributions::Contributions;
 use crate::gui::jobs::Lane;
 use crate::gui::preview_image::PreviewImage;
 use crate::gui::start::Survivor;
@@ -53,6 +54,8 @@ impl Survivor for App {
         self.title.clear();
         self.balls = Balls::default();
         self.jobs.cancel(Lane::Balls);
+        self.jobs.cancel(Lane::Contributions);
+        self.contributions = Contributions::default();
         self.renders.move_to(ctx);
         if let Some(picture) = &mut self.picture {
             picture.hide();
@@ -74,17 +77,19 @@ impl Survivor for App {
 
     fn give_up(&mut self) {
         // What is being written may be older than what is here.
-        self.jobs.wait_for(Lane::Keep, Duration::from_secs(5));
         let ctx = egui::Context::default();
-        self.take_news(&ctx);
+        let end = Instant::now() + Duration::from_secs(5);
+        while self.jobs.is_busy(Lane::Keep) && Instant::now() < end {
+            self.jobs
+                .wait_for(Lane::Keep, end.saturating_duration_since(Instant::now()));
+            self.take_news(&ctx);
+        }
         self.keep_work_at_once(&ctx);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
-
     use eframe::egui_wgpu::RendererOptions;
     use egui_kittest::Harness;
     use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};

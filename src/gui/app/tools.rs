@@ -2,12 +2,12 @@
 
 use egui::{Key, Modifiers, Rect, Ui};
 
-use super::App;
+use super::{App, PreparedState};
 use crate::gui::focus::{self, FocusAid};
 use crate::gui::gizmo::Axis;
 use crate::gui::selection::Selection;
 use crate::gui::tool::{self, Tool};
-use crate::math::DVec3;
+use crate::math::{DBounds, DVec3};
 use crate::scene::{Move, Scene};
 
 /// What can be done while a handle is held.
@@ -133,13 +133,26 @@ impl App {
 
     /// What the selected object turns about, in its own coordinates.
     pub(super) fn selected_center(&self) -> DVec3 {
+        let selected = self.placed_selection();
+        let center = selected.and_then(|(index, state)| state.placed.object_centers.get(index));
+        center.copied().unwrap_or_default()
+    }
+
+    /// The world box of the selected object.
+    pub(super) fn selected_bounds(&self) -> DBounds {
+        let selected = self.placed_selection();
+        let bounds = selected.and_then(|(index, state)| state.placed.object_bounds.get(index));
+        bounds.copied().unwrap_or(DBounds::EMPTY)
+    }
+
+    /// The number of the selected object, and what was placed of the scene, where the number means the same object in it.
+    fn placed_selection(&self) -> Option<(usize, &PreparedState)> {
         let (Selection::Object(index), Some(state)) = (&self.selection, &self.prepared) else {
-            return DVec3::ZERO;
+            return None;
         };
         // While an edit that adds or removes objects is prepared, places in the list mean others.
         let is_same = state.scene.objects.len() == self.document.scene.objects.len();
-        let center = state.placed.object_centers.get(*index).filter(|_| is_same);
-        center.copied().unwrap_or_default()
+        is_same.then_some((*index, state))
     }
 
     /// What happened to the selected object since its triangles were prepared.

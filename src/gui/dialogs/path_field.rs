@@ -242,7 +242,7 @@ pub fn list(text: String, purpose: FilePurpose) -> Listing {
         .parent()
         .filter(|parent| !parent.as_os_str().is_empty());
     Listing {
-        is_file: path.is_file(),
+        is_file: purpose.with_extension(path.clone()).is_file(),
         parent: parent.map(as_folder),
         text,
         entries,

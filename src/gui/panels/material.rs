@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use egui::{RichText, Ui, Vec2};
+use egui::{Event, Id, Key, RichText, Ui, Vec2};
 
 use super::presets::presets_ui;
 use super::{NAME_FIELD, PanelState, command_button_ui};
@@ -220,19 +220,53 @@ fn image_ui(ui: &mut Ui, label: &str, tooltip: &str, image: &mut Option<String>)
     response.clicked()
 }
 
+/// A name that is being typed, and the material that is to have it.
+#[derive(Clone, Debug)]
+struct TypedName {
+    material: String,
+    text: String,
+}
+
+impl TypedName {
+    fn id() -> Id {
+        Id::unique("typed name of a material")
+    }
+
+    /// The name, where the material may have it: `None` where it has it already, or another one has.
+    fn wanted(&self, scene: &Scene) -> Option<String> {
+        let name = self.text.trim();
+        let is_free = !name.is_empty() && !scene.materials.contains_key(name);
+        is_free.then(|| name.to_owned())
+    }
+}
+
+/// Gives a material the name that was typed for it, where another part was selected before that was confirmed.
+pub fn settle_name(ui: &Ui, scene: &mut Scene, selection: &Selection) {
+    let typed = ui.data(|data| data.get_temp::<TypedName>(TypedName::id()));
+    let left = typed
+        .filter(|typed| !matches!(selection, Selection::Material(name) if *name == typed.material));
+    if let Some(typed) = left {
+        ui.data_mut(|data| data.remove::<TypedName>(TypedName::id()));
+        if let Some(name) = typed.wanted(scene) {
+            rename(scene, &typed.material, &name);
+        }
+    }
+}
+
 /// The name as a text field; returns a new one that was confirmed and is free.
 fn name_ui(ui: &mut Ui, scene: &Scene, name: &str) -> Option<String> {
-    let id = ui.scope_id().with(("material name", name));
-    let mut text = ui
-        .data(|data| data.get_temp::<String>(id))
-        .unwrap_or_else(|| name.to_owned());
+    let id = TypedName::id();
+    let typed = ui.data(|data| data.get_temp::<TypedName>(id));
+    let mut typed = typed.unwrap_or_else(|| TypedName {
+        material: name.to_owned(),
+        text: name.to_owned(),
+    });
     let response = row_ui(ui, "Name", "What objects call this material", |ui| {
-        let field = egui::TextEdit::singleline(&mut text).id(egui::Id::unique(NAME_FIELD));
+        let field = egui::TextEdit::singleline(&mut typed.text).id(Id::unique(NAME_FIELD));
         ui.add(field.desired_width(f32::INFINITY))
     });
-    let wanted = text.trim().to_owned();
-    let is_free = wanted == name || !scene.materials.contains_key(&wanted);
-    if !is_free {
+    let wanted = typed.text.trim();
+    if wanted != name && scene.materials.contains_key(wanted) {
         let warning = "Another material has this name.";
         ui.label(
             RichText::new(warning)
@@ -241,11 +275,23 @@ fn name_ui(ui: &mut Ui, scene: &Scene, name: &str) -> Option<String> {
         );
     }
     if response.lost_focus() {
-        ui.data_mut(|data| data.remove::<String>(id));
-        return (is_free && !wanted.is_empty() && wanted != name).then_some(wanted);
+        ui.data_mut(|data| data.remove::<TypedName>(id));
+        // It stands for a command too, which has taken it.
+        let is_escape = |event: &Event| {
+            matches!(
+                event,
+                Event::Key {
+                    key: Key::Escape,
+                    pressed: true,
+                    ..
+                }
+            )
+        };
+        let is_given_up = ui.input(|input| input.raw.events.iter().any(is_escape));
+        return typed.wanted(scene).filter(|_| !is_given_up);
     }
     if response.changed() {
-        ui.data_mut(|data| data.insert_temp(id, text));
+        ui.data_mut(|data| data.insert_temp(id, typed));
     }
     None
 }

@@ -83,6 +83,7 @@ impl PanelState<'_> {
 /// Draws all panels, one below the other.
 pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     section_ui(ui, "Scene", true, |ui| tree::tree_ui(ui, state));
+    material::settle_name(ui, state.scene, state.selection);
     let title = match state.selection {
         Selection::Camera => "Camera",
         Selection::Background => "Background",

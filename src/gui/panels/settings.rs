@@ -399,14 +399,17 @@ fn occlusion_rays_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     );
     let mut percent = occlusion.radius * 100.0;
     let number = Number::within(1e-3..=1e4, 0.1).with_suffix(" %");
-    number_row_ui(
+    let response = number_row_ui(
         ui,
         "Occlusion reach",
         "How near a surface must be, in percent of the scene's diagonal",
         &mut percent,
         &number,
     );
-    occlusion.radius = percent / 100.0;
+    // There and back, some numbers change by rounding.
+    if response.changed() {
+        occlusion.radius = percent / 100.0;
+    }
 }
 
 fn phong_ui(ui: &mut Ui, settings: &mut RenderSettings) {

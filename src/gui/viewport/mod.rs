@@ -519,10 +519,12 @@ fn seen_at(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> Opti
     pick::pick(view.geometry?, &camera, &settings, size, position)
 }
 
-/// Depth of what is under `position`: the surface there, else the plane through the camera's target.
+/// Depth of what is under `position`: the surface there, where that is found quickly, else the plane through the camera's target.
 fn depth_under(view: &ViewportScene<'_>, size: PictureSize, position: DVec2) -> f64 {
     let camera = &view.scene.camera;
-    picked_at(view, size, position)
+    let picked = view.is_quick.then(|| picked_at(view, size, position));
+    picked
+        .flatten()
         .and_then(|picked| orbit::depth_of(camera, picked.point))
         .unwrap_or_else(|| camera.eye.distance(camera.target))
 }
