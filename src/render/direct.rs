@@ -377,7 +377,7 @@ impl<K: Kernel> Shading<'_, K> {
         numbers: Option<&LightNumbers>,
         turn: u32,
     ) -> [Option<ShadowRay>; 2] {
-        let from = self.point.position;
+        let from = self.point.shading_position;
         let point = numbers.map(|numbers| numbers.points.next_2d(turn));
         self.tally
             .note_draws(Decision::Light, u32::from(point.is_some()));
@@ -411,7 +411,7 @@ impl<K: Kernel> Shading<'_, K> {
     /// The rule of 2011: what the light's `center` would give, where `place` on the light is seen. Its mean is the light of the
     /// centre times the share of the light that is seen.
     fn center_by_place(&mut self, center: &LightSample, place: Vec3) -> Option<ShadowRay> {
-        let wi = (center.position - self.point.position).try_normalize()?;
+        let wi = (center.position - self.point.shading_position).try_normalize()?;
         let reflected = self.reflected_share(wi);
         if reflected.sum() == Vec3::ZERO || center.irradiance == Vec3::ZERO {
             return self.nothing(place);
@@ -429,7 +429,7 @@ impl<K: Kernel> Shading<'_, K> {
         weight: impl Fn(Vec3) -> f32,
     ) -> Option<ShadowRay> {
         // No ray where nothing would be reflected anyway.
-        let wi = (sample.position - self.point.position).try_normalize()?;
+        let wi = (sample.position - self.point.shading_position).try_normalize()?;
         if sample.irradiance == Vec3::ZERO {
             return self.nothing(sample.position);
         }

@@ -9,6 +9,9 @@ use crate::math::{DVec3, Ray, Vec3, robust};
 pub struct SurfacePoint {
     /// From the corners by barycentric weights: far closer to the surface than `origin + t · direction`.
     pub position: Vec3,
+    /// Where the surface is that the triangles stand for: `position`, lifted where the object is smooth. Rays towards light start here
+    /// but for rounding, so light is aimed at, and densities of aiming are told, from here.
+    pub shading_position: Vec3,
     /// Bound on the rounding error of each coordinate of `position`.
     error: Vec3,
     /// Where rays on the side of `wo` start.
@@ -47,6 +50,7 @@ impl SurfacePoint {
 
         let mut point = Self {
             position,
+            shading_position: position,
             error,
             start: robust::offset_origin(position, error, geometric_normal, geometric_normal),
             distance: hit.t * length,
@@ -64,7 +68,7 @@ impl SurfacePoint {
         point
     }
 
-    /// Takes the shading normal from those of the corners, and lifts the start of rays to the smooth surface they stand for.
+    /// Takes the shading normal from those of the corners, and lifts the point to the smooth surface they stand for.
     fn smooth(&mut self, corners: &[Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) {
         let [u, v, w] = weights;
         let interpolated = normals[0] * u + normals[1] * v + normals[2] * w;
@@ -88,10 +92,10 @@ impl SurfacePoint {
         };
         let lift = lift(0) + lift(1) + lift(2);
         if lift.dot(self.geometric_normal) > 0.0 {
-            let lifted = self.position + lift;
-            let error = self.error + lifted.abs() * robust::gamma(1);
-            self.start =
-                robust::offset_origin(lifted, error, self.geometric_normal, self.geometric_normal);
+            self.shading_position = self.position + lift;
+            let error = self.error + self.shading_position.abs() * robust::gamma(1);
+            let normal = self.geometric_normal;
+            self.start = robust::offset_origin(self.shading_position, error, normal, normal);
         }
     }
 
@@ -152,7 +156,7 @@ impl SurfacePoint {
     #[must_use]
     pub fn receiver(&self) -> Receiver {
         Receiver {
-            position: self.position,
+            position: self.shading_position,
             normal: self.shading_normal,
         }
     }

@@ -235,6 +235,46 @@ fn every_way_of_finding_light_finds_the_same() {
     assert_ways_agree(&mut scene, "mirror, emitter, disk");
 }
 
+/// Few triangles that stand for a smooth ball, lifted to it, so near to lamps that the lift turns directions to them by degrees.
+#[test]
+fn every_way_of_finding_light_finds_the_same_on_a_coarse_smooth_ball() {
+    let mut scene = Scene::default();
+    add(&mut scene, "ball", shapes::icosphere(1), diffuse(0.8));
+    scene.objects[0].smooth = true;
+    scene.objects[0].crease_angle = Degrees(180.0);
+    let lamp = DVec3::new(0.5, -0.9, 0.55);
+    let (u, v) = lamp.normalize().any_orthonormal_pair();
+    add(
+        &mut scene,
+        "lamp",
+        rectangle(lamp, u * 0.1, v * 0.1),
+        Material::emitter(),
+    );
+    scene.lights.push(Light::Disk {
+        center: DVec3::new(-0.5, -0.9, 0.55),
+        facing: Facing::Target(DVec3::ZERO),
+        radius: 0.1,
+        radiance: Rgb::ONE,
+        visible: true,
+    });
+    scene.camera = Camera {
+        eye: DVec3::new(0.0, -4.0, 2.0),
+        target: DVec3::Z * 0.3,
+        vertical_fov: Degrees(25.0),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        mode: Mode::Path,
+        width: 4,
+        height: 4,
+        samples_per_pixel: 256,
+        max_bounces: 1,
+        ..RenderSettings::default()
+    };
+
+    assert_ways_agree(&mut scene, "smooth ball, emitter, disk");
+}
+
 #[test]
 fn glass_in_a_white_furnace_is_invisible() {
     let mut scene = Scene::default();

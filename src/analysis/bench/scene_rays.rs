@@ -168,7 +168,7 @@ fn add_pixel(
     if scene.light_count() > 0 {
         let pixel = u64::from(y) * u64::from(scene.settings().width) + u64::from(x);
         let light = usize::try_from(pixel % scene.light_count() as u64).expect("less than a usize");
-        let target = scene.point_on_light(light, point.position, numbers(Decision::Light));
+        let target = scene.point_on_light(light, point.shading_position, numbers(Decision::Light));
         let [ox, oy, oz, ..] = row_above(&point, frame, point.ray_to(target).direction, 1.0);
         let target = frame.world_from_prepared(target.as_dvec3());
         let direction = target - Vec3::new(ox, oy, oz).as_dvec3();
