@@ -4,16 +4,17 @@
 use super::camera::CameraRay;
 use super::fresnel::fresnel;
 use super::kernel::Kernel;
-use super::layers::{Beginning, ByLobe, Gathered, Parts};
+use super::layers::{Beginning, ByLobe, Gathered, Layer, Parts};
 use super::light::{LightSample, PreparedDisk, PreparedLight};
 use super::material::PreparedMaterial;
+use super::media::Media;
 use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
 use super::sampler::{Decision, Dimension, Sampler, Turns};
 use super::sky_light;
-use super::specular::{Specular, transmittance};
+use super::specular::Specular;
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
 use super::texturing::Texturing;
@@ -42,6 +43,7 @@ pub fn gather<K: Kernel>(
     let mut gathered = Gathered::<K::Parts>::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
+    let mut media = scene.media_at_eye();
     for bounce in 0.. {
         let mut point = match scene.seen(&ray, hit) {
             Seen::Background => {
@@ -50,11 +52,14 @@ pub fn gather<K: Kernel>(
                 break;
             }
             Seen::Disk(met) => {
-                gathered.add_light(beginning, throughput * met.disk.emitted(ray.direction));
+                let radiance =
+                    met.disk.emitted(ray.direction) * media.left_along(scene, &ray, met.t, start);
+                gathered.add_light(beginning, throughput * radiance);
                 break;
             }
             Seen::Surface(point) => point,
         };
+        throughput *= media.left_at(scene, &point, start);
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = material {
             gathered.add_light(beginning, throughput * radiance);
@@ -72,6 +77,7 @@ pub fn gather<K: Kernel>(
                     scene,
                     phong,
                     point: &point,
+                    media,
                     mirror: point.mirror_direction(),
                     sampler,
                     bounce,
@@ -88,9 +94,12 @@ pub fn gather<K: Kernel>(
             }
             PreparedMaterial::Specular(specular) => {
                 let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
-                let onward = specular.onward(&point, start, u);
+                let onward = specular.onward(&point, u);
                 texturing.deflect(&point);
                 throughput *= onward.throughput;
+                if onward.layer == Layer::Refraction {
+                    media.cross(&point);
+                }
                 beginning = beginning.then_specular(onward.layer);
                 ray = onward.ray;
             }
@@ -221,6 +230,8 @@ struct Shading<'a, K: Kernel> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
+    /// What it is in.
+    media: Media,
     /// The mirror direction of `wo`.
     mirror: Vec3,
     sampler: Sampler,
@@ -554,14 +565,15 @@ impl<K: Kernel> Shading<'_, K> {
     fn through_glass(&self, mut ray: Ray, light: Option<u32>) -> Vec3 {
         let target = ray.at(1.0);
         let mut passed = Vec3::ONE;
+        let mut media = self.media;
         loop {
             if self.scene.disk_occludes(&ray, 1.0, light) {
                 return Vec3::ZERO;
             }
             let Some(point) = self.scene.surface_along(&ray, 1.0) else {
-                return passed;
+                return passed * media.left_along(self.scene, &ray, 1.0, 0.0);
             };
-            let PreparedMaterial::Specular(Specular::Glass { ior, attenuation }) =
+            let PreparedMaterial::Specular(Specular::Glass { ior, .. }) =
                 *self.scene.material(point.object)
             else {
                 return Vec3::ZERO;
@@ -569,9 +581,8 @@ impl<K: Kernel> Shading<'_, K> {
             // The ray stays straight, so both faces are met at the angle outside; Fresnel's equations give the way out the
             // same loss as the way in.
             passed *= 1.0 - fresnel(point.shading_normal.dot(point.wo), ior).reflectance;
-            if !point.front {
-                passed *= transmittance(attenuation, point.distance);
-            }
+            passed *= media.left_at(self.scene, &point, 0.0);
+            media.cross(&point);
             if passed == Vec3::ZERO {
                 return passed;
             }

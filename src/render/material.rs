@@ -57,6 +57,11 @@ impl PreparedMaterial {
         }
     }
 
+    /// Whether light gets less inside.
+    pub fn absorbs(&self) -> bool {
+        matches!(self, Self::Specular(Specular::Glass { attenuation, .. }) if *attenuation != Vec3::ZERO)
+    }
+
     /// Diffuse plus specular reflectance; what a mirror reflects; white for glass; black for emitters.
     pub fn albedo(&self) -> Vec3 {
         match self {

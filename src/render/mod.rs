@@ -31,6 +31,7 @@ mod layers;
 mod light;
 mod light_tree;
 mod material;
+mod media;
 mod memory;
 mod mis;
 mod path;

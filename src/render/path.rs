@@ -7,9 +7,10 @@
 use super::aim::{self, Aimed};
 use super::camera::CameraRay;
 use super::kernel::Kernel;
-use super::layers::{Beginning, ByLobe, Gathered, Parts};
+use super::layers::{Beginning, ByLobe, Gathered, Layer, Parts};
 use super::light_tree::Receiver;
 use super::material::PreparedMaterial;
+use super::media::Media;
 use super::mis::power_heuristic;
 use super::phong::Phong;
 use super::plan::Feature;
@@ -50,6 +51,7 @@ pub fn gather<K: Kernel>(
     let mut gathered = Gathered::<K::Parts>::nothing();
     let mut beginning = Beginning::Eye;
     let mut throughput = Vec3::ONE;
+    let mut media = scene.media_at_eye();
     // How much denser radiance is where the path is than at the eye.
     let mut concentration = 1.0;
     // Density of the last scattered direction, and where light was aimed at instead; `None` where none could be: from the eye, a
@@ -69,12 +71,14 @@ pub fn gather<K: Kernel>(
             Seen::Disk(met) => {
                 let aimed = |from: &Receiver| aim::pdf_of_disk(scene, from, &ray, &met);
                 let weight = met_weight(settings, scattered.as_ref(), aimed);
-                let radiance = met.disk.emitted(ray.direction);
+                let radiance =
+                    met.disk.emitted(ray.direction) * media.left_along(scene, &ray, met.t, start);
                 gathered.add_light(beginning, throughput * radiance * weight);
                 break;
             }
             Seen::Surface(point) => point,
         };
+        throughput *= media.left_at(scene, &point, start);
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
             let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &ray, &point);
@@ -100,6 +104,7 @@ pub fn gather<K: Kernel>(
                     scene,
                     phong,
                     point: &point,
+                    media: &media,
                     mirror,
                 };
                 if scene.does(Feature::Aiming)
@@ -124,11 +129,14 @@ pub fn gather<K: Kernel>(
             }
             PreparedMaterial::Specular(specular) => {
                 let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
-                let onward = specular.onward(&point, start, u);
+                let onward = specular.onward(&point, u);
                 texturing.deflect(&point);
                 throughput *= onward.throughput;
                 concentration *= onward.concentration;
                 scattered = None;
+                if onward.layer == Layer::Refraction {
+                    media.cross(&point);
+                }
                 beginning = beginning.then_specular(onward.layer);
                 ray = onward.ray;
             }
@@ -194,6 +202,8 @@ struct Aiming<'a> {
     scene: &'a PreparedScene,
     phong: &'a Phong,
     point: &'a SurfacePoint,
+    /// What it is in.
+    media: &'a Media,
     /// The mirror direction of `wo`.
     mirror: Vec3,
 }
@@ -232,6 +242,7 @@ impl Aiming<'_> {
             scene,
             phong,
             point,
+            media,
             mirror,
         } = *self;
         let u = if scene.does(Feature::LightPoints) {
@@ -263,8 +274,10 @@ impl Aiming<'_> {
         let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
         let noted = || NotedRay::passing(aimed.ray, aimed.reach, passed);
         tally.note(RayPurpose::Shadow, noted);
+        // What is behind glass is not aimed at: all of the way is in what the point is in.
+        let left = media.left_along(scene, &aimed.ray, aimed.reach, 0.0);
         Some(Lit {
-            lobes: reflected * (aimed.irradiance * weight * passed),
+            lobes: reflected * (aimed.irradiance * weight * passed * left),
             passed,
             is_background: aimed.is_background,
         })

@@ -13,6 +13,7 @@ use super::kernel::Kernel;
 use super::layers::{Gathered, Layer};
 use super::light::PreparedLight;
 use super::material::PreparedMaterial;
+use super::media::Media;
 use super::path;
 use super::plan::{Feature, Plan};
 use super::primary_hits::{PrimaryHitStore, PrimaryHits};
@@ -45,6 +46,10 @@ pub struct PreparedScene {
     plan: Plan,
     /// What is kept of the rays from the eye, where somebody keeps it.
     primary_hits: Option<Arc<PrimaryHits>>,
+    /// Whether glass absorbs light.
+    absorbs: bool,
+    /// The glass that the eye is in.
+    media_at_eye: Media,
     /// Whether there is a background or an object that shines.
     has_shining_surroundings: bool,
     /// In prepared units.
@@ -200,7 +205,7 @@ impl PreparedScene {
         };
         let radius = bounds.diagonal() / 2.0;
         let aimed_at = background.image().filter(|_| is_aimed_at);
-        Ok(Some(Self {
+        let mut prepared = Self {
             camera,
             aim_shares: AimShares::new(aimed_at, radius, emitters.power()),
             has_shining_surroundings: !background.is_black()
@@ -211,6 +216,8 @@ impl PreparedScene {
             background,
             plan,
             primary_hits: None,
+            absorbs: materials.iter().any(PreparedMaterial::absorbs),
+            media_at_eye: Media::default(),
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
             occlusion_radius: (ambient_occlusion.radius * f64::from(bounds.diagonal())) as f32,
             #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
@@ -225,7 +232,22 @@ impl PreparedScene {
             geometry,
             #[cfg(test)]
             faulty: None,
-        }))
+        };
+        let eye = prepared.geometry.frame().narrow(scene.camera.eye);
+        if prepared.absorbs && bounds.contains(eye) {
+            prepared.media_at_eye = Media::at(&prepared, eye);
+        }
+        Ok(Some(prepared))
+    }
+
+    /// Whether glass absorbs light.
+    pub(super) fn absorbs(&self) -> bool {
+        self.absorbs
+    }
+
+    /// The glass that the eye is in, so far as it absorbs.
+    pub(super) fn media_at_eye(&self) -> Media {
+        self.media_at_eye
     }
 
     /// From now on that sample of that pixel panics.

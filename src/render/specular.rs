@@ -13,7 +13,7 @@ pub enum Specular {
     },
     Glass {
         ior: f32,
-        /// Per prepared unit.
+        /// Of the inside, per prepared unit.
         attenuation: Vec3,
     },
 }
@@ -22,7 +22,7 @@ pub enum Specular {
 #[derive(Clone, Copy, Debug)]
 pub struct Onward {
     pub ray: Ray,
-    /// Share of the radiance that is kept, on the way here through glass included.
+    /// Share of the radiance that is kept.
     pub throughput: Vec3,
     /// By how much radiance is concentrated behind the boundary, which `throughput` undoes: the square of the relative index of
     /// refraction, 1 where light is reflected.
@@ -32,13 +32,12 @@ pub struct Onward {
 }
 
 impl Specular {
-    /// Follows light on from `point`. `start`: how far from the eye the ray began, 0 for all but camera rays; `u`: uniform in
-    /// `[0, 1)`, asked for where there is a choice.
+    /// Follows light on from `point`. `u`: uniform in `[0, 1)`, asked for where there is a choice.
     ///
     /// Glass is never split in two: it reflects with the probability that Fresnel's equations give, else refracts. The share
     /// chosen cancels its probability. What refraction keeps is radiance over the square of the index of refraction.
     /// Source: Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997, section 5.2.
-    pub fn onward(&self, point: &SurfacePoint, start: f64, u: impl FnOnce() -> f32) -> Onward {
+    pub fn onward(&self, point: &SurfacePoint, u: impl FnOnce() -> f32) -> Onward {
         let reflected = |throughput| Onward {
             ray: point.ray_above(point.mirror_direction()),
             throughput,
@@ -47,37 +46,21 @@ impl Specular {
         };
         match *self {
             Self::Mirror { reflectance } => reflected(reflectance),
-            Self::Glass { ior, attenuation } => {
-                let throughput = if point.front {
-                    Vec3::ONE
-                } else {
-                    #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]
-                    let distance = point.distance + start as f32;
-                    transmittance(attenuation, distance)
-                };
+            Self::Glass { ior, .. } => {
                 let normal = point.specular_normal;
                 let eta = if point.front { ior } else { 1.0 / ior };
                 let boundary = fresnel(normal.dot(point.wo), eta);
                 if u() < boundary.reflectance {
-                    return reflected(throughput);
+                    return reflected(Vec3::ONE);
                 }
                 let direction = refract(point.wo, normal, eta, boundary.cos_transmitted);
                 Onward {
                     ray: point.ray_through(direction),
-                    throughput: throughput / (eta * eta),
+                    throughput: Vec3::splat(1.0 / (eta * eta)),
                     concentration: eta * eta,
                     layer: Layer::Refraction,
                 }
             }
         }
-    }
-}
-
-/// Share of the light that is left after `distance` through a medium.
-pub fn transmittance(attenuation: Vec3, distance: f32) -> Vec3 {
-    if attenuation == Vec3::ZERO {
-        Vec3::ONE
-    } else {
-        (-attenuation * distance).map(libm::expf)
     }
 }

@@ -6,7 +6,8 @@ use crate::common::{add, assert_near, diffuse, looking_at_floor, picture, rectan
 use raymini::geometry::{TriangleMesh, shapes};
 use raymini::math::{DVec3, Degrees};
 use raymini::scene::{
-    Background, Camera, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene, Textures,
+    Background, Camera, Facing, Light, LightSampling, Material, Mode, RenderSettings, Rgb, Scene,
+    Textures,
 };
 
 /// A slab of glass before a black backdrop, under an even sky from the eye's side.
@@ -304,4 +305,123 @@ fn a_ball_lens_bends_rays_to_where_geometry_says() {
         assert!(side_at(crossing * 0.99), "n {ior}, height {height}");
         assert!(!side_at(crossing * 1.01), "n {ior}, height {height}");
     }
+}
+
+/// A cube of half a side 1 that bends nothing and takes light away per unit: e⁻⁰, e⁻¹ and e⁻² of the three channels.
+fn absorbing_cube() -> (TriangleMesh, Material) {
+    let glass = Material::Glass {
+        ior: 1.0,
+        attenuation: Rgb::new(0.0, 1.0, 2.0),
+    };
+    (shapes::cuboid(DVec3::NEG_ONE, DVec3::ONE), glass)
+}
+
+/// One pixel along −Z from `eye` above the middle of the scene.
+fn looking_down_from(eye: f64) -> Scene {
+    let mut scene = Scene::default();
+    scene.camera = Camera {
+        eye: DVec3::new(0.1, 0.2, eye),
+        target: DVec3::new(0.1, 0.2, -10.0),
+        up: DVec3::Y,
+        vertical_fov: Degrees(1e-3),
+        ..Camera::default()
+    };
+    scene.render = RenderSettings {
+        width: 1,
+        height: 1,
+        samples_per_pixel: 4,
+        antialiasing: false,
+        max_bounces: 8,
+        ..RenderSettings::default()
+    };
+    scene
+}
+
+/// Asserts what is left of `whole` light after `length` through [`absorbing_cube`], in both modes.
+#[track_caller]
+fn assert_absorbed(scene: &mut Scene, whole: f64, length: f64, what: &str) {
+    for mode in [Mode::Direct, Mode::Path] {
+        scene.render.mode = mode;
+        let found = picture(scene).pixel(0, 0);
+        for (channel, found) in found.into_iter().enumerate() {
+            let expected = whole * (-(channel as f64) * length).exp();
+            let what = format!("{what}, {mode:?}, channel {channel}");
+            assert_near(f64::from(found), expected, 1e-4, &what);
+        }
+    }
+}
+
+/// Glass absorbs between its surface and whatever stands in it, for an eye in it too, and between two things that stand in it.
+#[test]
+fn glass_absorbs_light_of_what_stands_in_it() {
+    for (eye, length) in [(5.0, 1.0), (0.5, 0.5)] {
+        for lamp in ["mesh", "disk"] {
+            let mut scene = looking_down_from(eye);
+            let (cube, glass) = absorbing_cube();
+            add(&mut scene, "cube", cube, glass);
+            if lamp == "mesh" {
+                let lamp = rectangle(DVec3::ZERO, DVec3::X * 0.5, DVec3::Y * 0.5);
+                add(&mut scene, "lamp", lamp, Material::emitter());
+            } else {
+                scene.lights.push(Light::Disk {
+                    center: DVec3::ZERO,
+                    facing: Facing::Normal(DVec3::Z),
+                    radius: 0.5,
+                    radiance: Rgb::ONE,
+                    visible: true,
+                });
+            }
+            assert_absorbed(&mut scene, 1.0, length, &format!("{lamp} seen from {eye}"));
+        }
+    }
+
+    // A floor in the cube and a light above it in the cube: 0.4 to the light, 1.5 to the eye's side of the cube.
+    let mut scene = looking_down_from(5.0);
+    let (cube, glass) = absorbing_cube();
+    add(&mut scene, "cube", cube, glass);
+    let floor = rectangle(DVec3::Z * -0.5, DVec3::X * 0.6, DVec3::Y * 0.6);
+    add(&mut scene, "floor", floor, diffuse(1.0));
+    scene.render.max_bounces = 2;
+    scene.lights.push(Light::Point {
+        position: DVec3::new(0.1, 0.2, -0.1),
+        intensity: Rgb::splat(0.4 * 0.4 * PI),
+    });
+    assert_absorbed(&mut scene, 1.0, 0.4 + 1.5, "floor lit from inside");
+}
+
+/// The inner of two absorbs, and an inner one that does not is a bubble.
+#[test]
+fn glass_in_glass_absorbs_as_the_inner_one() {
+    let bubble = Material::Glass {
+        ior: 1.0,
+        attenuation: Rgb::ZERO,
+    };
+    let half = shapes::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5));
+    for (eye, length) in [(5.0, 1.0), (0.0, 0.5)] {
+        let mut scene = looking_down_from(eye);
+        let (cube, glass) = absorbing_cube();
+        add(&mut scene, "cube", cube, glass);
+        add(&mut scene, "bubble", half.clone(), bubble.clone());
+        let lamp = rectangle(DVec3::Z * -2.0, DVec3::X, DVec3::Y);
+        add(&mut scene, "lamp", lamp, Material::emitter());
+        assert_absorbed(&mut scene, 1.0, length, &format!("a bubble, from {eye}"));
+    }
+}
+
+/// A shadow ray loses what is between the last face and a light in the glass.
+#[test]
+fn light_that_stands_in_glass_loses_on_its_way_out() {
+    let mut scene = looking_down_from(-5.0);
+    let (cube, glass) = absorbing_cube();
+    add(&mut scene, "cube", cube, glass);
+    let floor = rectangle(DVec3::Z * -9.0, DVec3::X, DVec3::Y);
+    add(&mut scene, "floor", floor, diffuse(1.0));
+    scene.lights.push(Light::Point {
+        position: DVec3::new(0.1, 0.2, 0.0),
+        intensity: Rgb::splat(81.0 * PI),
+    });
+    let [r, g, b] = picture(&scene).pixel(0, 0).map(f64::from);
+    assert_near(r, 1.0, 1e-4, "nothing is lost");
+    assert_near(g, (-1.0_f64).exp(), 1e-4, "one unit");
+    assert_near(b, (-2.0_f64).exp(), 1e-4, "one unit, twice as thick");
 }
