@@ -305,6 +305,10 @@ fn place_triangles(
     triangles: &mut Vec<Triangle>,
     cancel: &CancelToken,
 ) -> Option<()> {
+    // However many copies there are of nothing.
+    if mesh.triangles.is_empty() {
+        return Some(());
+    }
     let in_world: Vec<_> = mesh
         .positions
         .iter()

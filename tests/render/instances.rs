@@ -363,3 +363,23 @@ fn shining_copies_give_the_light_of_their_triangles() {
         );
     }
 }
+
+/// However many copies there are of nothing, they are nothing.
+#[test]
+fn copies_of_an_empty_mesh_take_no_time() {
+    let mut scene = Scene::default();
+    let meshes = [
+        ("ball", shapes::icosphere(0)),
+        ("empty", TriangleMesh::default()),
+    ];
+    for (name, mesh) in meshes {
+        scene.meshes.insert(name.into(), Arc::new(mesh));
+        scene.objects.push(Object {
+            mesh: name.into(),
+            ..Object::default()
+        });
+    }
+    scene.objects[1].copies.count = [1_000_000; 3];
+    let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+    assert!(prepared.expect("can be rendered").is_some());
+}
