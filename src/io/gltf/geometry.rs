@@ -251,6 +251,8 @@ impl<'a, 'd> MeshReader<'a, 'd> {
             .map_err(|_| Malformed::at(place, "fewer than 2^32 vertices", "more"))?;
         let mut taken = Taken::new(if is_alone { 0 } else { count }, corners);
         if is_alone {
+            // A mesh may say the same primitive again and again.
+            self.data.spend_vertices(place, count as u64)?;
             for vertex in 0..count {
                 all.push(&source, vertex, &mut self.notes, place)?;
             }

@@ -573,6 +573,24 @@ fn many_copies_of_much_are_refused() {
     );
 }
 
+/// Each takes its vertices anew, and a file says it in some bytes.
+#[test]
+fn one_primitive_again_and_again_is_refused_where_it_makes_too_much() {
+    let primitive = r#"{"attributes":{"POSITION":0}}"#;
+    let document = |times: usize| {
+        let primitives = vec![primitive; times].join(",");
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+            "meshes":[{{"primitives":[{primitives}]}}],
+            "accessors":[{{"componentType":5126,"count":100000,"type":"VEC3"}}]}}"#
+        )
+    };
+    assert!(read(&document(1), &[]).is_ok());
+    let error = read(&document(1000), &[]).expect_err("is too much");
+    let expected = "no more elements than a file of this size accounts for";
+    assert!(error.to_string().contains(expected), "{error}");
+}
+
 #[test]
 fn random_mutations_never_panic() {
     let mut written = Vec::new();
