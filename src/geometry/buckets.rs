@@ -1,16 +1,16 @@
-/// Numbers sorted into buckets by counting: all items of a key beside each other, in the order given, in two flat arrays.
-pub struct Buckets {
+/// Items sorted into buckets by counting: all items of a key beside each other, in the order given, in two flat arrays.
+pub struct Buckets<T = u32> {
     /// Where each bucket begins in `items`; one more entry at the end.
     starts: Vec<u32>,
-    items: Vec<u32>,
+    items: Vec<T>,
 }
 
-impl Buckets {
+impl<T: Copy + Default> Buckets<T> {
     /// The items, each with its key below `keys`.
     ///
     /// # Panics
     /// When there are 2³² items, or a key is too large.
-    pub fn new(keys: usize, items: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
+    pub fn new(keys: usize, items: impl Iterator<Item = (u32, T)> + Clone) -> Self {
         let mut starts = vec![0_u32; keys + 1];
         for (key, _) in items.clone() {
             starts[key as usize + 1] = starts[key as usize + 1]
@@ -23,7 +23,7 @@ impl Buckets {
             *start = end;
         }
         // Filled, each start moves to the end of its bucket, which is where the next one began.
-        let mut sorted = vec![0; end as usize];
+        let mut sorted = vec![T::default(); end as usize];
         for (key, item) in items {
             let start = &mut starts[key as usize];
             sorted[*start as usize] = item;
@@ -42,7 +42,7 @@ impl Buckets {
     /// # Panics
     /// When it is too large.
     #[must_use]
-    pub fn of(&self, key: usize) -> &[u32] {
+    pub fn of(&self, key: usize) -> &[T] {
         &self.items[self.starts[key] as usize..self.starts[key + 1] as usize]
     }
 
@@ -70,6 +70,6 @@ mod tests {
         let found: Vec<_> = (0..buckets.len()).map(|key| buckets.of(key)).collect();
         let expected: [&[u32]; 5] = [&[11, 14], &[], &[10, 12], &[13], &[]];
         assert_eq!(found, expected);
-        assert_eq!(Buckets::new(0, std::iter::empty()).len(), 0);
+        assert_eq!(Buckets::<u32>::new(0, std::iter::empty()).len(), 0);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Directions depend on shape alone, see [`super::face_normal`]. The functions here expect valid meshes and panic on indices out of range.
 
+use super::buckets::Buckets;
 use super::face_normal::{edges_of, face_normal, longest_edge, near_one};
 use super::{TriangleMesh, Welded};
 use crate::math::{DVec3, Degrees};
@@ -59,10 +60,11 @@ pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
             corners: vec![[0; 3]; mesh.triangles.len()],
         },
     };
-    let fans = Fans::of(mesh);
+    let vertices = mesh.triangles.iter().flatten().copied();
+    let fans = Buckets::new(mesh.positions.len(), vertices.zip((0..).map(Corner)));
     let mut groups = FanGroups::default();
     for vertex in 0..mesh.positions.len() {
-        let fan = fans.around(vertex);
+        let fan = fans.of(vertex);
         if fan.is_empty() {
             continue;
         }
@@ -85,7 +87,7 @@ fn own_normal(mesh: &TriangleMesh, vertex: usize) -> Option<DVec3> {
 }
 
 /// One corner of one triangle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Corner(u32);
 
 impl Corner {
@@ -95,41 +97,6 @@ impl Corner {
 
     fn index(self) -> usize {
         self.0 as usize % 3
-    }
-}
-
-/// The corners at each vertex, in the order of the triangles.
-struct Fans {
-    /// Where the corners of each vertex begin in `corners`; one more entry at the end.
-    starts: Vec<u32>,
-    corners: Vec<Corner>,
-}
-
-impl Fans {
-    fn of(mesh: &TriangleMesh) -> Self {
-        let count = u32::try_from(3 * mesh.triangles.len()).expect("fewer than 2^32 corners");
-        let mut starts = vec![0; mesh.positions.len() + 1];
-        for &vertex in mesh.triangles.iter().flatten() {
-            starts[vertex as usize] += 1;
-        }
-        let mut end = 0;
-        for start in &mut starts {
-            end += *start;
-            *start = end;
-        }
-        // Filled from the back, each start moves from the end of its part to the beginning.
-        let mut corners = vec![Corner(0); count as usize];
-        for corner in (0..count).rev().map(Corner) {
-            let vertex = mesh.triangles[corner.triangle()][corner.index()];
-            let start = &mut starts[vertex as usize];
-            *start -= 1;
-            corners[*start as usize] = corner;
-        }
-        Self { starts, corners }
-    }
-
-    fn around(&self, vertex: usize) -> &[Corner] {
-        &self.corners[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 }
 
