@@ -1,7 +1,6 @@
 //! Faces of different objects, or of copies of one, that lie in the same place.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -35,22 +34,38 @@ pub fn examine(
     let Some(common) = common_boxes(&parts, cancel) else {
         return Ok(None);
     };
-    let compared = AtomicUsize::new(0);
-    let collect = |(part, common): (&Part<'_>, &DBounds)| {
-        if cancel.is_cancelled() {
-            return Vec::new();
+    let count = |(part, common): (&Part<'_>, &DBounds)| {
+        let mut count = 0_usize;
+        if !cancel.is_cancelled() {
+            part.for_each_face_within(common, |_, _| count += 1);
         }
+        count
+    };
+    let counts: Vec<usize> = parts.par_iter().zip(&common).map(count).collect();
+    // The first faces are compared, whichever thread comes to them first.
+    let mut total = 0;
+    let starts = counts.iter().map(|count| {
+        total += count;
+        total - count
+    });
+    let shares: Vec<usize> = starts
+        .map(|start| MOST_COMPARED.saturating_sub(start))
+        .collect();
+    let collect = |((part, common), &share): ((&Part<'_>, &DBounds), &usize)| {
         let mut faces = Vec::new();
-        part.for_each_face_within(common, |face, corners| {
-            if compared.fetch_add(1, Ordering::Relaxed) < MOST_COMPARED {
-                faces.push((fingerprint(corners), part.number, face));
-            }
-        });
+        if !cancel.is_cancelled() {
+            part.for_each_face_within(common, |face, corners| {
+                if faces.len() < share {
+                    faces.push((fingerprint(corners), part.number, face));
+                }
+            });
+        }
         faces
     };
     let mut faces: Vec<(u64, u32, u32)> = parts
         .par_iter()
         .zip(&common)
+        .zip(&shares)
         .flat_map_iter(collect)
         .collect();
     if cancel.is_cancelled() {
@@ -58,9 +73,8 @@ pub fn examine(
     }
     faces.par_sort_unstable();
     let mut found = pairs_among(scene, frame, &parts, &faces)?;
-    let compared = compared.into_inner();
-    if compared > MOST_COMPARED {
-        found.push(unexamined(compared));
+    if total > MOST_COMPARED {
+        found.push(unexamined(total));
     }
     Ok(Some(found))
 }
