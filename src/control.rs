@@ -1,4 +1,4 @@
-//! Watching and stopping long work from outside: values that are cloned and polled, with no callback and no lock.
+//! Watching, stopping and slowing long work from outside: values that are cloned and polled.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -162,9 +162,14 @@ impl Progress {
         Self::default()
     }
 
-    /// Says how much there is to do. Call it before the first [`Progress::advance`].
+    /// Says how much there is to do in all. See [`Self::set_remaining`] where some of it is done.
     pub fn set_total(&self, total: u64) {
         self.0.total.store(total, Ordering::Relaxed);
+    }
+
+    /// Says that there is `more` to do than was known.
+    pub fn add_to_total(&self, more: u64) {
+        self.0.total.fetch_add(more, Ordering::Relaxed);
     }
 
     /// Says how much there is left to do, where that is learnt on the way. The fraction does not jump: it goes on from where it

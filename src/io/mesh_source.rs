@@ -64,7 +64,7 @@ pub fn load_beside(
     let file = path_below(name, folder)?;
     require_memory(&file, MEMORY_PER_BYTE)?;
     let length = std::fs::metadata(&file).map_or(0, |file| file.len());
-    progress.set_total(progress.total() + length);
+    progress.add_to_total(length);
     read_file(&file, "a file of data", cancel, progress)
 }
 

@@ -145,7 +145,7 @@ fn load_model_textures(
 ) -> Option<Model> {
     let names = model.scene.texture_names();
     let work: u64 = names.iter().map(|name| work_of(name)).sum();
-    progress.set_total(progress.total() + work);
+    progress.add_to_total(work);
     let mut loader = TextureLoader::default();
     for name in names {
         match loader.load(&name, work_of(&name), cancel, progress) {

@@ -82,7 +82,7 @@ pub struct Scene {
     pub materials: BTreeMap<String, Material>,
     /// Placed meshes, in drawing order.
     pub objects: Vec<Object>,
-    /// Light sources, each summed.
+    /// Light sources, in the order of the file.
     pub lights: Vec<Light>,
     /// What people call them, in their order; empty, or not there, where that is their number.
     pub light_names: Vec<String>,
