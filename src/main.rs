@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use raymini::cli::{Arguments, Signals, WindowBench, printable, render_to_file};
+use raymini::cli::{Arguments, Signals, WindowBench, printable, render_to_file, tell};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 use raymini::render::{RenderFault, keep_panics_quiet};
@@ -22,7 +22,7 @@ fn main() -> ExitCode {
         }
     });
     result.unwrap_or_else(|error| {
-        eprintln!("error: {}", printable(&format!("{error:#}")));
+        tell(&format!("error: {error:#}"));
         ExitCode::FAILURE
     })
 }
@@ -89,7 +89,7 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
     #[cfg(not(feature = "gui"))]
     let reason = "this program was built without its window";
 
-    eprintln!("No window can be opened: {reason}");
+    tell(&format!("No window can be opened: {reason}"));
     let (scene, output) = if files.is_empty() {
         (io::demo_scene(), PathBuf::from("raymini-demo.png"))
     } else {
@@ -97,9 +97,9 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
         let output = Path::new(files[0].file_stem().unwrap_or_default()).with_extension("png");
         (loaded.context("loading was cancelled")?.scene, output)
     };
-    eprintln!(
+    tell(&format!(
         "Rendering to {} instead. `raymini render --help` says what else can be done.",
         output.display()
-    );
+    ));
     render_to_file(&scene, &output, signals)
 }

@@ -114,11 +114,11 @@ impl CheckpointFile<'_> {
         if !checkpoint.fits(prepared, region, run.layers_of(prepared)) {
             bail!("{name}: the checkpoint is damaged: its parts do not fit the render");
         }
-        eprintln!(
+        super::tell(&format!(
             "{name}: going on from {:.1} samples per pixel after {:.2} s",
             checkpoint.samples_per_pixel(),
             checkpoint.seconds()
-        );
+        ));
         Ok(Some(checkpoint))
     }
 
@@ -127,10 +127,10 @@ impl CheckpointFile<'_> {
         let saved = save_checkpoint(self.path, &self.description, checkpoint);
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         if let (Err(error), None) = (&saved, &*failure) {
-            eprintln!(
-                "warning: {}: {error}; the render goes on",
+            super::warn(&format!(
+                "{}: {error}; the render goes on",
                 cannot_write(self.path)
-            );
+            ));
         }
         *failure = saved.err();
     }
@@ -139,8 +139,11 @@ impl CheckpointFile<'_> {
     pub fn say_how_to_go_on(&self) {
         let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         match &*failure {
-            None => eprintln!("{}: --resume goes on from here", self.path.display()),
-            Some(error) => eprintln!("warning: {}: {error}", cannot_write(self.path)),
+            None => super::tell(&format!(
+                "{}: --resume goes on from here",
+                self.path.display()
+            )),
+            Some(error) => super::warn(&format!("{}: {error}", cannot_write(self.path))),
         }
     }
 
@@ -150,7 +153,7 @@ impl CheckpointFile<'_> {
             && error.kind() != io::ErrorKind::NotFound
         {
             let name = self.path.display();
-            eprintln!("warning: {name}: cannot remove the checkpoint: {error}");
+            super::warn(&format!("{name}: cannot remove the checkpoint: {error}"));
         }
     }
 }
@@ -160,7 +163,7 @@ fn cannot_write(path: &Path) -> String {
 }
 
 /// Whether two names stand for one file, there or not.
-fn is_same_file(a: &Path, b: &Path) -> bool {
+pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         std::fs::canonicalize(path).ok().or_else(|| {
             let absolute = std::path::absolute(path).ok()?;

@@ -85,6 +85,8 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<()> {
     }
 }
 
+const TOO_LARGE: &str = "--scale makes coordinates larger than numbers can be";
+
 /// What is to be changed on the way.
 struct Changes {
     remeasure: Remeasure,
@@ -93,7 +95,10 @@ struct Changes {
 
 impl Changes {
     /// Changes objects with their meshes. Returns what was done, in words that follow others.
-    fn apply_to_model(&self, model: &mut Model) -> String {
+    ///
+    /// # Errors
+    /// When coordinates are too large then.
+    fn apply_to_model(&self, model: &mut Model) -> Result<String> {
         let mut turned = 0;
         if self.repair_winding {
             for mesh in model.scene.meshes.values_mut() {
@@ -105,8 +110,13 @@ impl Changes {
             if let Some(camera) = &mut model.camera {
                 self.remeasure.camera(camera);
             }
+            let bounds = model.scene.bounds();
+            let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
+            if !bounds.is_empty() && !is_finite {
+                bail!(TOO_LARGE);
+            }
         }
-        self.done(turned)
+        Ok(self.done(turned))
     }
 
     /// Changes a mesh.
@@ -128,7 +138,7 @@ impl Changes {
                 *normal = self.remeasure.direction(*normal);
             }
             if !mesh.positions.iter().all(|position| position.is_finite()) {
-                bail!("--scale makes coordinates larger than numbers can be");
+                bail!(TOO_LARGE);
             }
         }
         Ok(self.done(turned))
@@ -164,7 +174,7 @@ fn convert_model(
     for warning in &model.warnings {
         super::warn(warning);
     }
-    let changed = changes.apply_to_model(&mut model);
+    let changed = changes.apply_to_model(&mut model)?;
     let name = output.display();
     for loss in io::write_model(&model, format, output)? {
         super::warn(&format!("{name}: {loss}"));

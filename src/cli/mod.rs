@@ -100,9 +100,14 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().flat_map(shown).collect())
 }
 
+/// Prints a line to the standard error. That nobody can read it is no reason to stop.
+pub fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
+}
+
 /// Prints a warning.
 fn warn(text: &str) {
-    eprintln!("warning: {}", printable(text));
+    tell(&format!("warning: {text}"));
 }
 
 /// Prints a line to the standard output. A reader that has gone away is no error.

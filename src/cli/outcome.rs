@@ -34,7 +34,9 @@ pub(super) fn say(
         } else {
             ""
         };
-        eprintln!("warning: interrupted: the picture has the samples taken so far{gaps}");
+        super::warn(&format!(
+            "interrupted: the picture has the samples taken so far{gaps}"
+        ));
     }
     if stats.ending != Ending::Noise
         && let Some(noise) = settings.stop.noise
@@ -44,33 +46,36 @@ pub(super) fn say(
             Ending::Interrupted => "the render was interrupted",
             _ => "pixels have all the samples that render.samples_per_pixel allows",
         };
-        eprintln!("warning: noise is not down to {}: {reason}", percent(noise));
+        super::warn(&format!(
+            "noise is not down to {}: {reason}",
+            percent(noise)
+        ));
     }
     if stats.non_finite_samples > 0 {
-        eprintln!(
-            "warning: {} samples were infinite or not a number",
+        super::warn(&format!(
+            "{} samples were infinite or not a number",
             stats.non_finite_samples
-        );
+        ));
     }
     if stats.negative_samples > 0 {
-        eprintln!(
-            "warning: {} samples had less than no light",
+        super::warn(&format!(
+            "{} samples had less than no light",
             stats.negative_samples
-        );
+        ));
     }
     if let Some(share) = stats.notable_depth_limited_share() {
-        eprintln!(
-            "warning: {:.0} % of the samples may lack light: render.max_bounces = {} ended their paths",
+        super::warn(&format!(
+            "{:.0} % of the samples may lack light: render.max_bounces = {} ended their paths",
             share * 100.0,
             settings.max_bounces
-        );
+        ));
     }
     if settings.clamp.is_some() {
-        eprintln!(
+        super::tell(&format!(
             "render.clamp limited {} samples and took {:.3} % of the picture's light away",
             stats.clamped.samples,
             stats.clamped.energy_share * 100.0
-        );
+        ));
     }
     Ok(())
 }

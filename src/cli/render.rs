@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
-use super::checkpoint::{CheckpointArguments, CheckpointFile};
+use super::checkpoint::{CheckpointArguments, CheckpointFile, is_same_file};
 use super::costs::MeasuredCosts;
 use super::stats::{self, Stats};
 use super::trace::TraceArguments;
@@ -44,11 +44,11 @@ pub struct RenderArguments {
     spp: Option<u32>,
 
     /// Stop after so many seconds of rendering
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = parse_positive)]
     seconds: Option<f64>,
 
     /// Stop when the estimated noise (root of the relative mean square error) is down to E, e.g. 0.03
-    #[arg(long, value_name = "E")]
+    #[arg(long, value_name = "E", value_parser = parse_positive)]
     noise: Option<f64>,
 
     /// Start of the random numbers
@@ -89,6 +89,12 @@ impl RenderArguments {
         io::check_image_path(output)?;
         if let Some(path) = &self.stats {
             io::check_writable(path).with_context(|| stats::cannot_write(path))?;
+            if is_same_file(path, output) {
+                bail!(
+                    "{}: it cannot hold both the picture and the figures of --stats",
+                    path.display()
+                );
+            }
         }
         let others: Vec<&Path> = std::iter::once(output)
             .chain(self.stats.as_deref())
@@ -112,12 +118,12 @@ impl RenderArguments {
         assignments.extend(
             self.seconds
                 .iter()
-                .map(|seconds| format!("render.stop.seconds={seconds}")),
+                .map(|seconds| format!("render.stop.seconds={seconds:?}")),
         );
         assignments.extend(
             self.noise
                 .iter()
-                .map(|noise| format!("render.stop.noise={noise}")),
+                .map(|noise| format!("render.stop.noise={noise:?}")),
         );
         assignments.extend(self.seed.iter().map(|seed| format!("render.seed={seed}")));
         assignments
@@ -291,7 +297,7 @@ fn measure_costs(
         None => None,
     };
     let Some(mut costs) = costs else {
-        eprintln!("interrupted while costs were measured: they are not known");
+        super::tell("interrupted while costs were measured: they are not known");
         return Ok(None);
     };
     if run.layers {
@@ -303,7 +309,7 @@ fn measure_costs(
 
 /// What is said and returned where there is no picture yet.
 fn interrupted_early(signals: &Signals) -> ExitCode {
-    eprintln!("interrupted before every pixel had a sample: no picture is written");
+    super::tell("interrupted before every pixel had a sample: no picture is written");
     exit_code(signals)
 }
 
@@ -416,6 +422,13 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
         });
     let most = RenderSettings::MAX_SIDE;
     sides.ok_or_else(|| format!("expected width and height, each up to {most}, such as 640x480"))
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok();
+    number
+        .filter(|number: &f64| number.is_finite() && *number > 0.0)
+        .ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 fn parse_region(text: &str) -> Result<Region, String> {

@@ -156,17 +156,17 @@ fn describe(study: &Study, folder: &Path) -> Result<()> {
             ))?;
         }
         if summary.clamped.samples > 0 {
-            eprintln!(
-                "warning: {}: render.clamp took {} of the light away, an error that no estimate knows and no sample cures",
+            super::warn(&format!(
+                "{}: render.clamp took {} of the light away, an error that no estimate knows and no sample cures",
                 variant.name,
                 percent(summary.clamped.energy_share)
-            );
+            ));
         }
         if summary.non_finite_samples > 0 {
-            eprintln!(
-                "warning: {}: {} samples were infinite or not a number",
+            super::warn(&format!(
+                "{}: {} samples were infinite or not a number",
                 variant.name, summary.non_finite_samples
-            );
+            ));
         }
     }
     Ok(())

@@ -19,7 +19,7 @@ pub struct TraceArguments {
         long,
         value_name = "X,Y",
         value_parser = parse_pixel,
-        conflicts_with_all = ["output", "stats", "region", "checkpoint"]
+        conflicts_with_all = ["output", "stats", "region", "checkpoint", "costs"]
     )]
     pub pixel: Option<(u32, u32)>,
 

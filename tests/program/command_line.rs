@@ -683,3 +683,52 @@ fn what_lights_and_shadows_bring_is_written_as_pictures_and_figures() {
         "{complaint}"
     );
 }
+
+/// Not even a warning that nobody can read ends a render.
+#[test]
+#[cfg(target_os = "linux")]
+fn warnings_that_cannot_be_written_stop_nothing() {
+    let folder = folder();
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let status = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args([
+            "render",
+            "scene.toml",
+            "-o",
+            "out.png",
+            "--spp",
+            "1",
+            "--noise",
+            "1e-9",
+        ])
+        .stdout(std::process::Stdio::null())
+        .stderr(full.expect("every Linux has it"))
+        .status();
+    assert!(status.expect("starts").success());
+    assert!(folder.path().join("out.png").is_file());
+}
+
+/// Numbers mean what they say however they are written, and complaints name what was typed.
+#[test]
+fn numbers_of_options_are_numbers() {
+    let folder = folder();
+    let render = ["render", "scene.toml", "-o", "out.png", "--spp", "1"];
+    succeed(
+        folder.path(),
+        &[&render[..], &["--seconds", "1e20"]].concat(),
+    );
+    for (option, number) in [("--noise", "nan"), ("--seconds", "inf"), ("--noise", "0")] {
+        let complaint = fail(folder.path(), 2, &[&render[..], &[option, number]].concat());
+        assert!(complaint.contains(option) && complaint.contains("expected a number above 0"));
+    }
+}
+
+#[test]
+fn one_file_is_not_asked_to_be_two() {
+    let folder = folder();
+    let render = ["render", "scene.toml", "-o", "a.png", "--stats", "./a.png"];
+    let complaint = fail(folder.path(), 1, &render);
+    assert!(complaint.contains("cannot hold both the picture and the figures"));
+    assert!(!folder.path().join("a.png").exists());
+}

@@ -60,7 +60,8 @@ const TURNED: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n
 
 #[test]
 fn units_axes_and_windings_change_on_the_way() {
-    let folder = folder(&[("a.off", TURNED)]);
+    let large = "OFF\n3 1 0\n0 0 0\n10 0 0\n0 10 0\n3 0 1 2\n";
+    let folder = folder(&[("a.off", TURNED), ("large.off", large)]);
     for output in ["b.off", "b.obj", "b.glb"] {
         let options = ["--scale", "1000", "--up", "y:z", "--repair-winding"];
         let run = convert_with(&folder, &[&["a.off", output][..], &options].concat());
@@ -74,6 +75,16 @@ fn units_axes_and_windings_change_on_the_way() {
                 assert!((corner - expected).length() < 1e-9, "{corner} {expected}");
             }
         }
+    }
+    for output in ["c.off", "c.glb"] {
+        let run = convert_with(&folder, &["large.off", output, "--scale", "1e308"]);
+        assert_eq!(run.status.code(), Some(1));
+        let said = String::from_utf8(run.stderr).expect("is text");
+        assert!(
+            said.contains("coordinates larger than numbers can be"),
+            "{said}"
+        );
+        assert!(!folder.path().join(output).exists());
     }
     for (option, value, expected) in [
         ("--scale", "0", "expected a number above 0"),
