@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use egui::{
     Color32, ColorImage, Painter, Rect, TextureFilter, TextureHandle, TextureId, TextureOptions,
-    pos2,
+    pos2, vec2,
 };
 
 use super::picture_buffer::{CoarseTexels, EncodedTile};
@@ -33,9 +33,16 @@ pub struct Canvas {
     /// Width and height in texels.
     size: [usize; 2],
     bands: Vec<Band>,
-    pending: Vec<EncodedTile>,
+    pending: Vec<Waiting>,
     /// Texels that were put on it, until they are all there are.
     covered: usize,
+}
+
+/// A piece that does not show yet.
+struct Waiting {
+    piece: EncodedTile,
+    /// It goes after those of earlier turns. Pieces of one turn do not overlap: they may go in any order.
+    turn: usize,
 }
 
 /// Some rows of a picture.
@@ -61,9 +68,17 @@ pub struct CanvasLayer {
 const WHOLE: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
 
 impl Canvas {
-    /// Takes in a piece; it shows from [`Self::flush`] on.
-    pub fn put(&mut self, tile: EncodedTile) {
-        self.pending.push(tile);
+    /// Takes in a piece; it shows from [`Self::flush`] on, over all that came before.
+    pub fn put(&mut self, piece: EncodedTile) {
+        let new = place_of(&piece);
+        self.pending
+            .retain(|earlier| !new.contains_rect(place_of(&earlier.piece)));
+        let below = self.pending.iter().filter(|earlier| {
+            let shared = new.intersect(place_of(&earlier.piece));
+            shared.is_positive()
+        });
+        let turn = below.map(|earlier| earlier.turn + 1).max().unwrap_or(0);
+        self.pending.push(Waiting { piece, turn });
     }
 
     /// Takes in a coarse picture, which shows from [`Self::flush`] on in place of all that there was.
@@ -91,8 +106,8 @@ impl Canvas {
         let mut runs = joined(std::mem::take(&mut self.pending)).into_iter();
         let mut texels = 0;
         for run in runs.by_ref() {
-            texels += run.pixels.pixels.len();
-            self.show(ctx, run);
+            texels += run.piece.pixels.pixels.len();
+            self.show(ctx, run.piece);
             if texels >= MOST_TEXELS || started.elapsed() > BUDGET {
                 break;
             }
@@ -233,52 +248,57 @@ fn rows_of(image: &ColorImage, rows: std::ops::Range<usize>) -> ColorImage {
     ColorImage::new([width, rows.len()], texels)
 }
 
-/// The pieces, those side by side joined. Of several at one place the last counts.
-fn joined(mut pieces: Vec<EncodedTile>) -> Vec<EncodedTile> {
-    let place = |piece: &EncodedTile| {
+/// Where a piece lies, in texels.
+fn place_of(piece: &EncodedTile) -> Rect {
+    let [x, y] = piece.position.map(|side| side as f32);
+    let [width, height] = piece.pixels.size.map(|side| side as f32);
+    Rect::from_min_size(pos2(x, y), vec2(width, height))
+}
+
+/// The pieces in the order in which they go, those of one turn that lie side by side joined.
+fn joined(mut pieces: Vec<Waiting>) -> Vec<Waiting> {
+    pieces.sort_by_key(|Waiting { piece, turn }| {
         let [x, y] = piece.position;
-        (y, piece.pixels.size[1], x)
-    };
-    // The last at each place first, then those of each row of pieces from left to right.
-    pieces.reverse();
-    pieces.sort_by_key(place);
-    pieces.dedup_by_key(|piece| (piece.position, piece.pixels.size));
-    let mut runs: Vec<Vec<EncodedTile>> = Vec::new();
+        (*turn, y, piece.pixels.size[1], x)
+    });
+    let mut runs: Vec<Vec<Waiting>> = Vec::new();
     for piece in pieces {
         match runs.last_mut() {
-            Some(run) if continues(run, &piece) => run.push(piece),
+            Some(run) if run.last().is_some_and(|last| continues(last, &piece)) => run.push(piece),
             _ => runs.push(vec![piece]),
         }
     }
     runs.into_iter().map(side_by_side).collect()
 }
 
-/// Whether `piece` lies beside the end of `run`, as high as that.
-fn continues(run: &[EncodedTile], piece: &EncodedTile) -> bool {
-    run.last().is_some_and(|last| {
-        let [x, y] = last.position;
-        let [width, height] = last.pixels.size;
-        piece.position == [x + width, y] && piece.pixels.size[1] == height
-    })
+/// Whether `next` lies beside `last`, as high as that, and goes with it.
+fn continues(last: &Waiting, next: &Waiting) -> bool {
+    let [x, y] = last.piece.position;
+    let [width, height] = last.piece.pixels.size;
+    let is_beside = next.piece.position == [x + width, y];
+    next.turn == last.turn && is_beside && next.piece.pixels.size[1] == height
 }
 
 /// The pieces of a run as one.
-fn side_by_side(mut run: Vec<EncodedTile>) -> EncodedTile {
+fn side_by_side(mut run: Vec<Waiting>) -> Waiting {
     if run.len() == 1 {
         return run.swap_remove(0);
     }
-    let height = run[0].pixels.size[1];
-    let width = run.iter().map(|piece| piece.pixels.size[0]).sum();
+    let height = run[0].piece.pixels.size[1];
+    let width = run.iter().map(|next| next.piece.pixels.size[0]).sum();
     let mut texels = Vec::with_capacity(width * height);
     for row in 0..height {
-        for EncodedTile { pixels, .. } in &run {
+        for pixels in run.iter().map(|next| &next.piece.pixels) {
             let columns = pixels.size[0];
             texels.extend_from_slice(&pixels.pixels[row * columns..][..columns]);
         }
     }
-    EncodedTile {
-        position: run[0].position,
-        pixels: ColorImage::new([width, height], texels),
+    Waiting {
+        piece: EncodedTile {
+            position: run[0].piece.position,
+            pixels: ColorImage::new([width, height], texels),
+        },
+        turn: run[0].turn,
     }
 }
 
@@ -359,15 +379,19 @@ mod tests {
 
     #[test]
     fn pieces_side_by_side_are_joined_and_the_last_at_a_place_counts() {
-        let pieces = vec![
+        let mut canvas = Canvas::default();
+        for piece in [
             piece([4, 2], [2, 2], 1),
             piece([0, 0], [2, 2], 2),
             piece([2, 2], [2, 2], 3),
             piece([2, 0], [2, 1], 4),
             piece([2, 2], [2, 2], 5),
             piece([8, 2], [2, 2], 6),
-        ];
-        let runs = joined(pieces);
+        ] {
+            canvas.put(piece);
+        }
+        let runs = joined(canvas.pending).into_iter().map(|run| run.piece);
+        let runs: Vec<_> = runs.collect();
         let places: Vec<_> = runs.iter().map(|r| (r.position, r.pixels.size)).collect();
         let expected = [
             ([2, 0], [2, 1]),
@@ -378,6 +402,59 @@ mod tests {
         assert_eq!(places, expected);
         assert_eq!(runs[2].pixels[(0, 1)], Color32::from_gray(5));
         assert_eq!(runs[2].pixels[(2, 0)], Color32::from_gray(1));
+    }
+
+    #[test]
+    fn of_pieces_that_overlap_the_last_shows_whatever_their_heights() {
+        let size = [96, 128];
+        // Bands, and tiles of half their height: over a band, below one, and across the edge of one.
+        let pieces = [
+            piece([0, 0], [96, 64], 1),
+            piece([32, 0], [32, 32], 2),
+            piece([64, 32], [32, 32], 3),
+            piece([0, 64], [32, 32], 4),
+            piece([0, 48], [32, 32], 5),
+            piece([0, 64], [96, 64], 6),
+            piece([64, 48], [32, 32], 7),
+            piece([80, 40], [16, 16], 8),
+        ];
+        for last in 1..=pieces.len() {
+            let ctx = egui::Context::default();
+            let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+            let pieces = &pieces[..last];
+            for piece in pieces {
+                canvas.put(piece.clone());
+            }
+            flush_all(&mut canvas, &ctx, size);
+            screen.take(&ctx);
+            for [x, y] in (0..96).flat_map(|x| (0..128).map(move |y| [x, y])) {
+                let place = pos2(x as f32 + 0.5, y as f32 + 0.5);
+                let mut over = pieces.iter().rev();
+                let expected = over.find(|piece| place_of(piece).contains(place));
+                assert_eq!(
+                    screen.texel(&canvas, [x, y], size),
+                    expected.map(|piece| piece.pixels.pixels[0]),
+                    "at {x}, {y} after {last} pieces"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_that_come_in_any_order_go_to_the_driver_in_rows() {
+        let mut canvas = Canvas::default();
+        for x in [2, 0, 3, 1] {
+            for y in [1, 0] {
+                canvas.put(piece([32 * x, 32 * y], [32, 32], 1));
+            }
+        }
+        // Those of the next pass take the place of those that do not show yet.
+        canvas.put(piece([32, 32], [32, 32], 2));
+        let runs = joined(canvas.pending);
+        let sizes: Vec<_> = runs.iter().map(|run| run.piece.pixels.size).collect();
+        assert_eq!(sizes, [[128, 32]; 2]);
+        let row = &runs[1].piece.pixels;
+        assert_eq!([31, 32].map(|x| row[(x, 0)].r()), [1, 2]);
     }
 
     #[test]
@@ -434,7 +511,7 @@ mod tests {
         canvas.put(piece([0, 0], size, 201));
         canvas.put_coarse(CoarseTexels {
             pixels: ColorImage::filled([2, 18], Color32::from_gray(9)),
-            share: egui::vec2(1.0, 70.0 / 72.0),
+            share: vec2(1.0, 70.0 / 72.0),
         });
         canvas.flush(&ctx, size);
         screen.take(&ctx);
