@@ -10,7 +10,7 @@ use super::dialogs::files::Answer;
 use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
-use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
+use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer, PictureId};
 use super::ray_view::WantedRays;
 use super::recovering::Recovered;
 use super::report::Findings;
@@ -104,8 +104,8 @@ pub enum Event {
     HistogramMade(Histogram),
     /// A small picture of a render.
     Thumbnail {
-        /// The number of the render.
-        number: usize,
+        /// Of which picture.
+        picture: PictureId,
         /// As it is shown.
         image: egui::ColorImage,
     },

@@ -494,12 +494,11 @@ pub fn encode(job: &Job<Event>, number: usize, buffer: &PictureBuffer) {
 }
 
 /// Makes small pictures of renders, as they are shown with their displays.
-pub fn make_thumbnails(job: &Job<Event>, renders: &[(usize, Arc<PictureBuffer>)]) {
-    for (number, buffer) in renders {
-        let image = buffer.thumbnail();
+pub fn make_thumbnails(job: &Job<Event>, pictures: &[Arc<PictureBuffer>]) {
+    for buffer in pictures {
         job.send(Event::Thumbnail {
-            number: *number,
-            image,
+            picture: buffer.id(),
+            image: buffer.thumbnail(),
         });
     }
 }

@@ -147,12 +147,11 @@ impl App {
             return;
         }
         let shown = self.shown_picture();
-        let shown = shown.map(|p| (p.number, p.is_running(), Arc::clone(&p.buffer)));
-        let (Some((number, is_running, a)), Some(comparison)) = (shown, &mut self.comparison)
-        else {
+        let shown = shown.map(|p| (p.is_running(), Arc::clone(&p.buffer)));
+        let (Some((is_running, a)), Some(comparison)) = (shown, &mut self.comparison) else {
             return;
         };
-        if !comparison.must_measure(number, is_running) {
+        if !comparison.must_measure(a.id(), is_running) {
             return;
         }
         let b = Arc::clone(&comparison.buffer);

@@ -90,7 +90,10 @@ impl App {
             }
             Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
             Event::HistogramMade(histogram) => self.brightness.histogram = Some(histogram),
-            Event::Thumbnail { number, image } => self.renders.set_thumbnail(ctx, number, image),
+            Event::Thumbnail { picture, image } => {
+                let present = self.picture.as_ref();
+                self.renders.set_thumbnail(ctx, present, picture, image);
+            }
             Event::BallRendered { material, image } => self.balls.put(ctx, material, image),
             Event::ContributionFound {
                 contributor,

@@ -137,7 +137,7 @@ impl App {
         if is_in_plot || is_wanted {
             self.render_count = picture.number;
         } else {
-            self.renders.forget_thumbnail(picture.number);
+            self.renders.forget_thumbnail(picture.buffer.id());
         }
         free(if is_wanted {
             self.renders.keep(picture, &self.document.scene)

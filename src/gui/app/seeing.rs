@@ -15,6 +15,7 @@ use crate::gui::jobs::Lane;
 use crate::gui::orbit::PictureSize;
 use crate::gui::pick;
 use crate::gui::picture::Picture;
+use crate::gui::picture_buffer::PictureId;
 use crate::gui::viewport;
 use crate::math::DVec2;
 use crate::render::{Layer, PreparedGeometry};
@@ -34,7 +35,7 @@ pub struct Brightness {
 /// What a histogram was made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Source {
-    number: usize,
+    picture: PictureId,
     is_running: bool,
     display: Display,
     layer: Option<Layer>,
@@ -46,7 +47,7 @@ impl Source {
     fn holds_for(&self, now: &Self) -> bool {
         let key = |source: &Self| {
             (
-                source.number,
+                source.picture,
                 source.is_running,
                 source.display,
                 source.layer,
@@ -168,7 +169,7 @@ impl App {
             return;
         };
         let now = Source {
-            number: picture.number,
+            picture: picture.buffer.id(),
             is_running: picture.is_running(),
             display: picture.scene.display,
             layer: self.shown_layer,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
-use super::picture_buffer::{EncodedTile, PictureBuffer};
+use super::picture_buffer::{EncodedTile, PictureBuffer, PictureId};
 use crate::analysis::{Metrics, mean_flip_unless, scaled_difference};
 use crate::control::CancelToken;
 use crate::render::Image;
@@ -123,8 +123,7 @@ pub fn compare(
 /// What A was when it was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Measured {
-    /// The number of its render.
-    number: usize,
+    picture: PictureId,
     /// Whether it was to change.
     was_running: bool,
     at: Instant,
@@ -187,23 +186,23 @@ impl Comparison {
         self.distance.as_ref()
     }
 
-    /// Whether A, render `number`, is to be measured: it is another one, or has changed and the last time is long enough ago.
+    /// Whether A, which is `picture`, is to be measured: it is another one, or has changed and the last time is long enough ago.
     /// Takes note that it is.
-    pub fn must_measure(&mut self, number: usize, is_running: bool) -> bool {
+    pub fn must_measure(&mut self, picture: PictureId, is_running: bool) -> bool {
         let is_due = self.measured.is_none_or(|measured| {
-            measured.number != number
+            measured.picture != picture
                 || measured.was_running && (!is_running || measured.at.elapsed() > INTERVAL)
         });
         if is_due {
             if self
                 .measured
-                .is_some_and(|measured| measured.number != number)
+                .is_some_and(|measured| measured.picture != picture)
             {
                 self.distance = None;
                 self.difference = Canvas::default();
             }
             self.measured = Some(Measured {
-                number,
+                picture,
                 was_running: is_running,
                 at: Instant::now(),
             });
@@ -289,10 +288,14 @@ mod tests {
     #[test]
     fn a_picture_is_measured_when_it_is_new_and_when_it_is_done() {
         let mut comparison = comparison();
-        assert!(comparison.must_measure(2, true));
-        assert!(!comparison.must_measure(2, true));
-        assert!(comparison.must_measure(2, false));
-        assert!(!comparison.must_measure(2, false));
-        assert!(comparison.must_measure(3, false));
+        let [first, second] = [(); 2]
+            .map(|()| PictureBuffer::of_image(Image::black(4, 4), Display::default(), 64).id());
+        assert!(comparison.must_measure(first, true));
+        assert!(!comparison.must_measure(first, true));
+        assert!(comparison.must_measure(first, false));
+        assert!(!comparison.must_measure(first, false));
+        comparison.set_distance(Err("their sizes differ".to_owned()));
+        assert!(comparison.must_measure(second, false));
+        assert_eq!(comparison.distance(), None, "that was of another");
     }
 }

@@ -9,7 +9,7 @@
 mod reading;
 mod texels;
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use egui::{ColorImage, Vec2};
@@ -23,9 +23,23 @@ use crate::scene::Display;
 pub use texels::{CoarseTexels, EncodedTile};
 use texels::{ROWS_PER_BAND, Texels};
 
+/// How many buffers there were.
+static BUFFERS: AtomicU64 = AtomicU64::new(0);
+
+/// Which picture of this program it is. Renders may take over the number of one that nobody wants to remember; this is never another's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureId(u64);
+
+impl PictureId {
+    fn next() -> Self {
+        Self(BUFFERS.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
 /// The linear picture so far, shared by the threads that fill it and those that show or save it.
 #[derive(Debug)]
 pub struct PictureBuffer {
+    id: PictureId,
     /// What of the picture is kept; other pixels are never there.
     part: Part,
     /// Its size in pixels.
@@ -100,6 +114,7 @@ impl PictureBuffer {
             .try_reserve_exact(count.checked_mul(planes)?)
             .ok()?;
         Some(Self {
+            id: PictureId::next(),
             part,
             width,
             height,
@@ -122,6 +137,7 @@ impl PictureBuffer {
     #[must_use]
     pub fn of_image(image: Image, display: Display, largest_texture: u32) -> Self {
         Self {
+            id: PictureId::next(),
             part: Part::whole([image.width, image.height]),
             width: image.width,
             height: image.height,
@@ -138,6 +154,12 @@ impl PictureBuffer {
                 error_scale: None,
             }),
         }
+    }
+
+    /// Which picture it is.
+    #[must_use]
+    pub fn id(&self) -> PictureId {
+        self.id
     }
 
     /// What of the picture is kept.

@@ -14,7 +14,7 @@ use egui::{ColorImage, ImageData, TextureHandle, TextureOptions};
 
 use super::part::Part;
 use super::picture::{Outcome, Picture};
-use super::picture_buffer::PictureBuffer;
+use super::picture_buffer::{PictureBuffer, PictureId};
 use super::status_bar::duration;
 use super::undo::mesh_bytes;
 use super::widgets::{chosen_percent, counted, percent};
@@ -33,6 +33,8 @@ const MOST_RENDERS: usize = 500;
 pub struct Facts {
     /// Its number among the renders of this session.
     pub number: usize,
+    /// Its picture, kept or not.
+    pub picture: PictureId,
     /// What sets it apart from the one before.
     pub name: String,
     /// What its scene is called.
@@ -60,6 +62,7 @@ impl Facts {
         };
         Self {
             number: picture.number,
+            picture: picture.buffer.id(),
             name: picture.name.clone(),
             scene_name: picture.scene_name.clone(),
             render: picture.scene.render.clone(),
@@ -132,13 +135,13 @@ pub struct Renders {
     /// Whether the strip shows.
     pub open: bool,
     entries: Vec<Entry>,
-    /// Small pictures by number, of the present render too.
+    /// Small pictures, of the present render too.
     thumbnails: Vec<Thumbnail>,
 }
 
 /// A small picture of a render.
 struct Thumbnail {
-    number: usize,
+    picture: PictureId,
     /// As it is on the screen.
     texture: TextureHandle,
     /// Of a render whose pixels are gone it is all there is, should the window need another texture.
@@ -146,10 +149,10 @@ struct Thumbnail {
 }
 
 impl Thumbnail {
-    fn new(ctx: &egui::Context, number: usize, image: Arc<ColorImage>) -> Self {
+    fn new(ctx: &egui::Context, picture: PictureId, image: Arc<ColorImage>) -> Self {
         let shown = ImageData::Color(Arc::clone(&image));
         Self {
-            number,
+            picture,
             texture: ctx.load_texture("thumbnail", shown, TextureOptions::LINEAR),
             image,
         }
@@ -213,10 +216,11 @@ impl Renders {
     /// Forgets render `number`.
     pub fn forget(&mut self, number: usize) -> Vec<Freed> {
         let index = self.entries.iter().position(|e| e.facts.number == number);
-        let entry = index.map(|index| self.entries.remove(index));
-        self.forget_thumbnail(number);
-        let picture = entry.and_then(|entry| entry.picture);
-        picture.map(Freed::of).into_iter().collect()
+        let Some(entry) = index.map(|index| self.entries.remove(index)) else {
+            return Vec::new();
+        };
+        self.forget_thumbnail(entry.facts.picture);
+        entry.picture.map(Freed::of).into_iter().collect()
     }
 
     /// Gives up what does not fit into `budget` bytes, the oldest first.
@@ -265,43 +269,59 @@ impl Renders {
         own.map(|mesh| mesh_bytes(mesh) as u64).sum()
     }
 
-    /// The renders whose small picture is missing, `present` among them.
+    /// The pictures of renders whose small ones are missing, `present` among them.
     #[must_use]
-    pub fn without_thumbnail(&self, present: Option<&Picture>) -> Vec<(usize, Arc<PictureBuffer>)> {
+    pub fn without_thumbnail(&self, present: Option<&Picture>) -> Vec<Arc<PictureBuffer>> {
         let kept = self
             .entries
             .iter()
             .filter_map(|entry| entry.picture.as_ref());
         let present = present.filter(|picture| Self::wants(picture));
-        let missing = |picture: &&Picture| self.thumbnail(picture.number).is_none();
+        let missing = |picture: &&Picture| self.thumbnail(picture.buffer.id()).is_none();
         kept.chain(present)
             .filter(missing)
-            .map(|picture| (picture.number, Arc::clone(&picture.buffer)))
+            .map(|picture| Arc::clone(&picture.buffer))
             .collect()
     }
 
-    /// Takes in the small picture of render `number`.
-    pub fn set_thumbnail(&mut self, ctx: &egui::Context, number: usize, image: ColorImage) {
-        self.forget_thumbnail(number);
-        self.thumbnails
-            .push(Thumbnail::new(ctx, number, Arc::new(image)));
+    /// Takes in the small picture of `picture`, unless that is neither `present` nor remembered any more.
+    pub fn set_thumbnail(
+        &mut self,
+        ctx: &egui::Context,
+        present: Option<&Picture>,
+        picture: PictureId,
+        image: ColorImage,
+    ) {
+        self.forget_thumbnail(picture);
+        let past = self.entries.iter().map(|entry| entry.facts.picture);
+        let mut wanted = past.chain(present.map(|present| present.buffer.id()));
+        if wanted.any(|wanted| wanted == picture) {
+            self.thumbnails
+                .push(Thumbnail::new(ctx, picture, Arc::new(image)));
+        }
     }
 
-    /// Forgets the small picture of render `number`: it is not that of a render that took the number over.
-    pub fn forget_thumbnail(&mut self, number: usize) {
-        self.thumbnails.retain(|known| known.number != number);
+    /// Forgets the small picture of `picture`.
+    pub fn forget_thumbnail(&mut self, picture: PictureId) {
+        self.thumbnails.retain(|known| known.picture != picture);
+    }
+
+    /// How many small pictures there are.
+    #[must_use]
+    pub fn thumbnail_count(&self) -> usize {
+        self.thumbnails.len()
     }
 
     /// Shows all small pictures in another window.
     pub fn move_to(&mut self, ctx: &egui::Context) {
         for known in &mut self.thumbnails {
-            *known = Thumbnail::new(ctx, known.number, Arc::clone(&known.image));
+            *known = Thumbnail::new(ctx, known.picture, Arc::clone(&known.image));
         }
     }
 
-    fn thumbnail(&self, number: usize) -> Option<&TextureHandle> {
+    fn thumbnail(&self, picture: PictureId) -> Option<&TextureHandle> {
         let mut thumbnails = self.thumbnails.iter();
-        let known = thumbnails.find(|known| known.number == number);
+        let known = thumbnails.find(|known| known.picture == picture);
         known.map(|known| &known.texture)
     }
 }
@@ -399,6 +419,8 @@ mod tests {
         });
         let present = Scene {
             meshes: [("ram".to_owned(), Arc::clone(&mesh))].into(),
+            images: [("sky".to_owned(), Arc::new(sky))].into(),
+            textures: [("bark".to_owned(), Arc::new(bark))].into(),
             ..Scene::default()
         };
         let mut renders = Renders::default();
@@ -417,6 +439,25 @@ mod tests {
         assert_eq!(renders.entries().len(), 2);
         renders.trim(&Scene::default(), 23_999);
         assert!(renders.entries().is_empty());
+    }
+
+    #[test]
+    fn a_small_picture_that_comes_too_late_is_not_that_of_who_took_over_the_number() {
+        let ctx = egui::Context::default();
+        let small = || ColorImage::filled([2, 2], egui::Color32::WHITE);
+        let mut renders = Renders::default();
+        let (before, present) = (picture(1), picture(1));
+        renders.set_thumbnail(&ctx, Some(&present), before.buffer.id(), small());
+        assert_eq!(renders.thumbnail_count(), 0);
+        let missing = renders.without_thumbnail(Some(&present));
+        assert_eq!(missing.len(), 1);
+        renders.set_thumbnail(&ctx, Some(&present), missing[0].id(), small());
+        assert!(renders.without_thumbnail(Some(&present)).is_empty());
+        // It stays when the picture becomes one of the past, and goes with that.
+        renders.keep(present, &Scene::default());
+        assert_eq!(renders.thumbnail_count(), 1);
+        renders.forget(1);
+        assert_eq!(renders.thumbnail_count(), 0);
     }
 
     #[test]

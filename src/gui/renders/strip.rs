@@ -139,7 +139,7 @@ impl Renders {
         let ratio = ratio_of(facts);
         let width = frame.width().min(frame.height() * ratio);
         let inside = Rect::from_center_size(frame.center(), Vec2::new(width, width / ratio));
-        if let Some(small) = self.thumbnail(facts.number) {
+        if let Some(small) = self.thumbnail(facts.picture) {
             painter.image(small.id(), inside, whole, Color32::WHITE);
         } else if let Some(picture) = present {
             // A running render has no small picture yet: what is on the screen serves.
