@@ -1,9 +1,10 @@
 //! The picture that follows every change.
 
-use crate::driver::{Files, Window, library_hash};
+use crate::driver::{Files, Window, library_hash, set_samples};
 use egui::{
     Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2,
 };
+use raymini::gui::App;
 use raymini::gui::document::same_picture;
 use raymini::gui::jobs::Lane;
 use raymini::gui::top_bar::View;
@@ -18,11 +19,15 @@ fn move_camera(window: &mut Window, step: f64) {
 fn a_live_picture_follows_every_change_until_it_is_told_not_to() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
+    // Enough for an error, which would show in the plot.
+    set_samples(&mut window, 16);
     window.click("Live");
     window.until("a finished render", |app| {
         app.picture()
             .is_some_and(|p| !p.is_running() && p.is_shown())
     });
+    let has_small_picture: fn(&App) -> bool = |app| app.renders().thumbnail_count() > 0;
+    window.until("its small picture", has_small_picture);
     assert_eq!(window.app().view(), View::Picture);
     assert_eq!(window.hash(), library_hash(window.scene()));
     for step in [0.1, -0.3] {
@@ -35,11 +40,14 @@ fn a_live_picture_follows_every_change_until_it_is_told_not_to() {
         });
         assert_ne!(window.hash(), before);
         assert_eq!(window.hash(), library_hash(window.scene()));
+        window.until("its small picture", has_small_picture);
     }
-    assert!(
-        window.app().renders().entries().is_empty(),
-        "what was only followed crowds nothing"
-    );
+    // What was only followed crowds nothing.
+    assert!(!window.app().picture().unwrap().errors().is_empty());
+    let renders = window.app().renders();
+    assert_eq!((renders.entries().len(), renders.thumbnail_count()), (0, 1));
+    assert_eq!(window.app().error_plot().past().count(), 0);
+    assert_eq!(window.app().picture().unwrap().number, 1);
 
     window.press(Modifiers::NONE, Key::L);
     let before = window.hash();

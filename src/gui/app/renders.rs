@@ -132,16 +132,16 @@ impl App {
 
     /// Remembers a render that makes room for another, if it is worth it.
     pub(super) fn keep_render(&mut self, picture: Picture) {
-        let is_in_plot = self.error_plot.keep(&picture);
+        // Those that edits start anew would push all others out of the plot.
+        let is_in_plot = !picture.is_replaced && self.error_plot.keep(&picture);
         let is_wanted = Renders::wants(&picture);
         if is_in_plot || is_wanted {
             self.render_count = picture.number;
-        } else {
-            self.renders.forget_thumbnail(picture.buffer.id());
         }
         free(if is_wanted {
             self.renders.keep(picture, &self.document.scene)
         } else {
+            self.renders.forget_thumbnail(picture.buffer.id());
             vec![Freed::of(picture)]
         });
     }
