@@ -209,17 +209,46 @@ impl PictureBuffer {
         self.texels.size()
     }
 
-    /// The picture so far.
+    /// The picture so far. Takes its time: not for the window's thread.
     #[must_use]
+    #[expect(clippy::missing_panics_doc, reason = "only layers are ever given up")]
     pub fn image(&self) -> Image {
-        self.lock().planes()[0].clone()
+        self.copy_of(0).expect("the picture is always kept")
     }
 
-    /// Its layers so far.
+    /// Its layers so far, like [`Self::image`]; without those that are given up meanwhile.
     #[must_use]
     pub fn layer_images(&self) -> Vec<(Layer, Image)> {
-        let images = self.lock().planes()[1..].to_vec();
-        self.layers().iter().copied().zip(images).collect()
+        let layers = self.layers().iter().enumerate();
+        let images = layers.filter_map(|(index, &layer)| Some((layer, self.copy_of(index + 1)?)));
+        images.collect()
+    }
+
+    fn copy_of(&self, plane: usize) -> Option<Image> {
+        let mut pixels = Vec::with_capacity(self.width as usize * self.height as usize);
+        self.read(plane, |piece| pixels.extend_from_slice(piece))?;
+        Some(Image {
+            width: self.width,
+            height: self.height,
+            pixels,
+        })
+    }
+
+    /// Hands on a plane piece by piece, from top to bottom; `None` where it is not kept, or not to its end.
+    ///
+    /// The window's thread may have the planes between any two pieces: to wait for all of a large picture would take many frames.
+    fn read(&self, plane: usize, mut take: impl FnMut(&[[f32; 3]])) -> Option<()> {
+        /// Pixels of a piece: copied in a part of a millisecond.
+        const PIECE: usize = 1 << 15;
+        let count = self.width as usize * self.height as usize;
+        let mut piece = Vec::with_capacity(PIECE);
+        for start in (0..count).step_by(PIECE) {
+            let end = count.min(start + PIECE);
+            piece.clear();
+            piece.extend_from_slice(&self.lock().planes().get(plane)?.pixels[start..end]);
+            take(&piece);
+        }
+        Some(())
     }
 
     /// Shows a layer, or the picture, from now on; what is already shown needs [`PictureBuffer::encode_all`]. A layer that is not
@@ -258,8 +287,11 @@ impl PictureBuffer {
         if let Some(index) = self.layers().iter().position(|&kept| kept == Layer::Error) {
             let scale = super::error_colors::scale_of(&errors);
             let mut state = self.lock();
-            state.planes()[index + 1] = errors;
+            let before = std::mem::replace(&mut state.planes()[index + 1], errors);
             state.error_scale = Some(scale);
+            // To give back a large layer takes its time, for which nobody is to wait.
+            drop(state);
+            drop(before);
         }
     }
 
@@ -405,6 +437,27 @@ mod tests {
         assert!(encoded.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
         assert_eq!(buffer.image().pixel(32, 8), [1.0; 3]);
         assert_eq!(buffer.image().pixel(31, 8), [0.0; 3]);
+    }
+
+    #[test]
+    fn the_window_need_not_wait_until_a_picture_is_copied() {
+        let buffer = buffer(512, 300, 8192).unwrap();
+        let rows = |y: u32| (0..512).map(move |x| [x as f32, y as f32, 0.0]);
+        let rgb: Vec<_> = (0..300).flat_map(rows).collect();
+        let whole = TilePixels {
+            region: Region::full(512, 300),
+            rgb: &rgb,
+            layers: &[],
+        };
+        assert!(buffer.accept(&whole).is_some());
+        let mut pieces = 0;
+        let whole = buffer.read(0, |_| {
+            assert!(buffer.state.try_lock().is_ok());
+            pieces += 1;
+        });
+        assert!(whole.is_some() && pieces > 3);
+        assert_eq!(buffer.image().pixels, rgb);
+        assert!(buffer.read(1, |_| {}).is_none(), "there is no layer");
     }
 
     #[test]
