@@ -6,7 +6,6 @@
 
 mod strip;
 
-use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,14 +15,14 @@ use super::part::Part;
 use super::picture::{Outcome, Picture};
 use super::picture_buffer::{PictureBuffer, PictureId};
 use super::status_bar::duration;
-use super::undo::mesh_bytes;
+use super::undo::bytes_beside;
 use super::widgets::{chosen_percent, counted, percent};
 use crate::render::Image;
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
 pub use strip::{Asked, HEIGHT, LEAST_HEIGHT, StripState};
 
-/// Memory for the pixels and meshes of renders before the present one, in bytes.
+/// Memory for the pixels and scenes of renders before the present one, in bytes.
 pub const BUDGET_BYTES: u64 = 1 << 30;
 /// Renders that are remembered.
 const MOST_RENDERS: usize = 500;
@@ -201,8 +200,8 @@ impl Renders {
         is_seen && !picture.is_replaced && !picture.is_running()
     }
 
-    /// Takes in a render that makes room for another. `present`: the scene being edited, whose meshes are in memory anyway. Returns
-    /// what is to be given back of memory, which may take longer than a frame.
+    /// Takes in a render that makes room for another. `present`: the scene being edited, whose meshes and images are in memory anyway.
+    /// Returns what is to be given back of memory, which may take longer than a frame.
     pub fn keep(&mut self, mut picture: Picture, present: &Scene) -> Vec<Freed> {
         picture.hide();
         self.entries.push(Entry {
@@ -226,11 +225,11 @@ impl Renders {
     /// Gives up what does not fit into `budget` bytes, the oldest first.
     fn trim(&mut self, present: &Scene, budget: u64) -> Vec<Freed> {
         let mut freed = Vec::new();
-        while self.entries.len() > MOST_RENDERS || self.mesh_bytes(present) > budget {
+        while self.entries.len() > MOST_RENDERS || self.scene_bytes(present) > budget {
             let oldest = self.entries[0].facts.number;
             freed.extend(self.forget(oldest));
         }
-        let budget = budget - self.mesh_bytes(present);
+        let budget = budget - self.scene_bytes(present);
         let mut bytes: u64 = self.entries.iter().map(Entry::pixel_bytes).sum();
         for entry in &self.entries {
             if bytes <= budget {
@@ -261,12 +260,10 @@ impl Renders {
         pictures.map(Freed::of).collect()
     }
 
-    /// Bytes of meshes that only these renders hold: none that the scene `present` has.
-    fn mesh_bytes(&self, present: &Scene) -> u64 {
-        let mut known: HashSet<_> = present.meshes.values().map(Arc::as_ptr).collect();
-        let meshes = self.entries.iter().flat_map(|e| e.scene.meshes.values());
-        let own = meshes.filter(|mesh| known.insert(Arc::as_ptr(mesh)));
-        own.map(|mesh| mesh_bytes(mesh) as u64).sum()
+    /// Bytes that only the scenes of these renders hold: none of what the scene `present` has.
+    fn scene_bytes(&self, present: &Scene) -> u64 {
+        let scenes = self.entries.iter().map(|entry| &entry.scene);
+        bytes_beside(scenes, present) as u64
     }
 
     /// The pictures of renders whose small ones are missing, `present` among them.
@@ -356,7 +353,7 @@ mod tests {
     use crate::geometry::TriangleMesh;
     use crate::math::DVec3;
     use crate::render::{Layer, RenderProgress, RenderStats};
-    use crate::scene::Display;
+    use crate::scene::{Display, RadianceMap, Texels, TextureImage};
     use std::time::Instant;
 
     const SIDE: u32 = 64;
@@ -412,11 +409,13 @@ mod tests {
     }
 
     #[test]
-    fn meshes_that_only_old_renders_hold_are_given_up_with_them() {
+    fn meshes_and_images_that_only_old_renders_hold_are_given_up_with_them() {
         let mesh = Arc::new(TriangleMesh {
             positions: vec![DVec3::ZERO; 1000],
             ..TriangleMesh::default()
         });
+        let (sky, _) = RadianceMap::cleaned(100, 5, vec![[1.0; 3]; 500]);
+        let bark = TextureImage::new(10, 10, Texels::Bytes(vec![[0; 3]; 100]));
         let present = Scene {
             meshes: [("ram".to_owned(), Arc::clone(&mesh))].into(),
             images: [("sky".to_owned(), Arc::new(sky))].into(),
@@ -429,15 +428,16 @@ mod tests {
             picture.scene = present.clone();
             renders.keep(picture, &present);
         }
-        assert_eq!(renders.mesh_bytes(&present), 0);
+        assert_eq!(renders.scene_bytes(&present), 0);
+        let bytes = 24_000 + 6_000 + 300;
         assert_eq!(
-            renders.mesh_bytes(&Scene::default()),
-            24_000,
+            renders.scene_bytes(&Scene::default()),
+            bytes,
             "counted once"
         );
         renders.trim(&present, 8 * PLANE);
         assert_eq!(renders.entries().len(), 2);
-        renders.trim(&Scene::default(), 23_999);
+        renders.trim(&Scene::default(), bytes - 1);
         assert!(renders.entries().is_empty());
     }
 

@@ -4,17 +4,17 @@
 //! while a button of the mouse is held, a text is typed or the wheel turns is taken together ([`Gesture`]). The oldest steps go
 //! when there are too many, or when they hold too much memory that the scene itself no longer needs.
 
+mod memory;
 mod naming;
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
+pub use memory::bytes_beside;
 pub use naming::name_of_change;
 
 use super::document::same_scene;
 use super::selection::Selection;
-use crate::geometry::TriangleMesh;
-use crate::scene::{Light, Material, Object, RadianceMap, Scene};
+use crate::scene::Scene;
 
 /// Steps that can be undone.
 const MOST_STEPS: usize = 500;
@@ -46,7 +46,7 @@ struct Step {
 
 impl Step {
     fn new(snapshot: Snapshot, neighbour: &Scene, name: String) -> Self {
-        let bytes = own_bytes(&snapshot.scene, neighbour);
+        let bytes = bytes_beside([&snapshot.scene], neighbour);
         Self {
             snapshot,
             name,
@@ -170,48 +170,6 @@ impl UndoHistory {
     }
 }
 
-/// Bytes of `scene` that `neighbour` does not share: its plain data, and meshes and images that are not there.
-fn own_bytes(scene: &Scene, neighbour: &Scene) -> usize {
-    let plain = scene.objects.len() * size_of::<Object>()
-        + scene.lights.len() * size_of::<Light>()
-        + scene.materials.len() * size_of::<Material>();
-    let meshes = scene.meshes.iter().filter(|(name, mesh)| {
-        let there = neighbour.meshes.get(*name);
-        !there.is_some_and(|there| Arc::ptr_eq(there, mesh))
-    });
-    let images = scene.images.iter().filter(|(name, image)| {
-        let there = neighbour.images.get(*name);
-        !there.is_some_and(|there| Arc::ptr_eq(there, image))
-    });
-    let textures = scene.textures.iter().filter(|(name, image)| {
-        let there = neighbour.textures.get(*name);
-        !there.is_some_and(|there| Arc::ptr_eq(there, image))
-    });
-    plain
-        + meshes.map(|(_, mesh)| mesh_bytes(mesh)).sum::<usize>()
-        + images.map(|(_, image)| image_bytes(image)).sum::<usize>()
-        + textures
-            .map(|(_, image)| image.texels().bytes())
-            .sum::<usize>()
-}
-
-/// Bytes of the vertices and triangles of `mesh`.
-#[must_use]
-pub fn mesh_bytes(mesh: &TriangleMesh) -> usize {
-    let normals = mesh.normals.as_deref().unwrap_or_default();
-    let coordinates = mesh.texture_coordinates.as_deref().unwrap_or_default();
-    let colors = mesh.colors.as_deref().unwrap_or_default();
-    size_of_val(&*mesh.positions)
-        + size_of_val(&*mesh.triangles)
-        + size_of_val(normals)
-        + size_of_val(coordinates)
-        + size_of_val(colors)
-}
-
-fn image_bytes(image: &RadianceMap) -> usize {
-    image.width() as usize * image.height() as usize * size_of::<[f32; 3]>()
-}
-
 /// Whether an edit goes on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gesture {
@@ -244,7 +202,10 @@ impl Gesture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::TriangleMesh;
     use crate::math::DVec3;
+    use crate::scene::Light;
+    use std::sync::Arc;
 
     fn moved(scene: &Scene, x: f64) -> Scene {
         let mut scene = scene.clone();
