@@ -22,3 +22,4 @@ mod renders;
 mod seeing;
 mod start;
 mod tools;
+mod tree;

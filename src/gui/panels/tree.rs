@@ -1,4 +1,7 @@
-use egui::{Align, Color32, Layout, Rect, RichText, Ui, Vec2};
+use std::collections::HashMap;
+use std::ops::Range;
+
+use egui::{Align, Color32, Layout, Rangef, Rect, RichText, Ui, Vec2};
 
 use super::PanelState;
 use super::light::new_light;
@@ -13,6 +16,11 @@ use crate::scene::{Background, Light, Material, NamedLight, Rgb, Scene};
 
 /// Most points of height the tree takes before it scrolls.
 const MOST_HEIGHT: f32 = 320.0;
+/// Height of a row, in points.
+const ROW_HEIGHT: f32 = 22.0;
+/// Most rows of a group that are all laid out, in about half a millisecond of a frame: who hears the window rather than seeing it finds
+/// every part then, wherever the list is scrolled to. Of more, only those near the visible ones are there.
+const MOST_ROWS: usize = 200;
 
 /// The scene's parts: a click selects.
 pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
@@ -34,13 +42,18 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             );
             let count = state.scene.objects.len();
             if group_ui(ui, "Objects", count, true, "Add object", |ui| {
-                objects_ui(ui, state);
+                rows_ui(ui, count, |ui, rows| objects_ui(ui, state, rows));
             }) {
                 state.commands.push(Command::AddMesh);
             }
             let count = state.scene.lights.len();
             if group_ui(ui, "Lights", count, true, "Add light", |ui| {
-                lights_ui(ui, state);
+                if count > MAX_LIGHTS {
+                    let note =
+                        format!("The preview shows the first {MAX_LIGHTS}, the picture all.");
+                    ui.label(RichText::new(note).weak().small());
+                }
+                rows_ui(ui, count, |ui, rows| lights_ui(ui, state, rows));
             }) {
                 let light = new_light(state.scene);
                 let light = state.scene.add_light(NamedLight {
@@ -51,7 +64,7 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             }
             let count = state.scene.materials.len();
             if group_ui(ui, "Materials", count, false, "Add material", |ui| {
-                materials_ui(ui, state);
+                rows_ui(ui, count, |ui, rows| materials_ui(ui, state, rows));
             }) {
                 let name = new_material(state.scene, None);
                 *state.selection = Selection::Material(name);
@@ -59,8 +72,8 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         });
 }
 
-fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
-    for index in 0..state.scene.objects.len() {
+fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
+    for index in rows {
         let object = &state.scene.objects[index];
         let triangles = state.scene.meshes.get(&object.mesh).map_or(0, |mesh| {
             (mesh.triangles.len() as u64).saturating_mul(object.copies.total())
@@ -77,12 +90,8 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     }
 }
 
-fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
-    if state.scene.lights.len() > MAX_LIGHTS {
-        let note = format!("The preview shows the first {MAX_LIGHTS}, the picture all.");
-        ui.label(RichText::new(note).weak().small());
-    }
-    for index in 0..state.scene.lights.len() {
+fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
+    for index in rows {
         let name = match state.scene.light_name(index) {
             "" => format!("Light {}", index + 1),
             name => name.to_owned(),
@@ -97,31 +106,74 @@ fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     }
 }
 
-fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
-    let names: Vec<String> = state.scene.materials.keys().cloned().collect();
-    for name in names {
-        let detail = match users(state.scene, &name) {
+fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
+    let names = state.scene.materials.keys().skip(rows.start);
+    let names: Vec<String> = names.take(rows.len()).cloned().collect();
+    let users = users_of(&names, state.scene);
+    for (name, users) in names.iter().zip(users) {
+        let detail = match users {
             0 => "unused".to_owned(),
             users => counted(users, "object", "objects"),
         };
-        let material = &state.scene.materials[&name];
+        let material = &state.scene.materials[name];
         // Of rows that are scrolled out of sight, nothing is rendered.
         let row = Rect::from_min_size(ui.cursor().min, Vec2::splat(icons::SIDE));
         let is_seen = ui.is_rect_visible(row);
-        let ball = is_seen.then(|| state.balls.texture(Some(&name), material));
+        let ball = is_seen.then(|| state.balls.texture(Some(name), material));
         let icon = match ball.flatten() {
             Some(ball) => Icon::Ball(ball),
             None => Icon::Material(material_color(material)),
         };
         let part = Selection::Material(name.clone());
-        part_ui(ui, state, &part, icon, &name, &detail);
+        part_ui(ui, state, &part, icon, name, &detail);
     }
 }
 
-/// How many objects use the material called `name`.
-fn users(scene: &Scene, name: &str) -> usize {
-    let uses = |object: &&crate::scene::Object| object.material.as_deref() == Some(name);
-    scene.objects.iter().filter(uses).count()
+/// How many objects use each of the materials called `names`.
+fn users_of(names: &[String], scene: &Scene) -> Vec<usize> {
+    let places = names.iter().map(String::as_str).zip(0..);
+    let places: HashMap<&str, usize> = places.collect();
+    let mut users = vec![0; names.len()];
+    let used = scene.objects.iter().filter_map(|o| o.material.as_deref());
+    for place in used.filter_map(|name| places.get(name)) {
+        users[*place] += 1;
+    }
+    users
+}
+
+/// Lays out a list of `count` rows: `parts` draws those of a range, the others only take their place.
+fn rows_ui(ui: &mut Ui, count: usize, parts: impl FnOnce(&mut Ui, Range<usize>)) {
+    let step = ROW_HEIGHT + ui.spacing().item_spacing.y;
+    let rows = if count <= MOST_ROWS {
+        0..count
+    } else {
+        // As much again above and below is there for keys and for who hears the window.
+        let near = ui.clip_rect().y_range().expand(MOST_HEIGHT);
+        rows_in(near, ui.cursor().top(), step, count)
+    };
+    let leave_out = |ui: &mut Ui, rows: usize| {
+        if rows > 0 {
+            ui.add_space(rows as f32 * step);
+            // What is known of a row, such as whether it has the focus, is known by its place in the list.
+            ui.skip_ahead_auto_ids(rows);
+        }
+    };
+    leave_out(ui, rows.start);
+    let rest = count - rows.end;
+    parts(ui, rows);
+    leave_out(ui, rest);
+}
+
+/// Which of `count` rows lie in `span`, where the first begins at `top` and each takes `step` points.
+fn rows_in(span: Rangef, top: f32, step: f32, count: usize) -> Range<usize> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "what is negative is before the first row"
+    )]
+    let rows_before = |y: f32, round: fn(f32) -> f32| (round((y - top) / step) as usize).min(count);
+    let first = rows_before(span.min, f32::floor);
+    first..rows_before(span.max, f32::ceil).max(first)
 }
 
 /// A group of parts that folds. `add`: what its button to add one is called. Returns whether one is to be added.
@@ -168,7 +220,7 @@ fn part_ui(
     let button = egui::Button::selectable(is_selected, (room, name))
         .right_text(faint_text(ui, detail, is_selected).small())
         .truncate()
-        .min_size(Vec2::new(width, 22.0));
+        .min_size(Vec2::new(width, ROW_HEIGHT));
     let response = ui.add(button).accessible_name(format!("Select {name}"));
     let ink = ui.style().interact_selectable(&response, is_selected);
     let center = response.rect.left_center() + Vec2::new(8.0 + icons::SIDE / 2.0, 0.0);
@@ -229,5 +281,38 @@ fn background_icon(scene: &Scene) -> Icon {
     Icon::Background {
         sky: color_of(sky),
         ground: color_of(ground),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Object;
+
+    #[test]
+    fn rows_are_those_that_reach_into_what_is_seen() {
+        let seen = |min, max| rows_in(Rangef::new(min, max), 100.0, 23.0, 1000);
+        assert_eq!(seen(100.0, 123.0), 0..1);
+        assert_eq!(seen(122.0, 124.0), 0..2);
+        assert_eq!(seen(330.0, 653.0), 10..25);
+        assert_eq!(seen(-300.0, 50.0), 0..0);
+        assert_eq!(seen(23_000.0, 24_000.0), 995..1000);
+        assert_eq!(seen(40_000.0, 40_100.0), 1000..1000);
+        assert_eq!(seen(f32::INFINITY, f32::NEG_INFINITY), 1000..1000);
+    }
+
+    #[test]
+    fn objects_are_counted_for_the_material_that_they_name() {
+        let of = |material: Option<&str>| Object {
+            material: material.map(str::to_owned),
+            ..Object::default()
+        };
+        let materials = [Some("clay"), None, Some("clay"), Some("glass"), Some("tin")];
+        let scene = Scene {
+            objects: materials.map(of).into(),
+            ..Scene::default()
+        };
+        let names = ["clay", "gold", "tin"].map(str::to_owned);
+        assert_eq!(users_of(&names, &scene), [2, 0, 1]);
     }
 }
