@@ -371,7 +371,7 @@ impl App {
         };
         picture.scene.display = display;
         picture.buffer.set_display(display);
-        self.encode_picture();
+        self.show_pixels_again();
         self.encode_other();
     }
 
@@ -385,20 +385,12 @@ impl App {
     pub(super) fn show_picture_as_asked(&mut self) {
         if let Some(picture) = self.shown_picture() {
             self.look_at(&picture.buffer);
-            self.encode_picture();
+            self.show_pixels_again();
             self.encode_other();
         }
     }
 
-    /// Has the picture that is looked at encoded anew. One that runs shows nothing before its first tile.
-    pub(super) fn encode_picture(&mut self) {
-        let shown = self.shown_picture();
-        if shown.is_some_and(|picture| !picture.is_running() || picture.is_shown()) {
-            self.show_pixels_again();
-        }
-    }
-
-    /// Shows what there is of the picture that is looked at, where it is not on the screen any more.
+    /// Has what there is of the picture that is looked at encoded anew. One that runs has nothing before its first tile.
     pub(super) fn show_pixels_again(&mut self) {
         let shown = self.shown_picture();
         let shown = shown.filter(|picture| !picture.is_running() || picture.first_tile.is_some());
