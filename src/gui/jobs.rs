@@ -332,6 +332,11 @@ impl<E> Drop for Jobs<E> {
     }
 }
 
+/// Gives back memory on another thread: for triangles, trees and pictures that takes longer than the window has for a frame.
+pub fn drop_elsewhere(what: impl Send + 'static) {
+    rayon::spawn(move || drop(what));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

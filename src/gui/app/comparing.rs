@@ -7,7 +7,7 @@ use super::App;
 use crate::gui::compare::{self, Comparison, Mode, Side};
 use crate::gui::document::name_of;
 use crate::gui::event::Event;
-use crate::gui::jobs::Lane;
+use crate::gui::jobs::{Lane, drop_elsewhere};
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::top_bar::View;
 use crate::io;
@@ -113,8 +113,7 @@ impl App {
         if let Some(comparison) = self.comparison.take() {
             self.jobs.cancel(Lane::Compare);
             self.jobs.cancel(Lane::EncodeOther);
-            // The last holder of a large picture gives it back elsewhere.
-            rayon::spawn(move || drop(comparison.buffer));
+            drop_elsewhere(comparison.buffer);
         }
     }
 

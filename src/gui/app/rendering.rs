@@ -11,7 +11,7 @@ use super::{App, PreparedState, WaitingRender};
 use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::error_plot::name_of_render;
-use crate::gui::jobs::Lane;
+use crate::gui::jobs::{Lane, drop_elsewhere};
 use crate::gui::keeping::{KeptRender, RenderAbout};
 use crate::gui::part::Part;
 use crate::gui::pick::world_bounds;
@@ -120,7 +120,7 @@ impl App {
             scene: self.preparing.clone().unwrap_or_default(),
             bounds,
         });
-        free(before);
+        drop_elsewhere(before);
     }
 
     pub(super) fn prepared(&mut self, result: Result<PreparedScene, String>) {
@@ -134,11 +134,11 @@ impl App {
         match result {
             Ok(prepared) => {
                 self.problem = None;
-                free(std::mem::take(&mut self.sketches));
+                drop_elsewhere(std::mem::take(&mut self.sketches));
                 if let Some(state) = &mut self.prepared {
                     let geometry = Arc::clone(prepared.geometry());
                     let geometry = std::mem::replace(&mut state.placed.geometry, geometry);
-                    free((geometry, state.prepared.replace(prepared)));
+                    drop_elsewhere((geometry, state.prepared.replace(prepared)));
                 }
             }
             Err(problem) => {
@@ -415,9 +415,4 @@ impl App {
             part == self.wanted_part() && same_picture(scene, &self.document.scene)
         })
     }
-}
-
-/// Gives back memory on another thread: for triangles and trees that takes longer than the window has for a frame.
-fn free(what: impl Send + 'static) {
-    rayon::spawn(move || drop(what));
 }

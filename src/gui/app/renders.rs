@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::gui::commands::Command;
-use crate::gui::jobs::Lane;
+use crate::gui::jobs::{Lane, drop_elsewhere};
 use crate::gui::picture::Picture;
 use crate::gui::renders::{Asked, Freed, Renders};
 use crate::gui::top_bar::View;
@@ -48,7 +48,7 @@ impl App {
                 if self.shown_render == Some(number) {
                     self.show_present_render();
                 }
-                free(self.renders.forget(number));
+                drop_elsewhere(self.renders.forget(number));
             }
             Asked::Command(command) => self.carry_out(ctx, command),
         }
@@ -138,7 +138,7 @@ impl App {
         if is_in_plot || is_wanted {
             self.render_count = picture.number;
         }
-        free(if is_wanted {
+        drop_elsewhere(if is_wanted {
             self.renders.keep(picture, &self.document.scene)
         } else {
             self.renders.forget_thumbnail(picture.buffer.id());
@@ -173,9 +173,4 @@ impl App {
             });
         }
     }
-}
-
-/// Gives back memory on another thread: it may take longer than the window has for a frame.
-fn free(freed: Vec<Freed>) {
-    rayon::spawn(move || drop(freed));
 }
