@@ -124,10 +124,13 @@ fn tag_ui(ui: &Ui, frame: Rect, corner: Align2, name: &str) {
     }
     let painter = ui.painter().with_clip_rect(frame);
     let font = FontId::proportional(12.5);
-    let galley = painter.layout_no_wrap(name, font, Color32::WHITE);
+    let galley = painter.layout_no_wrap(name.clone(), font, Color32::WHITE);
     let padding = Vec2::new(7.0, 3.0);
     let size = galley.size() + 2.0 * padding;
     let rect = corner.align_size_within_rect(size, frame.shrink(8.0));
     painter.rect_filled(rect, 4.0, Color32::from_black_alpha(170));
     painter.galley(rect.min + padding, galley, Color32::WHITE);
+    let id = ui.scope_id().with(("tag", corner.x(), corner.y()));
+    ui.interact(rect, id, Sense::hover())
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &name));
 }
