@@ -25,18 +25,11 @@ fn image(window: &Window) -> Image {
 
 /// What the middle of the left and the right half of the picture look like.
 fn halves(window: &mut Window) -> [egui::Color32; 2] {
-    let frame = window.harness.get_by_label("Viewport").rect();
-    let screen = window.harness.render().unwrap();
+    let frame = window.rect("Viewport");
     [0.25, 0.75].map(|share| {
-        let x = frame.left() + frame.width() * share;
-        let y = frame.top() + frame.height() * 0.12;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "pixels"
-        )]
-        let pixel = screen.get_pixel(x as u32, y as u32);
-        egui::Color32::from_rgb(pixel[0], pixel[1], pixel[2])
+        let place = frame.lerp_inside(Vec2::new(share, 0.12));
+        let [red, green, blue] = window.color_at(place);
+        egui::Color32::from_rgb(red, green, blue)
     })
 }
 

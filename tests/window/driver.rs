@@ -295,6 +295,18 @@ impl Window {
         self.click(answer);
     }
 
+    /// What the window looks like at a place.
+    pub fn color_at(&mut self, place: Pos2) -> [u8; 3] {
+        let screen = self.harness.render().unwrap();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "pixels"
+        )]
+        let [red, green, blue, _] = screen.get_pixel(place.x as u32, place.y as u32).0;
+        [red, green, blue]
+    }
+
     pub fn render(&mut self) {
         self.click("Render");
         self.until("the picture is finished", |app| {

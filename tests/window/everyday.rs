@@ -20,7 +20,7 @@ use raymini::gui::picture::Outcome;
 use raymini::gui::report::Outcome as ReportOutcome;
 use raymini::gui::top_bar::View;
 use raymini::math::DVec3;
-use raymini::render::{Ending, Layer, PreparedScene, RenderProgress, RunConfig, render};
+use raymini::render::{Ending, Image, Layer, PreparedScene, RenderProgress, RunConfig, render};
 use raymini::scene::{Background, Light, Shadows};
 use serde_json::Value;
 
@@ -412,7 +412,6 @@ fn a_lights_marker_moves_the_light() {
     );
 }
 
-/// A small image of all directions.
 /// A light that is dragged by its marker is where it was once Esc is pressed, and nothing is left to undo.
 #[test]
 fn esc_puts_a_dragged_light_back() {
@@ -698,7 +697,6 @@ fn without_a_gpu_everything_but_the_preview_works() {
     assert_eq!(window.hash(), library_hash(window.scene()));
 }
 
-/// From the click to the first tile in the window, the window's own time per frame while all cores render, and from
 /// Switching an effect while the picture is looked at renders it anew; the figure is printed.
 #[test]
 fn switching_an_effect_restarts_a_running_render() {
@@ -740,11 +738,30 @@ fn a_layer_of_the_picture_is_shown() {
     assert!(buffer.layers().contains(&Layer::Shadow));
     let layers = buffer.layer_images();
     let shadow = &layers.iter().find(|(l, _)| *l == Layer::Shadow).unwrap().1;
-    assert!(shadow.pixels.contains(&[1.0; 3]));
+    // Places that are lit, but not white, and places in shadow that are.
+    let picture = buffer.image();
+    let all_around = |image: &Image, [x, y]: [u32; 2], is: &dyn Fn([f32; 3]) -> bool| {
+        let mut near = (y - 2..=y + 2).flat_map(|y| (x - 2..=x + 2).map(move |x| [x, y]));
+        near.all(|[x, y]| is(image.pixel(x, y)))
+    };
+    let mut places = (2..118).flat_map(|y| (2..158).map(move |x| [x, y]));
+    let lit = places.find(|&place| {
+        all_around(shadow, place, &|value| value == [1.0; 3])
+            && all_around(&picture, place, &|value| value[2] < 0.5)
+    });
+    let lit = lit.expect("a lit part of the pyramid");
+    let on_screen = |window: &mut Window, [x, y]: [u32; 2]| {
+        let frame = window.rect("Viewport");
+        let share = Vec2::new((x as f32 + 0.5) / 160.0, (y as f32 + 0.5) / 120.0);
+        window.color_at(frame.min + share * frame.size())
+    };
+    let blue = on_screen(&mut window, lit)[2];
+    assert!(blue < 200, "{blue}");
     window.operate("Layer");
     window.operate("Shadow factor");
     window.harness.run_steps(5);
     assert!(window.has("Layer"));
+    assert_eq!(on_screen(&mut window, lit), [255; 3]);
     window.operate("Keep layers");
     window.render();
     assert!(window.app().picture().unwrap().buffer.layers().is_empty());
@@ -909,14 +926,22 @@ fn a_report_is_the_commands_of_the_scene_as_it_is() {
             }
         }
     }
-    for name in ["report.md", "report.svg", "report.csv"] {
-        let lines = |folder: &Path| {
-            let text = std::fs::read_to_string(folder.join(name)).unwrap();
-            text.lines().next().unwrap().to_owned()
-        };
-        let same = lines(&folder) == lines(&by_command) || name == "report.md";
-        assert!(same, "{name}");
+    let lines = |folder: &Path, name: &str| -> Vec<String> {
+        let text = std::fs::read_to_string(folder.join(name)).unwrap();
+        text.lines().map(str::to_owned).collect()
+    };
+    for name in ["report.svg", "report.csv"] {
+        let [ours, commands] = [&folder, &by_command].map(|folder| lines(folder, name));
+        assert_eq!(ours[0], commands[0], "{name}");
     }
+    // Its title is what the scene was called, which was not saved under that name.
+    let headings = |folder| {
+        let lines = lines(folder, "report.md").into_iter();
+        let headings = lines.filter(|line| line.starts_with('#')).skip(1);
+        headings.collect::<Vec<_>>()
+    };
+    assert_eq!(headings(&folder), headings(&by_command));
+    assert!(headings(&folder).contains(&"## Summary".to_owned()));
 
     // The next report starts from the same wishes.
     window.click("New report");
