@@ -1,3 +1,6 @@
+//! Intersection without a tree, in time proportional to the number of triangles: the reference that both trees must agree with,
+//! bit for bit.
+
 use super::{Hit, assert_ids_suffice};
 use crate::geometry::{RayKernel, Triangle};
 use crate::math::{Bounds, Ray};

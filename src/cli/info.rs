@@ -1,3 +1,5 @@
+//! `raymini info`: what a mesh, a scene file or a picture holds, as lines for people or as JSON.
+
 use std::fmt::Display;
 use std::fs::File;
 use std::io::BufReader;

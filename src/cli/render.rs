@@ -1,3 +1,5 @@
+//! `raymini render`: renders a scene file or a mesh to a picture. A signal ends it early, with what is there.
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};

@@ -1,3 +1,5 @@
+//! Counting sort, for lookups from a key to all items that have it, such as from a vertex to its edges.
+
 /// Items sorted into buckets by counting: all items of a key beside each other, in the order given, in two flat arrays.
 pub struct Buckets<T = u32> {
     /// Where each bucket begins in `items`; one more entry at the end.

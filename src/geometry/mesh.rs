@@ -1,3 +1,5 @@
+//! Triangle meshes as files give them: indexed, in `f64` and their own coordinates, counter-clockwise seen from outside.
+
 use crate::math::{DBounds, DVec2, DVec3, Vec3};
 
 /// A triangle mesh in its own coordinates, as a file gave it: `f64`, indexed, before any transform.

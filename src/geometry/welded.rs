@@ -1,3 +1,5 @@
+//! Vertices at exactly the same place count as one, as meshes repeat a vertex wherever normals or texture coordinates differ.
+
 use std::hash::BuildHasher;
 
 use foldhash::fast::RandomState;

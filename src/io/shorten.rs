@@ -1,3 +1,5 @@
+//! Text from files, cut short for messages.
+
 use std::borrow::Cow;
 
 /// A text from a file as a message shows it: the beginning of a long one.

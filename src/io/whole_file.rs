@@ -1,3 +1,5 @@
+//! Opening and reading files. Only regular ones are read, and none for which there is no memory; errors leave the path to the caller.
+
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;

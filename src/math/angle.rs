@@ -1,3 +1,5 @@
+//! Angles with their unit in the type: people write degrees, formulas take radians as plain `f64`.
+
 use std::fmt;
 
 /// An angle as people write it. Files and the window hold degrees; formulas take [`Degrees::radians`].

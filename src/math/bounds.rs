@@ -1,3 +1,6 @@
+//! Axis-aligned boxes: of the prepared scene in `f32`, of the description in `f64`. The empty box is inverted, so that growing it
+//! by points or boxes needs no special case.
+
 use super::{DVec3, Vec3};
 
 /// Defines an axis-aligned box over one vector type; `f32` and `f64` boxes differ in nothing else.

@@ -1,3 +1,5 @@
+//! Sums of `f64` whose error hardly grows with the number of terms, for means over all pixels of a picture.
+
 /// A sum of many numbers that keeps what rounding takes from each addition and returns it at the end.
 ///
 /// The error is about that of one rounding, however many numbers there are and in whatever order, unless they cancel.

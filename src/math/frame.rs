@@ -1,3 +1,5 @@
+//! From world units (`f64`) to prepared units: centred on the origin, and scaled by a power of two to about 1.
+
 use super::{DBounds, DVec3, Vec3};
 
 /// `2^exponent`, exactly, for exponents of normal numbers.

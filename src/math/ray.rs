@@ -1,3 +1,5 @@
+//! Rays of the prepared scene, in `f32`. Their parameter `t` counts multiples of the direction, which need not be a unit vector.
+
 use super::Vec3;
 
 /// A half line `origin + t · direction`, `t ≥ 0`.

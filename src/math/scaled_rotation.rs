@@ -1,3 +1,5 @@
+//! The linear part of a placement together with its inverse, in `f64`. Powers of two and quarter turns are undone exactly.
+
 use super::{DMat3, DVec3};
 
 /// A rotation times a uniform scale, mirrored where the scale is negative, together with its inverse; in `f64`.

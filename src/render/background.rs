@@ -1,3 +1,6 @@
+//! The background as rendering reads it: radiance by direction, means over hemispheres, and directions drawn in proportion to an
+//! image's luminance.
+
 use std::f32::consts::PI;
 use std::sync::Arc;
 

@@ -1,3 +1,5 @@
+//! Rays from the eye: through a pinhole or a thin lens, in prepared units.
+
 use crate::math::{Bounds, DBounds, DVec2, DVec3, Ray, SceneFrame, Vec2, length_of, warp};
 use crate::scene::{Camera, CameraAxes, SceneError};
 

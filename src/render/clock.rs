@@ -1,3 +1,5 @@
+//! The time a render takes, wall and processor time in seconds, without pauses and without the work of those who watch.
+
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 

@@ -1,3 +1,5 @@
+//! Disk lights as things that rays hit: the nearest one, and whether any is in the way.
+
 use super::light::{PreparedDisk, PreparedLight};
 use crate::accel::{BoxTree, Fan};
 use crate::math::{Bounds, Ray};

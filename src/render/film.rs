@@ -1,3 +1,5 @@
+//! The accumulator of a render: sums of samples in `f64`, and earlier means of each pixel, from which its error is estimated.
+
 use serde::{Deserialize, Serialize};
 
 use super::Image;

@@ -1,3 +1,5 @@
+//! Finished pictures: a plain type that rendering, analysis and files share, with a hash that tells whether two are the same bits.
+
 use sha2::{Digest, Sha256};
 
 /// A finished picture: linear RGB radiance, row by row from the top left.

@@ -1,3 +1,6 @@
+//! Lights as rendering reads them, and points on them to aim shadow rays at. Positions are in prepared units, densities per
+//! steradian seen from the point that is lit.
+
 use std::f32::consts::PI;
 
 use super::light_tree::{Luminary, Receiver, Shines};

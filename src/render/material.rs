@@ -1,3 +1,5 @@
+//! Materials as rendering reads them: in `f32` and prepared units, with grey for what the settings switch off.
+
 use super::phong::Phong;
 use super::specular::Specular;
 use crate::math::Vec3;

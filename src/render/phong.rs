@@ -1,3 +1,5 @@
+//! The modified Phong BRDF (Lafortune & Willems 1994) with its sampling and density, and the classic Phong term.
+
 use std::f32::consts::PI;
 
 use super::layers::ByLobe;

@@ -1,3 +1,6 @@
+//! A scene as rendering reads it: everything that can be computed once, in prepared units (see [`crate::math::SceneFrame`]). It is
+//! immutable; a changed scene is prepared anew and shares what did not change.
+
 use std::sync::Arc;
 
 use super::aim::AimShares;

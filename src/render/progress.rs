@@ -1,3 +1,5 @@
+//! What a running render tells other threads: how far it is, how its error falls, and which tiles it is at.
+
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

@@ -1,3 +1,5 @@
+//! The entry to rendering: how to run it, who watches it, and what it returns. What the picture shows is decided by the scene alone.
+
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};

@@ -1,3 +1,6 @@
+//! Random numbers, well spread within a pixel: a function of seed, pixel, sample and dimension alone, so that a picture does not
+//! depend on threads or on the order of work.
+
 use crate::math::Vec2;
 
 /// What a pair of random numbers decides.

@@ -1,3 +1,5 @@
+//! Points on surfaces as shading needs them: position, normals, and where rays that leave them start.
+
 use super::fresnel::reflect;
 use super::geometry::PreparedGeometry;
 use super::light_tree::Receiver;

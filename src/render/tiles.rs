@@ -1,3 +1,5 @@
+//! Regions of a picture and the tiles they are cut into, in pixels from the top left of the full picture.
+
 use serde::{Deserialize, Serialize};
 
 use super::Image;

@@ -1,3 +1,5 @@
+//! What rays see that hit nothing: radiance by direction, and which pixel of an image lies in which direction.
+
 use super::Rgb;
 use crate::math::{DVec3, Degrees, direction_of};
 

@@ -1,3 +1,5 @@
+//! The camera of the description. Points are in the world, lengths in scene units, the field of view in degrees.
+
 use crate::math::{DVec3, Degrees, direction_of, length_of};
 
 /// A camera with a thin lens, or a pinhole where the aperture is 0.

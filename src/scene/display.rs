@@ -1,3 +1,5 @@
+//! How a finished picture is shown and stored. Nothing here changes the radiance that is rendered.
+
 use super::Choice;
 
 /// From linear radiance to what a screen shows. It changes no stored radiance.

@@ -1,3 +1,5 @@
+//! Light sources: points with radiant intensity in W/sr, disks with radiance in W/m²/sr.
+
 use super::Rgb;
 use crate::math::{DVec3, direction_of};
 

@@ -1,3 +1,5 @@
+//! How surfaces scatter and emit light. Reflectances are linear RGB in `0..=1`, emission is radiance in W/m²/sr.
+
 use super::Rgb;
 use crate::geometry::TriangleMesh;
 

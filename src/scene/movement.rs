@@ -1,3 +1,6 @@
+//! The difference between two placements of an object: the preview and first looks show an edited object by it, before its
+//! triangles are prepared anew.
+
 use super::{Object, Placement};
 use crate::math::{DMat3, DVec3, ScaledRotation, SceneFrame};
 

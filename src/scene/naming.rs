@@ -1,3 +1,5 @@
+//! Names that differ from all others, made by counting on: "clay", "clay 2", "clay 3".
+
 use std::collections::{HashMap, HashSet};
 
 /// `base`, or `base 2`, `base 3`, …: the first that `is_taken` does not hold for. A number at the end of `base` counts on.

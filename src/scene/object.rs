@@ -1,3 +1,5 @@
+//! Objects: a mesh, its placement, and the grid of its copies. Lengths are in scene units, angles in degrees.
+
 use crate::geometry::TriangleMesh;
 use crate::math::{DBounds, DMat3, DVec3, Degrees};
 

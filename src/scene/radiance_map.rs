@@ -1,3 +1,5 @@
+//! The image of a background: linear radiance over all directions, equirectangular.
+
 /// An equirectangular image of radiance: every direction once, the first row straight up, the last straight down.
 ///
 /// Where on it a direction is found is said by [`ImageAxes`](super::ImageAxes). Values are linear RGB in W/m²/sr, each finite

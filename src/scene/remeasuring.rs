@@ -1,3 +1,6 @@
+//! Changing the unit and the axes of a scene without changing its picture. Lengths scale by a factor, intensities by its square,
+//! absorption by its inverse; radiance stays.
+
 use super::{Background, Camera, Copies, Facing, Light, Material, Object, Scene, rotation_degrees};
 use crate::math::{DMat3, DVec3};
 

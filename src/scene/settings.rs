@@ -1,3 +1,5 @@
+//! What a render computes, with defaults and limits. How it is run, on how many threads and until when, is `render::RunConfig`.
+
 use super::Choice;
 
 /// What to compute. How to run it (threads, cancelling) is `render::RunConfig`.

@@ -1,3 +1,5 @@
+//! Images to be laid on surfaces, in the precision of their files: 8 or 16 bits with colours in sRGB, or linear `f32`.
+
 use rayon::prelude::*;
 
 use super::{RadianceMap, Rgb};

@@ -1,3 +1,5 @@
+//! Sets of lanes, as comparisons of registers return them: bit `i` stands for lane `i`.
+
 use super::{DOUBLES, LANES};
 
 /// Some of up to sixteen lanes, in ascending order, a bit each.

@@ -1,3 +1,5 @@
+//! Lanes without instructions of a particular machine: the fallback, and the reference that the others are tested against.
+
 use super::{
     Arithmetic, DOUBLES, Doubles, Floats, LANES, LaneSet, Lanes, Places, Simd, WIDE_LANES,
     WideLanes,

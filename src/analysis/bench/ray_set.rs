@@ -1,3 +1,5 @@
+//! Sets of rays to measure structures with: in world units as files hold them, and in prepared units as they are traced.
+
 use crate::io::npy::RayRow;
 use crate::math::{DVec3, Ray, SceneFrame, Vec3};
 

@@ -1,3 +1,5 @@
+//! The median and the range of repeated measurements, which assume nothing about their distribution.
+
 /// The middle and the ends of repeated measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {

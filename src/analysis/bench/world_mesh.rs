@@ -1,3 +1,5 @@
+//! The triangles of a scene as one PLY mesh in world units, for other ray tracers to be measured on.
+
 use std::io::{self, Write};
 use std::sync::Arc;
 

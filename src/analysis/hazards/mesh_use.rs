@@ -1,3 +1,5 @@
+//! Meshes with the objects that show them, so that what is wrong with a mesh is looked for and told once.
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -1,3 +1,5 @@
+//! How often a hazard was found, and its first few places.
+
 use super::Place;
 
 /// A count, and the first few of what is counted.

@@ -1,3 +1,5 @@
+//! `raymini check` without a scene: the built-in extreme cases, one line each.
+
 use std::process::ExitCode;
 
 use anyhow::Result;

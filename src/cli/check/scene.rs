@@ -1,3 +1,5 @@
+//! `raymini check SCENE`: what may spoil the picture of a scene, where it is, and what to do about it.
+
 use std::path::Path;
 use std::time::Instant;
 

@@ -1,3 +1,5 @@
+//! Which ears of a polygon cannot be cut off, because a corner lies in them: a search in a kd-tree over the corners that are left.
+
 use super::orientation::orientation;
 use super::spokes::Spokes;
 use crate::math::DVec2;

@@ -1,3 +1,5 @@
+//! On which side of a line a point lies, with an exact sign: what triangulation rests on.
+
 use crate::math::DVec2;
 
 /// Twice the signed area of the triangle `a`, `b`, `c`: positive when they run counter-clockwise.

@@ -1,3 +1,5 @@
+//! Where a polygon touches itself, several corners share a point, and only the directions of their edges tell which ears they block.
+
 use super::goes_up;
 use super::orientation::orientation;
 use crate::math::DVec2;

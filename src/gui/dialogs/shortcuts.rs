@@ -1,3 +1,5 @@
+//! The sheet of keys and mouse gestures. Keys come from the commands; gestures are listed here by hand.
+
 use egui::{RichText, Ui};
 
 use super::{buttons_ui, modal_ui};

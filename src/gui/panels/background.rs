@@ -1,3 +1,5 @@
+//! The properties of the background. A change of its kind keeps what the two kinds have in common.
+
 use std::path::Path;
 
 use egui::{Ui, Vec2};

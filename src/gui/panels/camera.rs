@@ -1,3 +1,5 @@
+//! The properties of the camera, and the bookmarks.
+
 use egui::Ui;
 
 use super::{PanelState, command_button_ui};

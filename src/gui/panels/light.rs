@@ -1,3 +1,5 @@
+//! The properties of a light, and where a new one is put.
+
 use std::f64::consts::PI;
 
 use egui::Ui;

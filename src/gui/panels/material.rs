@@ -1,3 +1,5 @@
+//! The properties of a material. Objects refer to it by name, so names are unique and a new one goes to its objects too.
+
 use std::path::Path;
 
 use egui::{Event, Id, Key, RichText, Ui, Vec2};

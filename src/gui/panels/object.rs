@@ -1,3 +1,5 @@
+//! The properties of an object, and those of its material.
+
 use std::path::Path;
 
 use egui::{RichText, Ui};

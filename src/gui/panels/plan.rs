@@ -1,3 +1,5 @@
+//! What a render needs, what it leaves out and why, and what each part brings and costs.
+
 use egui::{Grid, Label, RichText, Ui};
 
 use super::PanelState;

@@ -1,3 +1,5 @@
+//! The ball that shows what a material looks like, and a menu of common materials to take in its place.
+
 use egui::{Rect, Sense, Ui, Vec2, vec2};
 
 use crate::gui::balls::Balls;

@@ -1,3 +1,5 @@
+//! The settings of the picture: size, samples and structure, effects, layers and display.
+
 use egui::Ui;
 
 use super::PanelState;

@@ -1,3 +1,5 @@
+//! The list of the scene's parts: a click selects, a menu renames, copies and removes.
+
 use std::collections::HashMap;
 use std::ops::Range;
 

@@ -1,3 +1,5 @@
+//! The glTF extension `KHR_texture_transform`: it is applied to the texture coordinates of a mesh when that is read.
+
 use super::document::TextureTransform;
 use crate::math::DVec2;
 

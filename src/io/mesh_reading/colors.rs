@@ -1,3 +1,6 @@
+//! Colours of vertices, as text formats write them in sRGB, with channels up to 1 or up to 255: the largest channel of a file
+//! tells which.
+
 use crate::math::color::linear_from_srgb;
 use crate::math::{DVec3, Vec3};
 

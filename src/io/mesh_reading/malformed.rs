@@ -1,3 +1,5 @@
+//! The error that all mesh formats share: a place in the file, what was expected there, and what was found.
+
 use super::cursor::quoted;
 use std::fmt::{self, Display, Formatter};
 use thiserror::Error;

@@ -1,3 +1,5 @@
+//! Warnings about a file that count what they warn of and name its first place, in place of a line for each.
+
 use super::malformed::Place;
 
 /// What a warning counts, and where it was seen first.

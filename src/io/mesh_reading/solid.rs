@@ -1,3 +1,5 @@
+//! Meshes for simulations, made of cells with a volume: of their faces, those that no two cells share are shown.
+
 use super::malformed::{Malformed, Place};
 use super::notes::{Seen, numbers};
 use super::tally::Tally;

@@ -1,3 +1,5 @@
+//! From the faces of a file to triangles: polygons are cut, faces without area are dropped, and both are counted.
+
 use super::malformed::Place;
 use super::notes::Seen;
 use crate::geometry::{self, TriangleMesh, polygon};

@@ -1,3 +1,5 @@
+//! Progress and cancelling while a mesh is read.
+
 use crate::control::{CancelToken, Progress};
 
 /// Where to report how far reading came, and whom to ask whether to go on.

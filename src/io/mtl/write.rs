@@ -1,3 +1,5 @@
+//! Materials as MTL, in statements that this program reads back as the same kinds.
+
 use std::io::{self, Write};
 
 use crate::io::mesh_writing::Decimals;

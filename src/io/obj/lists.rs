@@ -1,3 +1,5 @@
+//! From OBJ, whose corners name position, normal and texture coordinate separately, to a mesh with one of each per vertex.
+
 use super::corner::Corner;
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_reading::{Attribute, TooMany, split};

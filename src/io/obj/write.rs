@@ -1,3 +1,5 @@
+//! Meshes as OBJ text, in numbers that read back as the same `f64`.
+
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_writing::{Decimals, encoded};
 use crate::io::mtl;

@@ -1,3 +1,5 @@
+//! Meshes as OFF text, in numbers that read back as the same `f64`.
+
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_writing::{Decimals, encoded, srgb_byte};
 use crate::math::Vec3;

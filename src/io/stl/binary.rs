@@ -1,3 +1,5 @@
+//! Reading binary STL, little-endian: a title, the number of triangles, and 50 bytes for each.
+
 use super::weld::Weld;
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_file::MeshFile;

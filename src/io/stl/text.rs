@@ -1,3 +1,5 @@
+//! Reading STL text. The normals of facets are skipped: the order of the corners says which side is outside.
+
 use super::binary::too_many_vertices;
 use super::weld::Weld;
 use crate::geometry::TriangleMesh;

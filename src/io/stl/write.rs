@@ -1,3 +1,5 @@
+//! Meshes as STL: binary where `f32` holds all positions exactly, else text.
+
 use super::binary::{FACET, TITLE};
 use crate::geometry::{TriangleMesh, face_normal};
 use crate::io::mesh_writing::{Decimals, fit_f32};

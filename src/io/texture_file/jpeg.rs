@@ -1,3 +1,5 @@
+//! JPEG images as textures, decoded to RGB of 8 bits and taken as sRGB.
+
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::errors::DecodeErrors;
 use zune_jpeg::zune_core::bytestream::ZCursor;

@@ -1,3 +1,5 @@
+//! Forecasts for a running render: how many samples and seconds, from the start on, until its noise is down to a target.
+
 use super::{Allotment, ErrorEstimator, Interval};
 use crate::scene::RenderSettings;
 

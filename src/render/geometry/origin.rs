@@ -1,3 +1,5 @@
+//! What prepared geometry is made from. As long as that is equal, a changed scene keeps its triangles and their structure.
+
 use std::collections::HashSet;
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, LazyLock};

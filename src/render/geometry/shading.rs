@@ -1,3 +1,5 @@
+//! Normals that prepared triangles do not have: those of smooth objects, and those of triangles that rounding to `f32` has turned.
+
 use rayon::prelude::*;
 
 use crate::geometry::{CornerNormals, Triangle, face_normal};

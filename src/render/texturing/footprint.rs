@@ -1,3 +1,6 @@
+//! How far from a hit neighbouring rays meet the surface, which says how much of an image to average: ray differentials
+//! (Igehy 1999) for rays from the eye, ray cones (Amanatides 1984) from the first surface on. Lengths are in prepared units.
+
 use crate::math::{DVec3, Vec3};
 use crate::render::camera::{CameraRay, PreparedCamera};
 

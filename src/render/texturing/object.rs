@@ -1,3 +1,5 @@
+//! Textures at a hit: the part of an image that a ray's footprint covers gives the material and the normals there.
+
 use std::sync::Arc;
 
 use super::footprint::Footprint;

@@ -1,3 +1,5 @@
+//! Lanes by AVX2 and FMA: a register holds eight `f32` or four `f64`.
+
 use super::super::{
     Arithmetic, DOUBLES, Doubles, Floats, LaneSet, Lanes, Places, Query, Simd, WideLanes,
 };

@@ -1,3 +1,6 @@
+//! Lanes by AVX-512 (F, DQ and VL): a register holds sixteen `f32` or eight `f64`. Eight `f32` and four `f64` stay in registers of
+//! 256 bits.
+
 #[cfg(test)]
 use super::super::LANES;
 use super::super::{
