@@ -47,9 +47,9 @@ pub enum Event {
         /// The scene, or why there is none.
         result: Result<Box<LoadedScene>, String>,
     },
-    /// Files of meshes of which it is to be decided what becomes of them.
+    /// Mesh files; what becomes of them is still to be decided.
     ModelsLoaded {
-        /// They.
+        /// The files.
         paths: Vec<PathBuf>,
         /// Whether they are likely to take the place of the scene.
         replaces: bool,
@@ -86,18 +86,18 @@ pub enum Event {
     Encoded {
         /// The number of its render.
         number: usize,
-        /// It.
+        /// The piece.
         tile: EncodedTile,
     },
     /// How far the compared pictures are apart and the texels of the difference, or why that cannot be said.
     Compared(Result<(Distance, [usize; 2]), String>),
     /// A piece of a picture beside the one that is looked at.
     CompareTile(Side, EncodedTile),
-    /// A picture to compare with, and remarks on it.
+    /// A picture to compare with was read, or why not.
     ComparisonRead {
         /// Its file.
         path: PathBuf,
-        /// It, or why there is none.
+        /// The picture and remarks on it, or why it cannot be read.
         result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
     },
     /// How bright the picture on the screen is.
@@ -127,7 +127,7 @@ pub enum Event {
     Traced {
         /// Of which sample.
         wanted: Box<WantedRays>,
-        /// They.
+        /// The rays, or why there are none.
         result: Result<SampleTrace, String>,
     },
     /// The running render is done.
@@ -199,7 +199,7 @@ pub enum Event {
     Restored {
         /// Where it was found.
         lost: Lost,
-        /// It.
+        /// The document and its render, or why not.
         result: Result<Box<Recovered>, String>,
     },
     /// The running render goes on from what a window before left of it.
@@ -215,9 +215,9 @@ pub enum Event {
     RenderNotKept(String),
     /// These files have changed on disk.
     FilesChanged(Vec<PathBuf>),
-    /// One of them was read again, or why not.
+    /// A file that has changed was read again, or why not.
     Reloaded {
-        /// Which.
+        /// Which file.
         stale: Stale,
         /// What is in it.
         result: Result<Reloaded, String>,

@@ -1,5 +1,5 @@
-//! What one surface point aims at in mode `path`, the background's image or one of the emitters, and how likely that was for
-//! what a path then meets.
+//! In mode `path`: what a surface point aims at, the background's image or one of the emitters, and how likely it was to aim at light that
+//! a path then meets by chance.
 
 use super::background::ImageBackground;
 use super::disks::DiskHit;
@@ -8,8 +8,7 @@ use super::prepare::PreparedScene;
 use super::surface::SurfacePoint;
 use crate::math::{Ray, Vec2, Vec3};
 
-/// The least that either of the two is aimed at where both give light: power as counted here says little about what one point
-/// sees, and neither should starve.
+/// The least share of either where both give light: power as counted here says little about what one point sees, and neither should starve.
 const LEAST_SHARE: f32 = 0.1;
 
 /// How often each of the two is aimed at; the shares sum to 1. Without an image all is left to the emitters.
@@ -29,8 +28,8 @@ enum Target {
 }
 
 impl AimShares {
-    /// Shares by power: of the background's image, where there is one to aim at, what falls from it on the ball of this `radius` around
-    /// the scene; of the emitters, `emitters_power`, all that they emit.
+    /// Shares in proportion to power. That of the background's image, where there is one to aim at, is what falls from it on the ball of
+    /// this `radius` around the scene; that of the emitters is `emitters_power`, all that they emit.
     pub fn new(image: Option<&ImageBackground>, radius: f32, emitters_power: f64) -> Self {
         use std::f64::consts::PI;
         let Some(image) = image else {
@@ -54,7 +53,7 @@ impl AimShares {
         }
     }
 
-    /// Chooses by `u`, uniform in `[0, 1)`; what is left of it is so again.
+    /// Chooses by `u`, uniform in `[0, 1)`; what is left of `u` is uniform again.
     fn choose(self, u: f32) -> Target {
         if u < self.background {
             Target::Background(u / self.background)
@@ -69,7 +68,7 @@ impl AimShares {
 pub struct Aimed {
     /// Where it comes from; unit.
     pub wi: Vec3,
-    /// On a surface that faces it, over the probability of all choices.
+    /// On a surface that faces it, divided by the probability of all choices.
     pub irradiance: Vec3,
     /// Density of its direction with that of the choice, per steradian; `None` where no other strategy can find it.
     pub pdf_solid_angle: Option<f32>,

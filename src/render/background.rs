@@ -156,7 +156,8 @@ impl PreparedBackground {
 }
 
 impl ImageBackground {
-    /// The scene's image, where `previous` has it with all that it takes.
+    /// The image of the scene's background as `previous` has prepared it, if it did so with the tables that aiming takes where
+    /// `is_aimed_at`.
     fn known(
         scene: &Scene,
         previous: Option<&PreparedBackground>,
@@ -227,7 +228,7 @@ impl ImageBackground {
         (radiance * self.scale, pdf_solid_angle)
     }
 
-    /// A direction in proportion to the luminance seen there, by `u`, uniform over the unit square. `None` for a black image.
+    /// A direction drawn in proportion to the luminance seen there; `u`: uniform over the unit square. `None` for a black image.
     pub fn sample(&self, u: Vec2) -> Option<SkySample> {
         let ImageAxes { front, left, up } = self.axes;
         let local = self.image.sample(u)?;

@@ -9,10 +9,10 @@ use super::run::{Clamped, Ending, RenderOutcome, RenderStats, RunConfig, render}
 use super::tiles::Region;
 use crate::math::color::luminance;
 
-/// What a picture may take to be rendered at once, in bytes.
+/// The most memory a picture may take and still be rendered at once, in bytes.
 const LARGEST_AT_ONCE: u64 = 1 << 32;
 
-/// What a band may take while it is rendered, in bytes.
+/// The most memory a band may take while it is rendered, in bytes.
 const BAND_BYTES: u64 = 1 << 29;
 
 /// A picture that is rendered in bands from the top down, each of them whole before the next begins, so that only one has its
@@ -24,8 +24,8 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// The bands of `region`, or of the whole picture; `None` where it is small enough to be rendered at once, or cannot be
-    /// rendered otherwise: where noise or time ends it or there are layers, what a pixel gets depends on the whole.
+    /// The bands of `region`, or of the whole picture; `None` where that is small enough to be rendered at once, or cannot be divided:
+    /// where noise or time ends the render, as what a pixel gets then depends on the whole, or layers are kept.
     #[must_use]
     pub fn of(scene: &PreparedScene, region: Option<Region>, run: &RunConfig) -> Option<Self> {
         let settings = scene.settings();
@@ -66,9 +66,9 @@ impl Bands {
         PictureMemory::of_render(scene, largest.copied(), run).beside(self.region)
     }
 
-    /// [`render`] band by band: the same pixels. `begin` is asked for somewhere to tell the progress of each. A render that is
-    /// interrupted leaves the rest black, with no samples. The error is that of all pixels as far as the bands tell: its interval is
-    /// no narrower than theirs, and its percentile that of the worst. `None` when cancelled.
+    /// [`render`] band by band: the same pixels. `begin` is asked for a place to tell the progress of each band. A render that is
+    /// interrupted leaves the rest black, with no samples. The error is that of all pixels as far as the bands tell: its interval is no
+    /// narrower than theirs, and its percentile that of the worst. `None` when cancelled.
     #[must_use]
     pub fn render(
         &self,
@@ -113,7 +113,7 @@ struct Merged {
     removed: f64,
 }
 
-/// Of each interval its value and ends, times pixels.
+/// The value and the ends of each interval, summed over pixels.
 #[derive(Clone, Copy, Default)]
 struct ErrorSums {
     mse: [f64; 3],
@@ -178,7 +178,7 @@ impl Merged {
         self.samples += stats.samples_per_pixel * pixels;
     }
 
-    /// Of a picture of so many pixels; those that were not added have no samples.
+    /// The statistics of a picture of `pixels` pixels; those that were not added have no samples.
     fn stats(self, pixels: usize) -> RenderStats {
         let pixels = pixels as f64;
         let mut stats = self.stats;

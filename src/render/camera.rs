@@ -24,7 +24,7 @@ pub struct PreparedCamera {
 #[derive(Clone, Debug, PartialEq)]
 struct MetBox {
     bounds: DBounds,
-    /// Of the box.
+    /// Length of its space diagonal.
     diagonal: f64,
 }
 
@@ -57,10 +57,10 @@ const LEAST_FOCUS: f64 = 1e-100;
 const PARALLEL_FOCUS: f64 = 1e100;
 
 impl PreparedCamera {
-    /// Says what about `camera` is beyond what can be computed with at the scene's scale.
+    /// Whether the numbers of `camera` can be computed with at the scene's scale.
     ///
     /// # Errors
-    /// The key, and what it may be.
+    /// The first key whose value is out of range, and its range.
     pub fn check(camera: &Camera, frame: &SceneFrame) -> Result<(), SceneError> {
         let require = |holds: bool, key: &str, value: String, expected: String| {
             let key = key.to_owned();
@@ -203,8 +203,8 @@ impl PreparedCamera {
     }
 
     /// How a ray's unit `direction` changes from a pixel to the next on the right, and to the one below, through the same point of the
-    /// lens: the derivative with the place on the picture. It depends on the direction alone, as rays through one point of the lens
-    /// keep apart in front of it as those of a pinhole do.
+    /// lens: the derivative with respect to the place on the picture. It depends on the direction alone, as rays through one point of the
+    /// lens diverge in front of it as those of a pinhole do.
     #[must_use]
     pub fn spread(&self, direction: DVec3) -> [DVec3; 2] {
         let right = self.axes.right * (self.per_pixel.x * self.half_width);
@@ -230,7 +230,7 @@ impl MetBox {
     }
 }
 
-/// Where the line from `eye` along `direction` enters and leaves the box; it enters after it leaves where it misses the box.
+/// Where the line from `eye` along `direction` enters and leaves the box; the first is larger than the second where it misses the box.
 #[inline]
 fn crossing(bounds: &DBounds, eye: DVec3, direction: DVec3) -> (f64, f64) {
     let per_direction = direction.recip();

@@ -50,7 +50,7 @@ impl CameraSample {
 #[derive(Debug, Default)]
 pub struct CameraSamples {
     begun: Vec<CameraSample>,
-    /// Those that look, one for each pixel.
+    /// One sample for each pixel, whose ray the others of the pixel share.
     lines: Vec<CameraSample>,
 }
 
@@ -60,8 +60,8 @@ impl CameraSamples {
         self.begun.clear();
     }
 
-    /// Where each of the samples `ids`, at least one, begins; those of one pixel come one after the other. Where all samples of a pixel look along one line,
-    /// one of them looks, and where the last batch ended with that pixel, none.
+    /// Where each of the samples `ids`, at least one, begins; those of one pixel come one after the other. Where all samples of a pixel
+    /// share one ray, it is traced once, and not again where the last batch ended with that pixel.
     pub fn begin(
         &mut self,
         scene: &PreparedScene,
@@ -119,7 +119,7 @@ impl PreparedScene {
         }
     }
 
-    /// Finds what the rays of samples hit, at most [`Packet::MOST_RAYS`].
+    /// Finds what the rays of at most [`Packet::MOST_RAYS`] samples hit.
     fn look(&self, samples: &mut [CameraSample], tally: &mut impl Tally) {
         let known = self.primary_hits();
         if let Some(known) = known

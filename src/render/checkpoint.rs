@@ -45,13 +45,13 @@ pub struct Course {
     pub estimator: Option<ErrorEstimator>,
     /// Where samples belong; `None` where all pixels get the same number, and before there is an estimate.
     pub allotment: Option<Allotment>,
-    /// Those that are over.
+    /// Number of passes that are over.
     pub passes: u32,
-    /// The one that is going on.
+    /// The pass that is going on.
     pub pass: Option<Pass>,
     /// Samples that every pixel has from passes over all of them.
     pub even_samples: u32,
-    /// What one more of them took in the last such pass.
+    /// Seconds that one more sample of every pixel took in the last pass over all of them.
     pub seconds_per_sample: f64,
     /// Samples when the error was noted last.
     pub noted_samples: f64,
@@ -62,7 +62,7 @@ pub struct Course {
 pub struct Pass {
     /// Whether each pixel takes part; all do, where there is no choice.
     pub selected: Option<Vec<bool>>,
-    /// Whether pixels are to leave a power of two.
+    /// Whether pixels take part whose number of samples is a power of two.
     pub begins_round: bool,
     /// The most samples of one pixel in this pass.
     pub longest: u32,
@@ -71,7 +71,7 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// What it does to a tile, where no pixel may get more than `most` samples in all.
+    /// The work of the pass on a tile, where no pixel may get more than `most` samples in all.
     pub fn work(&self, most: u32) -> PassWork<'_> {
         PassWork {
             selected: self.selected.as_deref(),
@@ -83,7 +83,7 @@ impl Pass {
 }
 
 impl Course {
-    /// Whether the error decides by now which pixels get samples.
+    /// Whether the error already decides which pixels get samples.
     pub fn chooses_pixels(&self) -> bool {
         let pass = self.pass.as_ref();
         pass.is_some_and(|pass| pass.selected.is_some())
@@ -91,7 +91,7 @@ impl Course {
 }
 
 impl Checkpoint {
-    /// The part of the picture it is of.
+    /// The part of the picture that is rendered.
     #[must_use]
     pub fn region(&self) -> Region {
         self.shared.film.region()
@@ -103,7 +103,7 @@ impl Checkpoint {
         self.seconds
     }
 
-    /// The done part of all camera samples, as far as their number was known, `0..=1`.
+    /// The share of all camera samples that is done, as far as their number was known, `0..=1`.
     #[must_use]
     pub fn share_done(&self) -> f64 {
         let done = self.shared.film.total_samples() as f64;
@@ -116,7 +116,7 @@ impl Checkpoint {
         self.shared.film.mean_samples()
     }
 
-    /// Shows every tile that has samples to `on_tile`: a render that goes on shows those that get more.
+    /// Shows every tile that has samples to `on_tile`, as a render that goes on shows only those that get more.
     pub fn show(&self, on_tile: OnTile<'_>) {
         let Shared { film, has_pass, .. } = &self.shared;
         let tiles = film.region().tiles(TILE_SIDE).into_iter().zip(has_pass);
@@ -130,8 +130,8 @@ impl Checkpoint {
         }
     }
 
-    /// Whether a render of `region` of `scene` that keeps `layers` can go on from it: whether all its parts have the right size.
-    /// One that was kept by such a render always can.
+    /// Whether a render of `region` of `scene` that keeps `layers` can go on from it: whether all parts of the checkpoint have the right
+    /// size, as they have in any that such a render kept.
     #[must_use]
     pub fn fits(&self, scene: &PreparedScene, region: Region, layers: &[Layer]) -> bool {
         let settings = scene.settings();

@@ -11,13 +11,13 @@ use crate::control::Throttle;
 /// stands still while the render is paused. What else the process does, such as drawing a window, does not count.
 #[derive(Debug)]
 pub struct Clock {
-    /// When it was started, less what had been paused until then.
+    /// When it was started, earlier by the time that had been paused until then.
     started: Instant,
     /// Tells of pauses.
     throttle: Throttle,
     /// Wall time that does not count.
     uncounted: Duration,
-    /// What had passed when it was started.
+    /// Wall time and processor time before it was started.
     seconds_before: f64,
     cpu_seconds_before: f64,
     /// Processor time of the thread that leads, when the clock was started.
@@ -38,8 +38,8 @@ fn nanoseconds(time: Duration) -> u64 {
 }
 
 impl Clock {
-    /// A clock that goes on from so many seconds of wall time and of processor time, for the thread that calls, which leads, and so many
-    /// others that begin now. It stands still whenever `throttle` pauses them.
+    /// A clock that goes on from `seconds` of wall time and `cpu_seconds` of processor time. The thread that calls leads; `others` more
+    /// begin now. It stands still whenever `throttle` pauses them.
     pub fn start_at(seconds: f64, cpu_seconds: f64, others: usize, throttle: &Throttle) -> Self {
         let now = Instant::now();
         Self {
@@ -64,7 +64,7 @@ impl Clock {
         self.seconds_before + here.as_secs_f64()
     }
 
-    /// Takes note of the processor time of the thread that calls, which is that number of the others.
+    /// Takes note of the processor time of the thread that calls, which has this `number` among the others.
     pub fn note(&self, number: usize) {
         self.others[number].store(nanoseconds(thread_time()), Ordering::Relaxed);
     }
@@ -82,7 +82,7 @@ impl Clock {
         self.cpu_seconds_before + Duration::from_nanos(here).as_secs_f64()
     }
 
-    /// Has so much of the wall time not count.
+    /// Leaves this much wall time out of account.
     pub fn leave_out(&mut self, time: Duration) {
         self.uncounted += time;
     }

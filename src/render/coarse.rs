@@ -21,14 +21,15 @@ use crate::control::CancelToken;
 use crate::math::Vec3;
 use crate::scene::{Scene, SceneError};
 
-/// The side of the largest blocks is such that there are not more of them.
+/// The largest blocks are just so large that there are no more of them than this.
 const FEWEST_BLOCKS: u32 = 600;
-/// Side of the smallest blocks whatever they take, in pixels: a 64th of a pass.
+/// Side of blocks, in pixels, down to which pictures are shown however long they take: a 64th of a pass.
 const SMALL: u32 = 8;
-/// Side of the smallest blocks where they are quick, and what quick is.
+/// Side of blocks, in pixels, down to which pictures are shown where none takes longer than [`QUICK`].
 const SMALLEST: u32 = 4;
+/// The most that a picture of blocks smaller than [`SMALL`] may be expected to take.
 const QUICK: Duration = Duration::from_millis(100);
-/// After this time something is to be seen.
+/// Within this time something is to be seen.
 const FIRST_LOOK: Duration = Duration::from_millis(20);
 
 /// A picture whose blocks of pixels each look like the pixel in their middle.
@@ -70,14 +71,14 @@ fn blocks(region: &Region, side: u32) -> [u32; 2] {
 /// Who is shown coarse pictures, each finer than the one before.
 pub type OnCoarse<'a> = &'a (dyn Fn(&CoarsePicture) + Sync);
 
-/// A scene of whose objects some moved since it was prepared, good enough for a first look: it takes next to no time to make, but is not
-/// rounded as what is rendered is.
+/// A scene some of whose objects have moved since it was prepared, good enough for a first look: it takes next to no time to make, but is
+/// not rounded as a scene that is prepared anew.
 #[derive(Clone, Debug)]
 pub struct Sketch(PreparedScene);
 
 impl Sketch {
-    /// That of `scene`, where it differs from that of `previous` by places of objects, and by what is prepared quickly; `None` where it
-    /// differs by more, or when cancelled. `store`: what is kept from one sketch to the next.
+    /// The sketch of `scene`, where that differs from the scene of `previous` only by places of objects and by what is prepared quickly;
+    /// `None` where it differs by more, or when cancelled. `store`: what is kept from one sketch to the next.
     ///
     /// # Errors
     /// What about the description cannot be rendered.
@@ -151,7 +152,7 @@ pub fn show(
     }
 }
 
-/// What a pixel looks like by a sample.
+/// Takes a sample and returns its radiance.
 type Take = fn(&PreparedScene, SampleId) -> Vec3;
 
 fn block_radiance<K: Kernel>(scene: &PreparedScene, id: SampleId) -> Vec3 {

@@ -42,7 +42,7 @@ impl<'a> Crew<'a> {
         }
     }
 
-    /// How many they are.
+    /// Number of threads.
     pub fn threads(&self) -> usize {
         self.threads
     }
@@ -52,8 +52,8 @@ impl<'a> Crew<'a> {
         &self.pool
     }
 
-    /// Does `work` for every number below `count` once, or for fewer when it is cut: it is told the number, and that of the thread, which has
-    /// a `T` of its own.
+    /// Calls `work` once for every number below `count`, or for fewer when it is cut, with the number, that of the thread, and a `T` that
+    /// the thread keeps.
     pub fn for_each<T: Default>(
         &self,
         count: usize,
@@ -91,7 +91,7 @@ impl<'a> Crew<'a> {
         Ok(())
     }
 
-    /// Has samples taken as `take` does, which says at which it is; `None` when they are stopped, or the program fails at one.
+    /// Calls `take`, which takes samples and notes at which it is; `None` when it is stopped, or the program fails at a sample.
     pub fn sample<T>(&self, take: impl FnOnce(Stops<'_>, &SampleNote) -> Option<T>) -> Option<T> {
         let note = SampleNote::default();
         let stops = Stops {

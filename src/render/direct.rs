@@ -123,8 +123,9 @@ pub fn gather<K: Kernel>(
     gathered
 }
 
-/// The fewest and the most rays that are looked along together.
+/// Fewer shadow rays to a light than this are traced one by one.
 const FEWEST_TOGETHER: u32 = 3;
+/// The most rays of ambient occlusion that are traced together.
 const FAN_SIZE: u32 = 64;
 const _: () = assert!(FAN_SIZE as usize == Fan::MOST_RAYS, "full fans");
 
@@ -178,7 +179,7 @@ pub fn ambient_occlusion(
     }
 }
 
-/// A ray to a light, from where rays from a surface point start, and what it brings where nothing is in the way.
+/// A ray from a surface point to a light, and what it brings where nothing is in the way.
 #[derive(Clone, Copy)]
 struct ShadowRay {
     /// As far as the light.
@@ -186,7 +187,7 @@ struct ShadowRay {
     light: ByLobe,
 }
 
-/// Rays from one point to one light that wait to be looked along together.
+/// Rays from one point to one light that wait to be traced together.
 struct ShadowRays {
     directions: [Vec3; Self::MOST],
     lights: [ByLobe; Self::MOST],
@@ -295,8 +296,8 @@ impl<K: Kernel> Shading<'_, K> {
         sum
     }
 
-    /// Reflected light of what one is chosen from: emitting objects, with as many rays as to a light with area, and lights too
-    /// many to sum.
+    /// Reflected light of sources of which some are chosen, in place of a sum over all: emitting objects, with as many rays as to a light
+    /// with area, and lights where they are too many to sum.
     fn chosen_light(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
         let scene = self.scene;
@@ -381,7 +382,7 @@ impl<K: Kernel> Shading<'_, K> {
         !light.has_area() || self.scene.settings().shadows == Shadows::Hard
     }
 
-    /// Aims at one point of the light, and where it is near in one direction in which it is looked for.
+    /// Aims at one point of the light and, where the light is near, also looks for it in one direction of the hemisphere.
     fn aim(
         &mut self,
         light: &PreparedLight,
@@ -454,7 +455,7 @@ impl<K: Kernel> Shading<'_, K> {
         })
     }
 
-    /// What aiming at a `place` is that can bring nothing: no ray is needed.
+    /// The result of aiming at a `place` that can bring nothing: no ray is needed.
     fn nothing(&mut self, place: Vec3) -> Option<ShadowRay> {
         if self.scene.does(Feature::DarkRays) {
             let ray = self.point.ray_to(place);
@@ -502,7 +503,7 @@ impl<K: Kernel> Shading<'_, K> {
         ray.light * self.visible(&self.point.ray_above(ray.direction), light)
     }
 
-    /// [`Self::light_along`] all of `shadow_rays`, which it takes out.
+    /// [`Self::light_along`] for all of `shadow_rays`, which are taken out.
     fn light_along_all(&mut self, shadow_rays: &mut ShadowRays, light: Option<u32>) -> ByLobe {
         let mut sum = ByLobe::default();
         let (directions, lights) = shadow_rays.take();
@@ -549,7 +550,7 @@ impl<K: Kernel> Shading<'_, K> {
         self.through(passed)
     }
 
-    /// What a shadow ray says that `passed` came through: all does where there are no shadows.
+    /// What counts of a shadow ray along which `passed` came through: all of it, or everything where there are no shadows.
     fn through(&mut self, passed: Vec3) -> Vec3 {
         if self.scene.needs(Feature::ShadowRays) {
             self.parts.count_shadow_ray(passed);

@@ -1,5 +1,5 @@
-//! What one light is chosen from: in mode `path` the lights of the scene and the triangles of emitting objects; in mode
-//! `direct` too where the lights are too many to sum, else the triangles alone.
+//! What lights to aim at are chosen from: in mode `path` the lights of the scene and the triangles of emitting objects; in mode `direct`
+//! the same where the lights are too many to sum, else the triangles alone.
 //!
 //! Few are chosen among by power, which costs the same wherever the light is wanted; many by what they may give there.
 
@@ -147,8 +147,8 @@ impl Emitters {
         self.holds_lights
     }
 
-    /// One of them for light at `at` for each of `numbers`, uniform over the unit square: `choose(index, chosen)`, in no order. There
-    /// is none where all is dark, and now and then where most give nothing.
+    /// Chooses one of them to light `at` for each of `numbers`, uniform over the unit square, and calls `choose(index, chosen)`, in no
+    /// particular order. None is chosen where all is dark, and now and then where most give nothing.
     pub fn choose_each<'a>(
         &'a self,
         at: &Receiver,
@@ -228,8 +228,8 @@ impl Emitters {
         }
     }
 
-    /// Density with which a ray from `at` that meets the emitting `object` in `triangle` at `towards` from there was aimed at,
-    /// per steradian; `normal` is the geometric one at the point met.
+    /// Density, per steradian, with which a ray from `at` that meets the emitting `object` in `triangle`, at the vector `towards` from
+    /// `at`, was aimed at it; `normal`: the geometric one at the point met.
     pub fn pdf_of_object(
         &self,
         at: &Receiver,

@@ -16,7 +16,7 @@ use super::camera_samples::SampleId;
     pixel.0, pixel.1, pixel.0, pixel.1
 )]
 pub struct RenderFault {
-    /// Column and row in the full picture. Of a fault while the rays of several pixels are looked along together: one of those.
+    /// Column and row in the full picture. Of a fault while the rays of several pixels are traced together: one of those.
     pub pixel: (u32, u32),
     /// Index of the sample.
     pub sample: u32,
@@ -28,11 +28,11 @@ pub struct RenderFault {
 pub type SampleNote = Cell<SampleId>;
 
 thread_local! {
-    /// Where in the source this thread panicked; `None` where panics are none of a sample.
+    /// Where in the source this thread panicked; `None` while it takes no samples.
     static PLACE: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Does `work`, which takes note of the samples it takes in `note`; a panic becomes a fault.
+/// Does `work`, which writes in `note` the sample it is at; a panic becomes a fault.
 pub fn caught<T>(note: &SampleNote, work: impl FnOnce() -> T) -> Result<T, RenderFault> {
     PLACE.set(Some(String::new()));
     // What `work` leaves unfinished goes with the render.

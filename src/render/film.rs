@@ -22,8 +22,8 @@ pub struct Film {
     marks: Option<Vec<Marks>>,
 }
 
-/// Means of a pixel on its way from one power of two, or the present number of samples where that is one, to the next, and what
-/// its samples took.
+/// What error estimates need of a pixel: the mean radiance of the first quarter, half and three quarters of the samples it has at the next
+/// power of two, or now if that is one; and the `rays` that all its samples took.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Marks {
     rays: u32,
@@ -42,7 +42,7 @@ pub struct Halves {
     /// The same for each half of the samples by itself. Between powers of two, and below four samples, where that is not known:
     /// what it is on average for independent samples.
     pub parts: [[f64; 3]; 2],
-    /// Whether it is known.
+    /// Whether `parts` is known.
     pub is_complete: bool,
 }
 
@@ -67,7 +67,7 @@ pub struct TileSums {
 }
 
 impl TileSums {
-    /// Begins again with nothing of `pixels` pixels; memory is kept.
+    /// Starts again, without samples, for `pixels` pixels; memory is kept.
     pub fn reset(&mut self, layers: &[Layer], pixels: usize) {
         self.planes.resize_with(1 + layers.len(), Vec::new);
         for plane in &mut self.planes {
@@ -98,7 +98,7 @@ impl TileSums {
     }
 }
 
-/// Makes it `count` zeros.
+/// Makes `values` as many zeros as `count`, in the memory it has.
 fn refill<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     values.clear();
     values.resize(count, T::default());
@@ -139,14 +139,15 @@ impl Film {
         }
     }
 
-    /// The bytes that one pixel of such a film takes.
+    /// The bytes that one pixel takes in a film with as many `layers`.
     #[must_use]
     pub fn bytes_per_pixel(layers: usize, with_marks: bool) -> usize {
         let marks = if with_marks { size_of::<Marks>() } else { 0 };
         (1 + layers) * size_of::<[f64; 3]>() + size_of::<u32>() + marks
     }
 
-    /// Whether it is as [`Self::new`] makes it, and no pixel has more than `most` samples: what one read from a file may not be.
+    /// Whether it is as [`Self::new`] makes it, and no pixel has more than `most` samples, which is not certain where it was read from a
+    /// file.
     #[must_use]
     pub fn is_like(&self, region: Region, layers: &[Layer], with_marks: bool, most: u32) -> bool {
         let pixels = region.pixel_count();
@@ -349,7 +350,7 @@ impl Film {
 }
 
 impl Marks {
-    /// Sets out for the next power of two from one where the mean is `mean`.
+    /// Begins the way to the next power of two of samples, at one where the mean is `mean`.
     fn begin(&mut self, mean: [f32; 3]) {
         self.quarter = self.half;
         self.half = mean;

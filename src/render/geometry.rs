@@ -74,9 +74,9 @@ impl PreparedGeometry {
         Self::new(scene, origin, previous, cancel, progress)
     }
 
-    /// The scene's triangles and normals without an acceleration structure: all that is needed to draw them. It answers rays, but by
-    /// trying all triangles that are in no structure of `previous`. [`Self::prepare`] goes on from it; where that has nothing to do,
-    /// it is `previous`. `None` when cancelled.
+    /// The scene's triangles and normals without an acceleration structure: all that is needed to draw them. It answers rays, but by trying
+    /// all triangles that are in no structure of `previous`. [`Self::prepare`] goes on from it. It is `previous` itself where the objects
+    /// are the same. `None` when cancelled.
     ///
     /// # Errors
     /// A mesh that is not loaded, or more triangles than can be numbered.
@@ -116,7 +116,7 @@ impl PreparedGeometry {
         Ok(Self::assemble(origin, frame, shared, cancel, progress).map(Arc::new))
     }
 
-    /// The same triangles and normals in structures of that choice.
+    /// The same triangles and normals in structures of the given choice.
     fn restructured(
         &self,
         origin: GeometryOrigin,
@@ -247,7 +247,7 @@ impl PreparedGeometry {
 /// Which structure is built, and how carefully.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StructureChoice {
-    /// Which.
+    /// Which structure.
     pub kind: AcceleratorChoice,
     /// How the wide tree is built.
     pub build: AcceleratorBuild,
@@ -284,7 +284,7 @@ pub fn build_structure(
     Some(built)
 }
 
-/// [`build_structure`], or a list where nothing is chosen.
+/// [`build_structure`], or a list of the triangles where no structure is chosen.
 fn structure_of(
     choice: Option<StructureChoice>,
     triangles: Vec<Triangle>,

@@ -7,8 +7,8 @@ use crate::scene::{Material, Mode, Rgb, Scene, Shadows};
 
 /// A part of the picture, or a factor beside the parts.
 ///
-/// Parts add up to the picture. To which one light belongs is decided by what the camera ray met first: an emitter, the
-/// background or a light, a surface that scatters, or a mirror or glass, which take everything that is seen in them.
+/// Parts add up to the picture. Which of them light belongs to is decided by what the camera ray met first: an emitter, the background or a
+/// light, a surface that scatters, or a mirror or glass, which take everything that is seen in them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Layer {
     /// Lights, emitters and background seen directly.
@@ -360,7 +360,7 @@ impl<P: Parts> Gathered<P> {
         }
     }
 
-    /// Scales it down to `most` in its brightest channel; whether it was brighter.
+    /// Scales it down to `most` in its brightest channel; returns whether it was brighter.
     pub fn limit(&mut self, most: f32) -> bool {
         let brightest = self.radiance.max_element();
         let is_brighter = brightest > most;

@@ -46,7 +46,7 @@ pub struct LightSample {
     pub position: Vec3,
     /// Towards it; unit where the light shines that way.
     pub wi: Vec3,
-    /// As how large the whole light counts, seen from here: one over the density of `wi`, per steradian. 0 for points, and where
+    /// The solid angle that the whole light counts as, seen from here: one over the density of `wi`, per steradian. 0 for points, and where
     /// the light does not shine.
     pub solid_angle: f32,
     /// Irradiance on a surface that faces the light's point, divided by the density with which that point was chosen;
@@ -94,7 +94,7 @@ impl PreparedLight {
         }
     }
 
-    /// The same for a choice by place and direction.
+    /// What a choice by place and direction needs to know of it.
     pub fn luminary(&self) -> Luminary {
         match self {
             Self::Point {
@@ -121,7 +121,7 @@ impl PreparedLight {
         }
     }
 
-    /// Whether samples of the light differ: not for points.
+    /// Whether it has an area, so that samples of it differ.
     pub fn has_area(&self) -> bool {
         matches!(self, Self::Disk(_))
     }
@@ -248,7 +248,7 @@ impl PreparedDisk {
         position + self.lift
     }
 
-    /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which lie beside it by their rounding, as do
+    /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which are off the disk by their rounding, as are
     /// surfaces in its plane.
     pub fn bounds(&self) -> Bounds {
         // 1 − n² per axis, but from the other two: near an axis that has more digits.
@@ -267,7 +267,7 @@ impl PreparedDisk {
         }
     }
 
-    /// Where `ray` meets the disk, on either side, if there is `0 < t < t_max`.
+    /// The parameter `t` at which `ray` meets the disk, from either side, if `0 < t < t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         self.intersect_plane(ray, t_max).filter(|&t| t < t_max)
     }
@@ -312,10 +312,10 @@ impl PreparedDisk {
         }
     }
 
-    /// A point of the disk by `u`, for light on `at` that nothing else can find. Where the disk is near, half of the points are
-    /// those that directions of the hemisphere over `at` meet, by the cosine, and light counts by the density of both ways
-    /// together (Veach's balance heuristic for one sample), so that no point counts for more than twice the hemisphere; the
-    /// irradiance is 0 where a direction meets none.
+    /// A point of the disk by `u`, for light on `at` that nothing else can find. Where the disk is near, half of the samples are directions
+    /// of the hemisphere over `at` instead, drawn by the cosine. Each sample counts by the density of both ways together (Veach's balance
+    /// heuristic for one sample), so that no point counts for more than twice the hemisphere; the irradiance is 0 where a direction misses
+    /// the disk.
     pub fn sample_alone(&self, at: &Receiver, u: Vec2) -> LightSample {
         if !self.is_near(at.position) {
             return self.sample(at.position, u);

@@ -26,15 +26,14 @@ pub struct PictureMemory {
 
 /// The bytes of a pixel of a picture, an [`Image`](super::Image).
 const IMAGE: usize = size_of::<[f32; 3]>();
-/// What an estimate takes of a pixel for good, and what it takes while it is made: means, moves and the picture of the error, or
-/// what decides where samples go.
+/// Bytes of a pixel that the estimate of the error keeps.
 const FALLS: usize = size_of::<f32>();
+/// Bytes of a pixel that it takes while it is made: means, moves and the picture of the error, or what decides where samples go.
 const ESTIMATE: usize = 3 * IMAGE + size_of::<f32>();
-/// What a checkpoint holds of a pixel beside the film, where some pixels get more samples than others: what they are worth, and
-/// whether it is one.
+/// Bytes of a pixel in a checkpoint beside the film, where some pixels get more samples than others: what its samples are worth, and
+/// whether it gets some.
 const CHOICE: usize = size_of::<f32>() + size_of::<bool>();
-/// What writing takes of a pixel of each picture that goes into the file: itself, its channels apart, and the file, which is not
-/// larger.
+/// Bytes of a pixel that writing takes for each picture in the file: the picture, its channels apart, and the file, which is no larger.
 const WRITING: usize = 3 * IMAGE;
 
 impl PictureMemory {
@@ -98,7 +97,7 @@ impl PictureMemory {
         pixels * most as u64 + kept_bytes
     }
 
-    /// Says whether there is as much, and a sixteenth more for what goes beside it.
+    /// Says whether there is that much, and a sixteenth more for what else is needed.
     ///
     /// # Errors
     /// [`PictureTooLarge`].
@@ -107,11 +106,11 @@ impl PictureMemory {
     }
 }
 
-/// What building a structure takes for each triangle, at its peak, beside the mesh it is of: measured with meshes of 0.4 and 2.2
-/// million triangles, of whose 172 and 209 bytes the mesh has the rest.
+/// What building a structure takes for each triangle, at its peak, beside the mesh it is of: measured with meshes of 0.4 and 2.2 million
+/// triangles, which take 172 and 209 bytes for each with the mesh.
 const BUILDING: u64 = 130;
 
-/// Says whether there is memory for the structure over as many triangles.
+/// Says whether there is memory for a structure over so many triangles.
 pub(super) fn require_structure(triangles: u64) -> Result<(), SceneError> {
     require(triangles * BUILDING).map_err(|short| SceneError::TooLittleMemory {
         triangles,

@@ -168,8 +168,9 @@ pub fn gather<K: Kernel>(
     gathered
 }
 
-/// What to divide by where a path goes on that carries so much; `None` where it ends. Paths that carry little end at random, and the
-/// rest carry more for them. Inside glass, little is not what it seems. `u`: uniform in `[0, 1)`.
+/// What to divide the throughput by where a path goes on that `carried` this much; `None` where it ends. Paths that carry little end at
+/// random, and the rest carry more for them. `carried` is counted as at the eye: inside glass, radiance is concentrated. `u`: uniform in
+/// `[0, 1)`.
 fn after_roulette(scene: &PreparedScene, carried: f32, u: impl FnOnce() -> f32) -> Option<f32> {
     let survival = carried / ENOUGH;
     if survival >= 1.0 {
@@ -183,8 +184,8 @@ fn after_roulette(scene: &PreparedScene, carried: f32, u: impl FnOnce() -> f32) 
     (u < survival).then_some(survival)
 }
 
-/// Weight of light that a path meets after it `scattered`, with a density, at a point where `aimed_pdf` says how likely it was to
-/// aim at that light instead.
+/// Weight of light that a path meets. `scattered`: the density of its last direction and the point it left; `aimed_pdf`: how likely that
+/// point was to aim at the same light instead.
 fn met_weight(
     settings: &RenderSettings,
     scattered: Option<&(f32, Receiver)>,
@@ -219,7 +220,7 @@ struct Lit {
 }
 
 impl Lit {
-    /// Adds it to what a path has gathered that began so and carries `throughput`.
+    /// Adds it to what a path with this `beginning` and `throughput` has gathered.
     fn add_to<P: Parts>(&self, gathered: &mut Gathered<P>, beginning: Beginning, throughput: Vec3) {
         let lobes = self.lobes * throughput;
         if self.is_background {
@@ -283,7 +284,7 @@ impl Aiming<'_> {
         })
     }
 
-    /// What came of aiming where nothing can: no ray is needed.
+    /// The result of aiming where nothing can come of it: no ray is needed.
     #[inline]
     fn nothing(&self, aimed: &Aimed, tally: &mut impl Tally) -> Option<Lit> {
         if self.scene.does(Feature::DarkRays) {

@@ -65,9 +65,9 @@ impl Phong {
         self.diffuse == Vec3::ZERO && self.specular == Vec3::ZERO
     }
 
-    /// The share of the irradiance that a light of direction `wi` would give a surface facing it, which leaves along `wo`, per
-    /// steradian: `f · cos θ` for the modified model, the whole classic term for the classic one. `mirror`: the mirror
-    /// direction of `wo`; `cosine`: between `wi` and the normal, positive.
+    /// The share that leaves along `wo`, per steradian, of the irradiance that light from `wi` would give a surface facing it: `f · cos θ`
+    /// for the modified model, the whole classic term for the classic one. `mirror`: the mirror direction of `wo`; `cosine`: between `wi`
+    /// and the normal, positive.
     pub fn reflected(&self, model: PhongModel, mirror: Vec3, wi: Vec3, cosine: f32) -> ByLobe {
         match model {
             PhongModel::Modified => self.brdf(self.lobe(mirror, wi)) * Vec3::splat(cosine),

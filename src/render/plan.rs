@@ -69,7 +69,7 @@ impl Feature {
         }
     }
 
-    /// What is done wherever it is.
+    /// The features that are done wherever this one is.
     fn takes(self) -> &'static [Self] {
         match self {
             Self::EyeRays | Self::Light | Self::Textures => &[],
@@ -160,7 +160,7 @@ impl Plan {
         self.forced.has(feature)
     }
 
-    /// The same, and `feature` with all that it takes, whether needed or not.
+    /// The same plan, except that `feature` is done with all that it takes, whether needed or not.
     #[must_use]
     pub fn forcing(self, feature: Feature) -> Self {
         let with = feature.takes().iter().copied().chain([feature]);
@@ -170,7 +170,7 @@ impl Plan {
         }
     }
 
-    /// The same, and everything that is not needed.
+    /// The same plan, except that everything is done, needed or not.
     #[must_use]
     pub const fn forcing_everything(self) -> Self {
         Self {

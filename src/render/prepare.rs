@@ -40,11 +40,11 @@ pub struct PreparedScene {
     /// What varies over objects.
     textures: Arc<PreparedTextures>,
     lights: Vec<PreparedLight>,
-    /// Those lights that rays meet.
+    /// The disk lights that rays meet.
     disks: VisibleDisks,
     /// What one light is chosen from.
     emitters: Arc<Emitters>,
-    /// How often they are aimed at, and how often the background.
+    /// How often emitters are aimed at, and how often the background.
     aim_shares: AimShares,
     plan: Plan,
     /// What is kept of the rays from the eye, where somebody keeps it.
@@ -57,7 +57,7 @@ pub struct PreparedScene {
     has_shining_surroundings: bool,
     /// In prepared units.
     occlusion_radius: f32,
-    /// The most that a camera sample may bring.
+    /// The most radiance that a camera sample may bring in its brightest channel.
     clamp: Option<f32>,
     layers: Vec<Layer>,
     settings: RenderSettings,
@@ -106,7 +106,7 @@ impl PreparedScene {
         }
     }
 
-    /// [`Self::prepare_watched`] of triangles that are placed already; what does not depend on them is kept of `previous`.
+    /// [`Self::prepare_watched`] of triangles that are placed already; what does not depend on them is taken from `previous`.
     ///
     /// # Errors
     /// What about the description cannot be rendered.
@@ -124,7 +124,7 @@ impl PreparedScene {
         }
     }
 
-    /// About what `scene` is prepared to, for a [`Sketch`](super::Sketch) of it.
+    /// Approximately what `scene` would be prepared to, for a [`Sketch`](super::Sketch) of it.
     pub(super) fn sketch(
         scene: &Scene,
         previous: &Self,
@@ -274,7 +274,7 @@ impl PreparedScene {
         }
     }
 
-    /// Whether one light is chosen from many by what `other` chooses by, made once.
+    /// Whether it shares with `other` the tables by which one light is chosen from many.
     #[must_use]
     pub fn shares_light_choice(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.emitters, &other.emitters)
@@ -351,7 +351,7 @@ impl PreparedScene {
         self.accelerator().intersect(ray, f32::INFINITY)
     }
 
-    /// What `ray`, which makes that [`Self::hit`], meets first.
+    /// What `ray` meets first, lights included. `hit`: what [`Self::hit`] says of it.
     #[inline]
     pub(super) fn seen(&self, ray: &Ray, hit: Option<Hit>) -> Seen<'_> {
         let disk = self
@@ -370,7 +370,7 @@ impl PreparedScene {
         SurfacePoint::new(&self.geometry, ray, hit)
     }
 
-    /// Whether `ray`, far as it goes, may end at something that shines: `false` is certain, and asks for no surface.
+    /// Whether `ray` may end at something that shines, told without looking for surfaces: `false` is certain.
     pub(super) fn may_meet_light(&self, ray: &Ray) -> bool {
         self.has_shining_surroundings || self.disks.nearest(ray, f32::INFINITY).is_some()
     }
@@ -463,7 +463,7 @@ impl PreparedScene {
         self.plan
     }
 
-    /// The same scene, rendered by that plan.
+    /// The same scene, rendered by `plan`.
     #[must_use]
     pub fn with_plan(self, plan: Plan) -> Self {
         Self { plan, ..self }

@@ -55,7 +55,7 @@ impl PrimaryHits {
         self.hits[self.index(pixel)].get().copied().flatten()
     }
 
-    /// A pixel's ray hits this.
+    /// Keeps what a pixel's ray hits.
     pub fn keep(&self, pixel: (u32, u32), hit: Option<Hit>) {
         // Whoever else has found it has found the same.
         let _ = self.hits[self.index(pixel)].set(hit);

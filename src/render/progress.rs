@@ -15,7 +15,7 @@ pub const NOISE_TARGETS: [f64; 3] = [0.10, 0.03, 0.01];
 /// A running render's state for whoever watches; clones see the same render.
 #[derive(Clone, Debug, Default)]
 pub struct RenderProgress {
-    /// In camera samples: the fraction is the true part of the work, as far as that is known.
+    /// In camera samples: their done fraction is that of the work, as far as it is known.
     pub samples: Progress,
     rays: Arc<AtomicU64>,
     errors: Arc<Mutex<Vec<ErrorPoint>>>,

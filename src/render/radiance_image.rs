@@ -1,4 +1,4 @@
-//! An image of all directions as rendering reads it: interpolated, and sampled exactly by what it shows.
+//! An image of all directions as rendering reads it: interpolated, and sampled in exact proportion to what it shows.
 //!
 //! Radiance is interpolated between the centres of four neighbouring texels, linearly in the azimuth and linearly in the
 //! cosine to the image's top; beyond the first and last row it stays as it is there. The solid angle is even in these two
@@ -143,7 +143,7 @@ impl RadianceImage {
         pdf
     }
 
-    /// A direction in proportion to its luminance, by `u`, uniform over the unit square; unit. `None` for a black image, and
+    /// A unit vector drawn in proportion to the luminance seen along it; `u`: uniform over the unit square. `None` for a black image, and
     /// without the tables.
     pub fn sample(&self, u: Vec2) -> Option<DVec3> {
         if self.integral <= 0.0 || !self.can_be_sampled() {
@@ -220,7 +220,7 @@ impl RadianceImage {
     }
 }
 
-/// Between two values that are not negative, neither is this; between equal ones it is just that.
+/// Interpolated linearly. Between values that are not negative the result is not either, and between equal ones it is the same.
 fn between(from: Vec3, to: Vec3, share: f32) -> Vec3 {
     from + (to - from) * share
 }

@@ -1,9 +1,9 @@
 //! A render that is going on: which pass comes next, and when it is enough.
 //!
-//! At first all pixels get the same number of samples, in passes that end at powers of two and in the middle between them. A
-//! render that may stop early then doubles the samples of those pixels where that helps most, in rounds: passes over the selected
-//! pixels until each has its double. What is decided, is decided at the end of a round, from the film alone, so that the
-//! picture does not depend on threads; only a stop by time depends on the clock.
+//! At first all pixels get the same number of samples, in passes that end at powers of two and in the middle between them. A render that
+//! may stop early then doubles the samples of those pixels where that helps most, in rounds: passes over the selected pixels until each has
+//! its double. Decisions are made at the end of a round, from the film alone, so that the picture does not depend on threads; only a stop
+//! by time depends on the clock.
 
 use std::panic::resume_unwind;
 use std::sync::{Mutex, MutexGuard};
@@ -33,7 +33,7 @@ pub const TILE_SIDE: u32 = 32;
 /// there. Their sizes are part of the picture's definition: they fix the order of additions.
 const MOST_SAMPLES_PER_PASS: u32 = 16;
 
-/// The same where only some pixels get samples: there, the picture is already there, and short passes make threads wait.
+/// The same where only some pixels get samples: by then there is a whole picture, and short passes would make threads wait.
 const MOST_SAMPLES_PER_ROUND_PASS: u32 = 64;
 
 /// How many passes give every pixel that many samples, where nothing ends the render before.
@@ -54,7 +54,7 @@ const LEAST_SAMPLES: u32 = 16;
 /// By how much the samples must have grown until the error is noted again.
 const NOTE_GROWTH: f64 = 1.06;
 
-/// The share of the samples so far that are handed out before it is looked again where they belong.
+/// The share of the samples so far that are handed out before it is decided again where they belong.
 const ROUND_SHARE: f64 = 0.5;
 
 /// See the module's description.
@@ -77,11 +77,11 @@ pub struct Renderer<'a> {
 struct LastKept {
     /// When it was kept, or the render began.
     at: Instant,
-    /// How long that took a thread; nothing before the first.
+    /// How long keeping it took a thread; zero before the first.
     took: Duration,
 }
 
-/// What follows on samples of all pixels.
+/// What follows the passes over all pixels.
 enum Next {
     End(Ending),
     ChoosePixels,
@@ -99,7 +99,7 @@ impl Shared {
 }
 
 impl<'a> Renderer<'a> {
-    /// Nothing rendered yet of `region`, which lies in the picture.
+    /// A render of `region`, which lies in the picture, before its first sample.
     pub fn new(
         scene: &'a PreparedScene,
         region: Region,
@@ -129,7 +129,7 @@ impl<'a> Renderer<'a> {
         Self::resume(scene, nothing, run, progress, watch)
     }
 
-    /// As far as `checkpoint` is, which [fits](Checkpoint::fits).
+    /// A render that goes on from `checkpoint`, which [fits](Checkpoint::fits).
     pub fn resume(
         scene: &'a PreparedScene,
         checkpoint: Checkpoint,
@@ -190,7 +190,7 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Has what the tiles that are done hold kept, whenever the last checkpoint was.
+    /// Has a checkpoint kept of all tiles that are done, however recent the last one is.
     fn keep_last_checkpoint(&self) {
         if let Some(keeper) = self.watch.checkpoints {
             (keeper.keep)(self.checkpoint());

@@ -42,7 +42,7 @@ impl RunConfig {
         }
     }
 
-    /// The layers that a render of `scene` keeps beside the picture, the error's aside.
+    /// The layers that a render of `scene` keeps beside the picture, except that of the error.
     #[must_use]
     pub fn layers_of<'a>(&self, scene: &'a PreparedScene) -> &'a [Layer] {
         if self.layers { scene.layers() } else { &[] }
@@ -52,8 +52,8 @@ impl RunConfig {
 /// Rays by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RayCounts {
-    /// From the eye: one per sample, also where it misses the scene's box; one for all samples that a pass takes of a pixel, where they
-    /// look along one line. None where it is [known](super::PrimaryHitStore) what they hit.
+    /// From the eye: one per sample, even where it misses the scene's box; where all samples of a pixel share one ray, one for all that a
+    /// pass takes. None where it is [known](super::PrimaryHitStore) what they hit.
     pub camera: u64,
     /// To a light.
     pub shadow: u64,
@@ -102,8 +102,8 @@ pub enum Ending {
     Noise,
     /// The time is up.
     Time,
-    /// It was told to end. Pixels may have any number of samples, none too, and the error is that of the last whole pass over them,
-    /// if anything too large.
+    /// It was told to end. Pixels may have any number of samples, even none, and the error is that of the last whole pass over them, if
+    /// anything too large.
     Interrupted,
 }
 
@@ -126,8 +126,8 @@ pub struct RenderStats {
     pub samples_per_pixel: f64,
     /// The fewest and the most samples of a pixel.
     pub sample_range: [u32; 2],
-    /// Passes over the picture that are over. Where the error decides which pixels get samples, it is their number that reproduces a picture
-    /// that the clock ended.
+    /// Passes over the picture that are over. Where the error decides which pixels get samples, their number reproduces a picture that the
+    /// clock ended.
     pub passes: u32,
     /// Why it ended.
     pub ending: Ending,
@@ -135,7 +135,7 @@ pub struct RenderStats {
     pub error: Option<ErrorEstimate>,
     /// Samples that were infinite or not a number. They stay in the picture.
     pub non_finite_samples: u64,
-    /// Samples with less than no light in a channel. They stay in the picture.
+    /// Samples that are negative in a channel. They stay in the picture.
     pub negative_samples: u64,
     /// Samples whose path `render.max_bounces` ended where it might have brought more: light is missing in them. Counted too are
     /// paths that would have left the scene next, as that is not looked for.
@@ -171,7 +171,7 @@ pub type OnTile<'a> = &'a (dyn Fn(&TilePixels<'_>) + Sync);
 /// Who is shown the film whenever the samples of its pixels have doubled, or those of the ones that needed it.
 pub type OnRound<'a> = &'a (dyn Fn(&Round<'_>) + Sync);
 
-/// A moment at which every pixel has a power of two of samples.
+/// A moment at which every pixel has a power of two of samples, or the most it may get.
 #[derive(Clone, Copy, Debug)]
 pub struct Round<'a> {
     /// Wall time since the start; that of the watch does not count.

@@ -202,14 +202,14 @@ impl Scrambles {
         }
     }
 
-    /// Number `index` of the sequence, whose bits come in reverse order.
+    /// The number of the sequence at an index whose bits, in reverse order, are `reversed`.
     #[inline]
     fn single(&self, reversed: u32) -> f32 {
         let index = self.shuffled(reversed);
         unit_from_bits(owen_scramble(index, self.x).reverse_bits())
     }
 
-    /// Pair `index` of the sequence, whose bits come in reverse order.
+    /// The pair of the sequence at an index whose bits, in reverse order, are `reversed`.
     #[inline]
     fn pair(&self, reversed: u32) -> Vec2 {
         let index = self.shuffled(reversed);

@@ -31,7 +31,7 @@ pub fn draw(shares: &[f32], u: f32) -> (usize, f32) {
     (item, rest.min(ONE_MINUS))
 }
 
-/// How likely [`draw`] gives `item`.
+/// The probability that [`draw`] gives `item`.
 pub fn share_of(shares: &[f32], item: usize) -> f32 {
     let before = if item == 0 { 0.0 } else { shares[item - 1] };
     shares[item] - before

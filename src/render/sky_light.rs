@@ -9,8 +9,8 @@ use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::math::{Vec3, warp};
 
-/// The mean of `image`'s radiance over the hemisphere at `point`, weighted by the cosine and by what is not occluded; without
-/// occlusion nothing is in the way, and no ray is asked.
+/// The mean of `image`'s radiance over the hemisphere at `point`, weighted by the cosine and by what is not occluded; without occlusion
+/// nothing is in the way, and no ray is traced.
 ///
 /// Half of the occlusion samples go where the image is bright, half are spread by the cosine, and each is weighted by how
 /// likely either half was to take it: the first half finds the sun, the second all that is wide and dim. An odd sample is the

@@ -154,7 +154,7 @@ impl SurfacePoint {
         self.shading_normal.dot(wi).max(0.0)
     }
 
-    /// The point as one that light is wanted at.
+    /// The point as a receiver of light, for a choice among many lights.
     #[must_use]
     pub fn receiver(&self) -> Receiver {
         Receiver {
@@ -175,8 +175,8 @@ impl SurfacePoint {
         reflect(self.wo, self.specular_normal)
     }
 
-    /// A ray along `direction`, on the side of the surface that `wo` is on. It can meet the triangle it leaves only where it
-    /// leads below it.
+    /// A ray along `direction`, on the side of the surface that `wo` is on. It can meet the triangle it leaves only where `direction` leads
+    /// below that.
     #[must_use]
     pub fn ray_above(&self, direction: Vec3) -> Ray {
         Ray::new(self.start, direction)

@@ -46,7 +46,7 @@ pub struct NotedRay {
     pub ray: Ray,
     /// How far from the eye it starts; 0 for all but camera rays.
     pub start: f64,
-    /// The parameter up to which it was looked along.
+    /// The parameter up to which it was traced.
     pub reach: f32,
     pub end: NotedEnd,
 }
@@ -63,7 +63,7 @@ pub enum NotedEnd {
 }
 
 impl NotedRay {
-    /// One whose nearest hit was asked for.
+    /// A ray whose nearest hit was asked for.
     pub fn nearest(ray: Ray, hit: Option<Hit>) -> Self {
         Self {
             ray,
@@ -73,7 +73,7 @@ impl NotedRay {
         }
     }
 
-    /// One from the eye along that unit vector that passes by all there is to meet. Where it starts nobody asks.
+    /// A ray from the eye along a unit vector, past all there is to meet; where it starts does not matter.
     pub fn passing_by(direction: Vec3) -> Self {
         Self {
             end: NotedEnd::PassesBy,
@@ -81,7 +81,7 @@ impl NotedRay {
         }
     }
 
-    /// One that lets this share of light pass up to its parameter `reach`.
+    /// A ray along which this share of light passes up to the parameter `reach`.
     pub fn passing(ray: Ray, reach: f32, share: Vec3) -> Self {
         Self {
             ray,
@@ -91,7 +91,7 @@ impl NotedRay {
         }
     }
 
-    /// One of a fan, `number`, along which something is in the way where the bit is set.
+    /// Ray `number` of a fan, along which something is in the way if that bit of `occluded` is set.
     pub fn of_fan(ray: Ray, number: usize, occluded: u64) -> Self {
         let is_free = occluded >> number & 1 == 0;
         Self::passing(ray, 1.0, Vec3::splat(f32::from(u8::from(is_free))))
@@ -103,7 +103,7 @@ pub trait Tally: Default {
     /// A ray is traced. What it was is asked for only where rays are kept.
     fn note(&mut self, purpose: RayPurpose, ray: impl FnOnce() -> NotedRay);
 
-    /// As many rays are traced together.
+    /// `count` rays are traced together.
     fn note_all(&mut self, purpose: RayPurpose, count: usize, ray: impl Fn(usize) -> NotedRay);
 
     /// Random numbers are drawn for so many turns of a decision.

@@ -28,7 +28,7 @@ const _: () = assert!(
 pub struct PassWork<'a> {
     /// Whether each pixel takes part; all do, where there is no choice.
     pub selected: Option<&'a [bool]>,
-    /// Whether pixels are to leave a power of two; else only those that are on the way to the next take part.
+    /// Whether pixels take part whose number of samples is a power of two; otherwise only those do that are on the way to the next one.
     pub begins_round: bool,
     /// The most samples of one pixel in this pass.
     pub longest: u32,

@@ -80,7 +80,7 @@ impl Region {
         })
     }
 
-    /// Those of [`Self::cut`], those nearest its middle first: what people look at.
+    /// The tiles of [`Self::cut`], those nearest the middle first, where people look.
     pub(super) fn tiles(&self, side: u32) -> Vec<Region> {
         let count = self.width.div_ceil(side) as usize * self.height.div_ceil(side) as usize;
         let mut tiles = Vec::with_capacity(count);

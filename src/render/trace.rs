@@ -27,7 +27,7 @@ pub struct TracedRay {
     pub origin: DVec3,
     /// Unit.
     pub direction: DVec3,
-    /// How far from its origin it was looked along; infinity where there is no end.
+    /// How far from its origin it was traced; infinity where there is no end.
     pub reach: f64,
     /// The share of light that comes through, for rays that only ask what is in the way: to lights, and for ambient occlusion.
     pub passed: Option<[f32; 3]>,
@@ -150,7 +150,7 @@ pub fn trace_sample(
     })
 }
 
-/// In the units of the scene.
+/// A noted ray in the units of the scene.
 fn traced(scene: &PreparedScene, purpose: RayPurpose, noted: &NotedRay) -> TracedRay {
     let &NotedRay {
         ray,

@@ -23,7 +23,7 @@ pub struct Used {
 }
 
 impl Used {
-    /// Of a render of `scene`. Materials that nobody knows count as none.
+    /// What a render of `scene` uses. Materials that are not defined count as none.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let settings = &scene.render;

@@ -1,7 +1,8 @@
 //! Going on when the graphics device is lost: the driver crashed or was updated, the card was unplugged or slept too long.
 //!
-//! What was on the device is gone, and so is the window that it drew. Nothing else is: the scene, its steps to undo, all renders and the one that
-//! runs are in memory, and go on in a window that is opened anew. See [`start`](crate::gui::start), which catches the faults that drawing with a lost device is to the library that draws.
+//! What was on the device is gone, and so is the window that it drew. Nothing else is: the scene, its steps to undo, all renders and the
+//! one that runs are in memory, and go on in a new window. Drawing with a lost device panics inside eframe; [`start`](crate::gui::start)
+//! catches that, and the app moves to a new window.
 
 use std::time::{Duration, Instant};
 

@@ -1,8 +1,7 @@
 //! Faults while a window draws.
 //!
-//! The library that draws gives up at a graphics device that is gone, in the middle of a frame. Let through, that would go past the library that opens
-//! windows too, which opens no other window after that. So it is caught in between: the window goes, and the library is asked to end its loop,
-//! after which it begins another.
+//! wgpu panics in the middle of a frame when its device is gone. Unwinding through winit would leave it unable to open another window, so
+//! the panic is caught between the two.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};

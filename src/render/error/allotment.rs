@@ -18,7 +18,7 @@ use crate::render::film::Film;
 /// Bits of an `f32` that tell a cell: the exponent's and three more, so eight cells to an octave.
 const CELL_BITS: u32 = 11;
 const CELLS: usize = 1 << CELL_BITS;
-/// Those bits that do not, the sign aside.
+/// The bits below those.
 const BITS_WITHIN_CELL: u32 = 31 - CELL_BITS;
 
 /// The least share of the samples so far that a round takes: shorter ones are not worth their survey.
@@ -133,7 +133,7 @@ impl Allotment {
         }
     }
 
-    /// Whether it is one over a film of `pixels` pixels: what one read from a file may not be.
+    /// Whether it is one over a film of `pixels` pixels, which is not certain where it was read from a file.
     pub fn is_like(&self, pixels: usize) -> bool {
         self.worth.len() == pixels && self.cells.iter().all(|cell| cell.place < CELLS)
     }
@@ -154,8 +154,8 @@ impl Allotment {
         }
     }
 
-    /// The pixels whose samples are to be doubled next on the way of `forecast`, or as far as `budget` more samples of mean price
-    /// allow. None gets more than `most` samples; `None` when all have them.
+    /// The pixels whose samples are to be doubled next on the way to `forecast`, or as far as `budget` more samples of mean price allow.
+    /// None gets more than `most` samples; `None` when all have them.
     pub fn select(
         &self,
         film: &Film,
@@ -183,8 +183,7 @@ impl Allotment {
         selected.contains(&true).then_some(selected)
     }
 
-    /// By how much a pixel's variance falls for the price of a sample of mean price, when its number is doubled from `samples`;
-    /// 0 where it has the most.
+    /// By how much a pixel's variance falls per sample of mean price when its samples are doubled from `samples`; 0 where it has the most.
     fn gain(&self, place: usize, samples: u32, most: u32) -> f64 {
         let doubled = doubled(samples, most);
         if doubled == samples {
@@ -221,7 +220,7 @@ impl Judgement {
     }
 }
 
-/// The mean of the judgements of the [`NEIGHBOURS`] of one, or of itself where it has none.
+/// The mean of the judgements of the [`NEIGHBOURS`] of a pixel, or its own where it has none.
 fn of_neighbours(own: &[Judgement], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> Judgement {
     let (mut sum, mut count) = (Judgement::default(), 0.0);
     for [dx, dy] in NEIGHBOURS {

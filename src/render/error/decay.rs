@@ -28,7 +28,7 @@ const LEVELS: usize = MOST_LEVEL as usize + 1;
 /// Levels in a law's tables before and after the one at which it is asked.
 const OFFSET: i32 = MOST_LEVEL.cast_signed();
 
-/// By what the variance falls when independent samples double. Nothing falls more slowly.
+/// The factor by which the variance falls when independent samples double. Nothing falls more slowly.
 const INDEPENDENT: f64 = 0.5;
 /// The same for the fastest law: about n⁻⁴·⁵.
 const FASTEST: f64 = 0.045;
@@ -49,10 +49,11 @@ const SLOW_PARTS: [(f64, f64); 7] = [
     (0.9, 0.04),
 ];
 
-/// Typical deviation of the logarithm of a link from the law: of the newest, what each level of age adds to it, and what is
-/// added at level 2, where no law holds yet, and half of that at each level that follows.
+/// Typical deviation of the logarithm of the newest link from the law.
 const DEVIATION: f64 = 0.1;
+/// What each level of age adds to it.
 const DEVIATION_OF_AGE: f64 = 0.1;
+/// What is added to it at level 2, where no law holds yet; half as much at each level that follows.
 const EARLY_DEVIATION: f64 = 0.2;
 /// Degrees of freedom of the deviations.
 const FREEDOM: f64 = 4.0;
@@ -135,7 +136,7 @@ impl Law {
         -libm::log(self.variance(level, level - 2) - 1.0)
     }
 
-    /// Logarithm of how likely it is with these links, each with its level.
+    /// Logarithm of how likely the law is once these links are `seen`, each with its level.
     fn likelihood(&self, level: u32, seen: &[(u32, f64)]) -> f64 {
         let of_link = |&(at, link): &(u32, f64)| {
             let early = EARLY_DEVIATION * libm::exp2(2.0 - f64::from(at));
@@ -148,7 +149,7 @@ impl Law {
     }
 }
 
-/// Where the tables of a law asked at `level` have the level `at`.
+/// Index of level `at` in the tables of a law that is asked at `level`.
 fn place(level: u32, at: u32) -> usize {
     (MOST_LEVEL + at - level) as usize
 }
@@ -164,7 +165,7 @@ pub struct Decay {
 }
 
 impl Decay {
-    /// That of independent samples, at `level`: what is assumed before anything is seen.
+    /// The decay of independent samples, at `level`: what is assumed before anything is seen.
     pub fn independent(level: u32) -> Self {
         let power = |k: usize| libm::exp2(f64::from(level) - k as f64);
         Self {
@@ -176,7 +177,7 @@ impl Decay {
         }
     }
 
-    /// As it is at `level`, from `links`: number `i` is the drop at level `i + 2` over the drop at level `i + 1`.
+    /// The decay at `level`, from `links`: number `i` is the drop at level `i + 2` over the drop at level `i + 1`.
     pub fn at(level: u32, links: &[f64]) -> Self {
         let level = level.min(MOST_LEVEL);
         let seen: Vec<(u32, f64)> = (2..=level)
@@ -221,7 +222,7 @@ impl Decay {
         }
     }
 
-    /// By what a drop is smaller than the one before it.
+    /// A drop over the one before it.
     pub fn link(&self) -> f64 {
         self.link
     }

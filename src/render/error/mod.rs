@@ -69,7 +69,7 @@ pub struct ErrorEstimate {
     pub rmse: Interval,
     /// Mean over pixels and channels of error² / (truth² + 0.01).
     pub relmse: Interval,
-    /// What the error of the worst channel exceeds in one of a thousand pixels only, in units of radiance.
+    /// What the error of the worst channel exceeds in only one of a thousand pixels, in units of radiance.
     pub percentile_999: f64,
     /// Pixels that are left out because they are infinite or not a number.
     pub unmeasured_pixels: u64,
@@ -116,8 +116,9 @@ impl Group {
     }
 }
 
-/// Number of [`Sums`] of errors and of relative errors.
+/// Index of the [`Sums`] of errors.
 const ABSOLUTE: usize = 0;
+/// Index of the [`Sums`] of relative errors.
 const RELATIVE: usize = 1;
 
 /// Estimates the error of a film, again and again while it fills.
@@ -149,7 +150,8 @@ impl ErrorEstimator {
         }
     }
 
-    /// Whether it is one for a film of `pixels` pixels, none with more than `most` samples: what one read from a file may not be.
+    /// Whether it is one for a film of `pixels` pixels, none with more than `most` samples, which is not certain where it was read from a
+    /// file.
     #[must_use]
     pub fn is_like(&self, pixels: usize, most: u32) -> bool {
         let is_known = |group: &Group| (1..=most).contains(&group.samples);

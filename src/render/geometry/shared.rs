@@ -10,7 +10,7 @@ use crate::control::{CancelToken, Progress};
 use crate::geometry::{Triangle, corner_normals};
 use crate::math::{DVec3, Degrees, ScaledRotation, SceneFrame, Vec3};
 
-/// From this many triangles on that need not be repeated, copies share them. Below, the flat tree costs little, its rays are
+/// Copies share their triangles where at least this many need not be repeated for it. Below, the flat tree costs little, its rays are
 /// faster, and walls made of one square stay watertight where they meet: one flat tree is, copies side by side are not.
 const WORTH_SHARING: u64 = 4096;
 
@@ -74,7 +74,7 @@ impl SharedMeshes {
         Some(shared)
     }
 
-    /// The same meshes in structures of that choice; those that are keep theirs. `None` when cancelled.
+    /// The same meshes in structures of that choice; meshes that have such a structure keep it. `None` when cancelled.
     pub fn restructured(
         &self,
         choice: StructureChoice,
@@ -129,7 +129,7 @@ impl SharedMeshes {
         structures.collect()
     }
 
-    /// The frame of a mesh's own; `None` where it is not shared.
+    /// The frame of a shared mesh; `None` where `mesh` is not shared.
     pub fn frame_of(&self, mesh: &MeshIdentity) -> Option<&SceneFrame> {
         Some(&self.find(mesh)?.frame)
     }

@@ -24,12 +24,12 @@ struct Loose {
     /// Whose tree it was: not kept alive.
     of: Weak<PreparedGeometry>,
     flat: Arc<Accelerator>,
-    /// By their places in the description, each alone.
+    /// The structure of each object that left, by its index in the description.
     objects: BTreeMap<usize, Arc<Accelerator>>,
 }
 
 impl SketchStore {
-    /// The tree of `geometry` without those of its objects, and perhaps without others; `None` where none can be had quickly.
+    /// The tree of `geometry` without the objects `moved`, and perhaps without others; `None` where it cannot be had quickly.
     fn loosened(&self, geometry: &Arc<PreparedGeometry>, moved: &[usize]) -> Option<Arc<Loose>> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let known = kept.as_ref().filter(|loose| {
@@ -58,8 +58,8 @@ impl SketchStore {
 }
 
 impl PreparedGeometry {
-    /// About what `scene` would be prepared to, where it is the scene of `self` but for places of objects; `None` where it is another, or
-    /// where it takes as long. The frame is that of `self`.
+    /// Approximately what `scene` would be prepared to, where it differs from the scene of `self` only by places of objects; `None` where
+    /// it differs by more, or a sketch would take as long. The frame is that of `self`.
     ///
     /// # Errors
     /// A mesh that is not loaded.

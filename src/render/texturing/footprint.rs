@@ -33,7 +33,7 @@ impl Footprint {
     /// The width of the cone of a scattered ray at distance 1: some 1600 of them fill a hemisphere.
     const SCATTERED: f32 = 1.0 / 16.0;
 
-    /// That of a ray from the eye; `share`: of the way to the next pixel.
+    /// The footprint of a ray from the eye; `share`: of the way to the next pixel.
     pub fn from_eye(camera: &PreparedCamera, ray: &CameraRay, share: f32) -> Self {
         let spread = camera.spread(ray.ray.direction.as_dvec3());
         #[expect(clippy::cast_possible_truncation, reason = "rendering is f32")]

@@ -138,7 +138,7 @@ pub struct PreparedTextures {
 }
 
 impl PreparedTextures {
-    /// Those of `scene`, with the pyramids of `previous` where images are the same; `None` when cancelled.
+    /// The textures of `scene`, with the pyramids of `previous` where images are the same; `None` when cancelled.
     ///
     /// # Errors
     /// A mesh or an image that is not loaded.

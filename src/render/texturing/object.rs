@@ -106,7 +106,8 @@ impl Mapped {
         }
     }
 
-    /// A vector in the triangle's plane, on the image. `normal`: twice its area long. Not finite for a triangle without area.
+    /// A vector in the triangle's plane, on the image. `normal`: of the triangle, twice its area long. Not finite for a triangle without
+    /// area.
     fn on_image(&self, vector: DVec3, normal: DVec3) -> DVec2 {
         let [ab, ac] = self.edges;
         let per_area = normal / normal.length_squared();

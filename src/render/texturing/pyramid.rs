@@ -50,8 +50,8 @@ pub struct Area {
 const MOST_TAPS: f64 = 16.0;
 
 impl Pyramid {
-    /// Memory that all sizes of `image` take beside itself at most, in bytes, as far as that is not the same for all images: a third of its
-    /// texels, and of what is a row or a column at last as many again.
+    /// The most memory that the smaller sizes of `image` take, in bytes: a third of its texels, and for those of a single row or column as
+    /// many again as it has in a row and a column. Tables of the same size for all images do not count.
     #[must_use]
     pub fn foreseen_bytes(image: &TextureImage) -> u64 {
         let sides = u64::from(image.width()) + u64::from(image.height());
@@ -113,7 +113,7 @@ impl Pyramid {
         self.smaller.len() + 1
     }
 
-    /// Whether it was made from that.
+    /// Whether it was made from this image with this meaning.
     pub(super) fn is_of(&self, image: &Arc<TextureImage>, meaning: Meaning) -> bool {
         Arc::ptr_eq(&self.image, image) && self.meaning == meaning
     }
@@ -258,7 +258,8 @@ impl Pyramid {
     }
 }
 
-/// Which of `from` texels in a row number `index` of `count` covers, and how much of itself by each.
+/// Which of `from` texels in a row are covered by texel number `index` of `count` in the row of the smaller size, and the share of it that
+/// each fills.
 fn covered(index: usize, count: usize, from: usize) -> Vec<(usize, f32)> {
     // In units in which the wide texel is `from` long and a narrow one `count`.
     let (start, end) = (index * from, (index + 1) * from);
@@ -272,7 +273,7 @@ fn covered(index: usize, count: usize, from: usize) -> Vec<(usize, f32)> {
 /// The axes of the ellipse that fills a parallelogram as a circle fills a square, as wide and long as it.
 struct Axes {
     long: DVec2,
-    /// The length of the other.
+    /// The length of the short axis.
     short: f64,
 }
 
