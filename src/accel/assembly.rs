@@ -57,7 +57,7 @@ pub struct Assembly {
     reach: f64,
 }
 
-/// A part, its ids counted.
+/// A part, and the ids of its triangles.
 #[derive(Clone, Debug)]
 struct PlacedPart {
     /// Its first triangle, and the first one after it.
@@ -74,7 +74,7 @@ enum Content {
         structure: usize,
         turn: ScaledRotation,
         is_mirrored: bool,
-        /// Its place among all copies.
+        /// Index of its first copy among all copies.
         first: usize,
     },
 }
@@ -374,8 +374,7 @@ impl Assembly {
         std::iter::once((&*self.flat, area_of(&self.flat.bounds()))).chain(shared)
     }
 
-    /// The same scene in other structures: `build` gets the triangles of each, the flat one first. `None` where that returns
-    /// it.
+    /// The same scene in other structures: `build` gets the triangles of each, the flat one first. `None` where `build` returns `None`.
     pub fn rebuilt(
         &self,
         mut build: impl FnMut(Vec<Triangle>) -> Option<Accelerator>,

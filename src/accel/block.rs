@@ -131,7 +131,7 @@ impl<S: Simd> BlockFilter<S> {
         }
     }
 
-    /// What moves the ray's x and y per z to 0, by its axes.
+    /// The negative of the shear: what moves the ray's x and y per z to 0, in the order of `axes`.
     #[inline(always)]
     pub fn unshear_of(ray: &Ray, axes: [usize; 3]) -> [f32; 2] {
         let direction = ray.direction.to_array();
@@ -149,8 +149,8 @@ impl<S: Simd> BlockFilter<S> {
     }
 }
 
-/// [`RayKernel`] in `f32`, for as many pairs of a ray and a triangle at once as a register has lanes. It may pass a triangle the ray misses, but never
-/// rejects a hit before its limit.
+/// [`RayKernel`] in `f32`, for as many pairs of a ray and a triangle at once as a register has lanes. It may pass a triangle the ray
+/// misses, but never rejects a hit before its limit.
 ///
 /// A pair per lane: one ray may be in all of them, or one triangle. Coordinates are in the order of the rays' axes.
 #[derive(Clone, Copy)]

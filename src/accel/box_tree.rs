@@ -3,9 +3,9 @@
 use super::slabs::MARGIN;
 use crate::math::{Bounds, Ray};
 
-/// From here on, splits halve the number of boxes, so that no tree is deeper than [`MAX_DEPTH`].
+/// From this depth on, splits halve the number of boxes, so that no tree is deeper than [`MAX_DEPTH`].
 const HALVED_FROM: usize = 30;
-/// Halvings of 2³² boxes come on top.
+/// Depth of the deepest tree: halvings of 2³² boxes come on top.
 const MAX_DEPTH: usize = HALVED_FROM + 33;
 
 /// The most boxes that are sorted along each axis for the best split; more are halved, at a tenth of the time. Only the upper levels
@@ -34,7 +34,7 @@ enum Content {
 }
 
 impl BoxTree {
-    /// The tree over `boxes`, which are not empty and less than 2³¹.
+    /// The tree over `boxes`, of which none is empty and there are fewer than 2³¹.
     ///
     /// # Panics
     /// When there are more.
@@ -85,7 +85,7 @@ impl BoxTree {
         self.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds)
     }
 
-    /// Visits the boxes that `ray` may pass in `0 < t < t_max`, about in the order of its way, until all that is left begins
+    /// Visits the boxes that `ray` may pass in `0 < t < t_max`, roughly in the order in which it passes them, until all that is left begins
     /// beyond the `t` that the last call of `visit` returned.
     #[inline]
     pub fn walk(&self, ray: &Ray, t_max: f32, visit: impl FnMut(u32) -> f32) {

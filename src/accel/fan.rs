@@ -89,7 +89,7 @@ impl<'a> Fan<'a> {
         })
     }
 
-    /// The part of the fan's rays that `bits` tells, at least one.
+    /// The least and the greatest coordinates of the directions of the rays in `bits`, at least one.
     #[inline(always)]
     fn span(&self, bits: u64) -> (Vec3, Vec3) {
         let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -113,8 +113,8 @@ struct Limit<S: Simd> {
 }
 
 impl<S: Simd> Limit<S> {
-    /// The limit by the side that rays meet where they are as far along as `direction` leads; `is_entry_if_positive`: whether
-    /// rays are before the box until then, if `direction` is positive.
+    /// The limit by one side of boxes, as a ray meets it that goes along the axis as `direction` says; `is_entry_if_positive`: whether rays
+    /// are before the box until then, if `direction` is positive.
     #[inline(always)]
     fn new(simd: S, direction: f32, is_entry_if_positive: bool) -> Self {
         let is_entry = (direction > 0.0) == is_entry_if_positive;
@@ -147,8 +147,8 @@ pub(super) struct FanCull<S: Simd> {
 }
 
 impl<S: Simd> FanCull<S> {
-    /// For the rays of `fan` that `bits` tells, all of them rising; for boxes whose coordinates are at most `reach` in magnitude.
-    /// `None` where differences between coordinates may overflow.
+    /// For the rays of `fan` in `bits`, all of them rising; for boxes whose coordinates are at most `reach` in magnitude. `None` where
+    /// differences between coordinates may overflow.
     #[inline(always)]
     pub fn new(simd: S, fan: &Fan<'_>, bits: u64, reach: f32) -> Option<Self> {
         if !(fan.origin.abs().max_element() + reach).is_finite() {

@@ -28,7 +28,7 @@ impl<R: Copy> KernelRays<R> {
         }
     }
 
-    /// Corners, an axis each as renamed, as [`RayKernel`] sees them: moved and sheared.
+    /// Corners as [`RayKernel`] sees them, by renamed axis: moved and sheared.
     #[inline(always)]
     fn sheared<S: Doubles<R>>(&self, simd: S, [x, y, z]: [R; 3]) -> [R; 3] {
         let x = simd.sub(x, self.origin[0]);

@@ -4,8 +4,7 @@ use super::Hit;
 use super::simd::{WIDE_LANES, WideLanes};
 use crate::math::{Ray, Vec3};
 
-/// Up to sixteen rays and how far each is looked along: its `t_max`. That they go almost the same way saves time and changes no
-/// hit.
+/// Up to sixteen rays and how far each is traced: its `t_max`. That they go almost the same way saves time and changes no hit.
 #[derive(Clone, Debug)]
 pub struct Packet {
     /// By axis. Lanes without a ray hold a copy of the first.
@@ -49,7 +48,7 @@ impl Packet {
         packet
     }
 
-    /// Adds a ray, to be looked along up to `t_max`.
+    /// Adds a ray, to be traced up to `t_max`.
     ///
     /// # Panics
     /// When there are [`Packet::MOST_RAYS`] already.

@@ -25,7 +25,7 @@ impl AddAssign for Visits {
     }
 }
 
-/// The bytes that looking for the nearest hit keeps for counts, beside the ray's test and the best hit: as rendering asks, and as
+/// Bytes that the search for the nearest hit keeps for counts, beside the ray's test and the best hit: as rendering asks, and as
 /// [`Accelerator::visits`] asks.
 #[must_use]
 pub fn bytes_for_counts() -> [usize; 2] {

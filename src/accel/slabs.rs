@@ -48,7 +48,7 @@ pub(super) fn are_ordinary(direction: Vec3) -> bool {
     x >= least && y >= least && z >= least && x <= most && y <= most && z <= most
 }
 
-/// Which of the numbers, as in [`are_ordinary`], are.
+/// Which of the numbers are ordinary, as in [`are_ordinary`].
 #[inline(always)]
 pub(super) fn ordinary<R: Copy, S: Floats<R>>(simd: S, numbers: R) -> LaneSet {
     let [least, most] = ORDINARY;

@@ -13,16 +13,17 @@ use crate::scene::{
 const LEAST_SECONDS: f64 = 0.05;
 /// The most samples per pixel of a render that is timed.
 const MOST_SAMPLES: u32 = 16;
-/// So many tiles along each side, of so many pixels, tell what the whole picture takes.
+/// So many tiles along each side tell what the whole picture takes.
 const TILES: u32 = 4;
+/// Side of these tiles, in pixels.
 const TILE_SIDE: u32 = 32;
-/// The first picture that is tried has one of so many pixels along each side.
+/// The first picture that is tried has one pixel for so many along each side.
 const COARSEST: u32 = 16;
 
 /// What keeping parts of the picture is called.
 pub const LAYERS: &str = "layers";
 
-/// An effect that a scene may have, and that can be switched off. The picture is another one then.
+/// An effect that a scene may have, and that can be switched off, which makes another picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Points within a pixel.
@@ -140,7 +141,7 @@ impl Effect {
         all.filter(|effect| effect.is_in(scene, plan)).collect()
     }
 
-    /// Whether the picture of `scene`, whose plan that is, has it.
+    /// Whether the picture of `scene`, whose plan is `plan`, has it.
     fn is_in(self, scene: &Scene, plan: Option<Plan>) -> bool {
         let settings = &scene.render;
         let needs = |feature| plan.is_some_and(|plan| plan.needs(feature));
@@ -245,7 +246,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Finds a size at which a render takes as long as it must. `None` when cancelled, as everything that it is asked for then.
+    /// Finds a size at which a render takes as long as it must. `None` when cancelled, as is then everything that it is asked for.
     /// `prepared`: what was prepared of the scene, if anything was; its triangles and tree are used.
     ///
     /// # Errors
@@ -284,8 +285,8 @@ impl Trial {
         }
     }
 
-    /// What the whole picture of `scene`, whose trial this is, takes on one thread, by some of its tiles spread over it: rays that are
-    /// as near each other as in the whole.
+    /// Seconds that the whole picture of `scene`, whose trial this is, takes on one thread. They are estimated by some of its tiles spread
+    /// over it, whose rays are as near each other as in the whole.
     ///
     /// # Errors
     /// What about the description cannot be rendered.
@@ -451,7 +452,7 @@ impl Trial {
         }
     }
 
-    /// `scene`, on what is prepared.
+    /// Prepares `scene`, with what is already prepared of this one.
     pub(super) fn prepare(&self, scene: &Scene) -> Result<Option<PreparedScene>, SceneError> {
         PreparedScene::prepare(scene, Some(&self.prepared), &self.cancel)
     }

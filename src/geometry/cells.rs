@@ -17,9 +17,9 @@ pub struct Cells {
 /// The corners of a face by their places in its cell, counter-clockwise seen from outside.
 type Face = &'static [usize];
 
-/// Of a tetrahedron whose fourth corner lies on the side from which the first three turn counter-clockwise.
+/// The faces of a tetrahedron whose fourth corner lies on the side from which the first three turn counter-clockwise.
 const OF_TETRAHEDRON: [Face; 4] = [&[0, 2, 1], &[0, 1, 3], &[0, 3, 2], &[1, 2, 3]];
-/// Of a pyramid: four corners of its base, and the top.
+/// The faces of a pyramid: four corners of its base, and the top.
 const OF_PYRAMID: [Face; 5] = [
     &[0, 3, 2, 1],
     &[0, 1, 4],
@@ -27,7 +27,7 @@ const OF_PYRAMID: [Face; 5] = [
     &[2, 3, 4],
     &[3, 0, 4],
 ];
-/// Of a prism: three corners of its base, and those above them.
+/// The faces of a prism: three corners of its base, and those above them.
 const OF_PRISM: [Face; 5] = [
     &[0, 2, 1],
     &[3, 4, 5],
@@ -35,7 +35,7 @@ const OF_PRISM: [Face; 5] = [
     &[1, 2, 5, 4],
     &[2, 0, 3, 5],
 ];
-/// Of a hexahedron: four corners of its base, and those above them.
+/// The faces of a hexahedron: four corners of its base, and those above them.
 const OF_HEXAHEDRON: [Face; 6] = [
     &[0, 3, 2, 1],
     &[4, 5, 6, 7],
@@ -51,7 +51,7 @@ impl Cells {
     /// Most cells whose faces can be numbered.
     pub const MOST: usize = 1 << 29;
 
-    /// Those of tetrahedra.
+    /// Cells that are all tetrahedra.
     #[must_use]
     pub fn of_tetrahedra(tetrahedra: Vec<[u32; 4]>) -> Self {
         Self {
@@ -118,9 +118,9 @@ impl Cells {
 pub struct CellFaces<'a> {
     cells: &'a Cells,
     positions: &'a [DVec3],
-    /// The numbers of those that belong to one cell alone, ascending.
+    /// The numbers of the faces that belong to one cell alone, ascending.
     outside: Vec<u32>,
-    /// The numbers of all, ascending: of those that belong to several cells, one.
+    /// The numbers of all faces, ascending: of those that belong to several cells, one.
     all: Vec<u32>,
     /// The corners of triangles, and of the halves of quadrilaterals, ascending.
     triangles: Vec<[u32; 3]>,
@@ -130,7 +130,7 @@ pub struct CellFaces<'a> {
     pub flat: u64,
 }
 
-/// A face by its corners, ascending, and its number: [`MOST_FACES`] times that of its cell, and its own in that.
+/// A face by its corners, ascending, and its number: [`MOST_FACES`] times that of its cell, plus its own within the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Numbered<const N: usize> {
     corners: [u32; N],
@@ -138,7 +138,7 @@ struct Numbered<const N: usize> {
 }
 
 impl<'a> CellFaces<'a> {
-    /// Those of `cells`, whose corners are indices into `positions`. Where more than two cells share a face it is an inner one.
+    /// The faces of `cells`, whose corners are indices into `positions`. Where more than two cells share a face it is an inner one.
     ///
     /// # Panics
     /// When an index is out of range, or there are more than [`Cells::MOST`] cells.
@@ -222,7 +222,7 @@ impl<'a> CellFaces<'a> {
         self.all.len() - self.outside.len()
     }
 
-    /// The corners of a face, seen from outside of its cell whichever way that is given.
+    /// The corners of a face, counter-clockwise seen from outside its cell, even where the cell is given inside out.
     fn face(&self, number: u32) -> Vec<u32> {
         let number = number as usize;
         let cell = self.cells.cell(number / MOST_FACES);
@@ -242,8 +242,9 @@ impl<'a> CellFaces<'a> {
     }
 }
 
-/// Whether lists of four vertices are tetrahedra rather than quadrilaterals: there are several, all of four different ones, each has three of its vertices, with
-/// another fourth one, in common with another one, and no three with two others. Quadrilaterals of a surface have two in common, or all four.
+/// Whether lists of four vertices are tetrahedra rather than quadrilaterals: there are several, none holds a vertex twice, each has three
+/// vertices in common with another one whose fourth differs, and no three vertices are in more than two. Quadrilaterals of a surface have
+/// two vertices in common, or all four.
 #[must_use]
 pub fn are_tetrahedra(fours: &[[u32; 4]]) -> bool {
     let Some((first, others)) = fours.split_first() else {

@@ -21,7 +21,7 @@ impl Side {
         self.half_edge as usize / 3
     }
 
-    /// Whether the faces of both sides of an edge run along it the same way: they turn round in opposite ways then.
+    /// Whether the faces of both sides of an edge run along it the same way: then they turn round in opposite senses.
     #[must_use]
     pub fn runs_along(self, other: Self) -> bool {
         self.runs_up == other.runs_up
@@ -41,7 +41,7 @@ pub struct Edges<'a> {
 }
 
 impl<'a> Edges<'a> {
-    /// Those of a mesh, but for faces that are `left_out`. `welded`: its vertices.
+    /// The edges of a mesh, but for those of faces that are `left_out`. `welded`: its vertices.
     ///
     /// # Panics
     /// When there are 2³² edges, or `left_out` has another number of faces.

@@ -22,7 +22,7 @@ pub fn has_area(corners: [DVec3; 3]) -> bool {
     is_clear(corners) || significant_cross(corners).is_some()
 }
 
-/// Whether a triangle has so much area that [`significant_cross`] needs not be asked.
+/// Whether a triangle has so much area that [`significant_cross`] need not be asked.
 ///
 /// Edges are at most twice the largest coordinate m long, so that what rounding may account for there is at most 48 u·m², and as much
 /// may lie between two ways to compute the cross product (u: the unit roundoff, half an epsilon).

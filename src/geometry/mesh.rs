@@ -14,8 +14,8 @@ pub struct TriangleMesh {
     pub triangles: Vec<[u32; 3]>,
     /// One shading normal per vertex where the file gave them; not necessarily of unit length.
     pub normals: Option<Vec<DVec3>>,
-    /// Where each vertex lies on an image, if the file says so: `(0, 0)` is its lower left corner, `(1, 1)` its upper right one,
-    /// and beyond it repeats.
+    /// Where each vertex lies on an image, if the file says so: `(0, 0)` is its lower left corner, `(1, 1)` its upper right one, and beyond
+    /// that the image repeats.
     pub texture_coordinates: Option<Vec<DVec2>>,
     /// One colour per vertex where the file gave them: linear RGB, white `(1, 1, 1)`.
     pub colors: Option<Vec<Vec3>>,

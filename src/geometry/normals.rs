@@ -20,12 +20,12 @@ pub struct CornerNormals {
 
 /// Shading normals of all corners: the mesh's own where it has them, else averages of the faces around a vertex.
 ///
-/// An average weighs each face by its angle at the vertex, so that it does not depend on how a flat part is cut into
-/// triangles. Faces share it where a chain of faces, each meeting the next across an edge at no more than `crease`,
-/// connects them around the vertex; from 180° on, all faces of the vertex do. `crease` 0 (or negative, or NaN) joins only
-/// coplanar faces. A face that is there twice, either way round, counts once, as it is seen. Where an average vanishes, as between two opposite faces, each corner has its face's normal; a corner
-/// of a triangle without area takes a normal of its vertex's other faces, or +Z when there is none. Of a mesh with texture coordinates,
-/// vertices at one place count as one: they are several only where the image has a seam.
+/// An average weighs each face by its angle at the vertex, so that it does not depend on how a flat part is cut into triangles. Faces share
+/// it where a chain of faces, each meeting the next across an edge at no more than `crease`, connects them around the vertex; from 180° on,
+/// all faces of the vertex do. `crease` 0 (or negative, or NaN) joins only coplanar faces. A face that is there twice, either way round,
+/// counts once. Where an average vanishes, as between two opposite faces, each corner has its face's normal; a corner of a triangle without
+/// area takes a normal of its vertex's other faces, or +Z when there is none. Of a mesh with texture coordinates, vertices at one place
+/// count as one: they are several only where the image has a seam.
 ///
 /// Source: Thürmer & Wüthrich, Computing Vertex Normals from Polygonal Facets, Journal of Graphics Tools 3(1), 1998.
 ///

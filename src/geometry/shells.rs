@@ -40,11 +40,12 @@ pub struct Shell {
 /// The most surfaces that others may lie in.
 const MOST_OUTER_SHELLS: usize = 1000;
 
-/// What of the cube of its diagonal the volume of a surface must be to be told from rounding, which a sheet folded on itself has alone.
+/// The least volume of a surface, as a share of the cube of its diagonal, that is told from rounding: a sheet folded on itself has no other
+/// volume.
 const LEAST_VOLUME: f64 = 1e-9;
 
 impl Shells {
-    /// So many faces, each by itself.
+    /// As many sets as there are `faces`, of one face each.
     ///
     /// # Panics
     /// When there are 2³².
@@ -146,11 +147,11 @@ impl Shells {
         (0..faces).map(is_turned).collect()
     }
 
-    /// The surfaces without open edges, as they are where the faces that are [turned](Self::turned) are turned back; those `left_out` do
-    /// not count. `mesh`: the one that all of them are of.
+    /// The surfaces without open edges, once the faces that are [turned](Self::turned) are turned back; faces that are `left_out` do not
+    /// count. `mesh`: the one that all these faces are of.
     ///
     /// # Panics
-    /// When these are of other faces.
+    /// When `mesh` or `turned` has fewer faces than `left_out`.
     #[must_use]
     pub fn closed(
         &mut self,

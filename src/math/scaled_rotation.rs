@@ -31,7 +31,7 @@ impl ScaledRotation {
         self.matrix * vector
     }
 
-    /// The vector that [`Self::apply`] makes `vector` of.
+    /// The vector that [`Self::apply`] turns into `vector`.
     #[must_use]
     #[inline]
     pub fn undo(&self, vector: DVec3) -> DVec3 {
@@ -50,7 +50,8 @@ impl ScaledRotation {
         self.matrix.determinant() < 0.0
     }
 
-    /// How large the coordinates of a turned and scaled vector can be whose own are at most `sizes`, which are not negative.
+    /// The largest coordinates, by magnitude, that [`Self::apply`] can give to a vector whose own are at most `sizes`, which are not
+    /// negative.
     #[must_use]
     pub fn largest(&self, sizes: DVec3) -> DVec3 {
         let DMat3 {

@@ -89,8 +89,8 @@ pub fn power_cosine_pdf(power: f32, exponent: f32) -> f32 {
     (exponent + 1.0) / (2.0 * PI) * power
 }
 
-/// The unit interval onto itself with a density that runs straight from `from` at 0 to `to` at 1, up to a factor; neither
-/// negative. Even where both are 0.
+/// The unit interval onto itself with a density that runs straight from `from` at 0 to `to` at 1, up to a factor; neither is negative. The
+/// density is uniform where both are 0.
 ///
 /// Source: Pharr et al., Physically Based Rendering (4th ed.), section on sampling the linear function.
 #[must_use]

@@ -15,8 +15,7 @@ pub struct Camera {
     pub vertical_fov: Degrees,
     /// Radius of the lens in scene units; 0 is a pinhole.
     pub aperture_radius: f64,
-    /// Distance along the view axis, in scene units, at which the picture is sharp, infinite too; the distance to
-    /// `target` where `None`.
+    /// Distance along the view axis, in scene units, at which the picture is sharp; may be infinite. The distance to `target` where `None`.
     pub focus_distance: Option<f64>,
 }
 

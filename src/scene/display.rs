@@ -9,7 +9,7 @@ pub struct Display {
     pub exposure: f64,
     /// How bright values are bent into the range a screen has.
     pub tone_curve: ToneCurve,
-    /// What is made brighter (above 1) or darker between black and white, after that: values are raised to `1 / gamma`. Positive.
+    /// Makes values between black and white brighter (above 1) or darker, after the tone curve: they are raised to `1 / gamma`. Positive.
     pub gamma: f64,
 }
 

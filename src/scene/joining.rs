@@ -6,9 +6,9 @@ use super::{Object, Scene, UniqueNames, free_name, rotation_degrees};
 use crate::math::DVec3;
 
 impl Scene {
-    /// Adds the objects of `other` with their meshes, materials and images; its lights, camera and settings stay there. Objects get names that
-    /// are free here, and so do materials, but those that are here already under the same name are shared. Of meshes and
-    /// images of one name, the new one counts for all.
+    /// Adds the objects of `other` with their meshes, materials and images; its lights, camera and settings stay there. Objects get names
+    /// that are free here, and so do materials, but those that are here already under the same name are shared. Of meshes and images of one
+    /// name, the new one counts for all.
     ///
     /// Returns the index of the first object that was added.
     pub fn join(&mut self, other: Self) -> usize {

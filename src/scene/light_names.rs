@@ -2,12 +2,12 @@
 
 use super::{Light, Scene, free_name};
 
-/// A light and what people call it; nothing where that is its number.
+/// A light and its name, which is empty where the light goes by its number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedLight {
-    /// Its name, or nothing.
+    /// Its name, or an empty one.
     pub name: String,
-    /// It.
+    /// The light.
     pub light: Light,
 }
 
@@ -39,7 +39,7 @@ impl Scene {
         }
     }
 
-    /// Adds a light, called by its name or nearly so, and returns its number.
+    /// Adds a light under its name, or one like it where that is taken, and returns its number.
     pub fn add_light(&mut self, NamedLight { name, light }: NamedLight) -> usize {
         let index = self.lights.len();
         self.light_names.truncate(index);

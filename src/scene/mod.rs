@@ -45,7 +45,7 @@ pub use settings::{
 };
 pub use texture_image::{Texels, TextureImage};
 
-/// Scenes larger than this, or smaller than its reciprocal, are refused: squares of their lengths leave `f64`.
+/// Scenes larger than this, or smaller than its reciprocal, are refused: beyond it, volumes soon leave the range of `f64`.
 pub const LARGEST_EXTENT: f64 = 1e100;
 
 /// Linear RGB: radiance, intensity or reflectance, as its field says.
@@ -84,7 +84,7 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Light sources, in the order of the file.
     pub lights: Vec<Light>,
-    /// What people call them, in their order; empty, or not there, where that is their number.
+    /// Names of the lights, in their order; empty, or missing at the end, where a light goes by its number.
     pub light_names: Vec<String>,
     /// What to compute.
     pub render: RenderSettings,
@@ -141,8 +141,8 @@ impl Scene {
             })
     }
 
-    /// The mesh of `object` as it is shown: that of [`Scene::mesh_of`], its winding repaired where the object says so. It is the same one
-    /// as long as anybody has it.
+    /// The mesh of `object` as it is shown: that of [`Scene::mesh_of`], its winding repaired where the object says so. A repaired mesh is
+    /// the same one as long as anybody has it.
     ///
     /// # Errors
     /// When it was not loaded.
@@ -306,7 +306,7 @@ pub enum SceneError {
         /// What is in the way.
         why: String,
     },
-    /// Objects so large, so small or so far out that distances cannot be squared.
+    /// Objects so large, so small or so far out that their volumes leave the range of `f64`.
     #[error(
         "the objects are {extent:e} across and reach {farthest:e} from the origin; \
          expected between {:e} and {LARGEST_EXTENT:e}",
@@ -318,7 +318,7 @@ pub enum SceneError {
         /// Largest coordinate.
         farthest: f64,
     },
-    /// A number is outside what it means.
+    /// A value that its key may not have.
     #[error("{key} is {value}; expected {expected}")]
     BadValue {
         /// The key as in the scene file.

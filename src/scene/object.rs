@@ -148,8 +148,8 @@ impl Object {
     }
 }
 
-/// The degrees about X, then Y, then Z, that an object turned by `rotation`, a matrix of a rotation, has. Where Y is turned by a right
-/// angle, the turn about Z is 0.
+/// The degrees about X, then Y, then Z by which an object is turned whose rotation is this matrix. Where Y is turned by a right angle, the
+/// turn about Z is 0.
 #[must_use]
 pub fn rotation_degrees(rotation: &DMat3) -> DVec3 {
     const SMALLEST_COSINE: f64 = 1e-9;

@@ -33,7 +33,7 @@ impl Choice for UpAxis {
 }
 
 impl UpAxis {
-    /// The turn about X, in degrees, after which what is up points along `up`, as far as a quarter turn does it.
+    /// The turn about X, in degrees, that makes what is up in a mesh point along `up`, where a quarter turn does so; otherwise 0.
     #[must_use]
     pub fn turn_to(self, up: DVec3) -> f64 {
         let points_along = |axis: DVec3| up.normalize_or_zero().dot(axis) > 0.9;
@@ -196,7 +196,8 @@ fn exposure(lights: &[Light], place: DVec3) -> f64 {
 /// Most stops that a preset makes brighter or darker.
 const MOST_STOPS: f64 = 20.0;
 
-/// A camera that looks the same way at the middle of `bounds`, as far as that lies before it: it is what the camera turns about.
+/// `camera`, looking the same way, with its target as far away as the middle of `bounds`, if that lies in front of it: orbiting turns about
+/// the target.
 #[must_use]
 pub fn aimed(camera: Camera, bounds: &DBounds) -> Camera {
     let Some(axes) = camera.axes() else {

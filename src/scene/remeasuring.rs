@@ -9,7 +9,7 @@ use crate::math::{DMat3, DVec3};
 pub struct Remeasure {
     /// A rotation that takes axes to axes.
     pub turn: DMat3,
-    /// New units in an old one, more than 0.
+    /// New units per old one, more than 0.
     pub scale: f64,
 }
 
@@ -35,7 +35,7 @@ impl Remeasure {
         self.turn * direction
     }
 
-    /// Objects, lights, cameras, glass and background of a scene.
+    /// Remeasures objects, lights, cameras, glass and background of a scene.
     pub fn apply(&self, scene: &mut Scene) {
         for object in &mut scene.objects {
             self.object(object);
@@ -69,7 +69,7 @@ impl Remeasure {
         object.copies = self.copies(&object.copies);
     }
 
-    /// The grid along the axes that its axes become.
+    /// The grid of copies, along the axes that its own become.
     fn copies(&self, copies: &Copies) -> Copies {
         let columns = self.turn.to_cols_array_2d();
         let before = |axis: usize| {
@@ -99,7 +99,7 @@ impl Remeasure {
         }
     }
 
-    /// A camera of the scene.
+    /// Remeasures a camera of the scene.
     pub fn camera(&self, camera: &mut Camera) {
         camera.eye = self.point(camera.eye);
         camera.target = self.point(camera.target);

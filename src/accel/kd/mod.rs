@@ -55,8 +55,8 @@ pub struct KdParameters {
     pub halved_above: usize,
     /// Halvings allowed in a row; three give each axis its turn.
     pub halvings: u32,
-    /// References allowed per triangle. Ordinary scenes need one to two; it stops those where many triangles overlap, whose rays would be
-    /// little faster by more, and which would take longer to build in proportion.
+    /// References allowed per triangle. Ordinary scenes need one to two; it stops scenes where many triangles overlap: with more
+    /// references, their rays would be little faster and their trees take longer to build in proportion.
     pub reference_budget: f64,
 }
 

@@ -32,7 +32,7 @@ impl Bin for Centered {
 /// Which slice along each axis a box's centre lies in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slices {
-    /// Twice where the first one starts.
+    /// Twice where the first slice starts, by axis.
     start: Vec4,
     per_length: Vec4,
     /// The axes along which divisions are tried.

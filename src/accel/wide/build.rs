@@ -3,8 +3,8 @@
 //! Large sets are divided in parallel; small ones grow into subtrees of one thread each. How the work is divided depends on
 //! the triangles alone, so the tree is the same for any number of threads.
 //!
-//! A set that is divided by a plane gains references. How many there may be is limited from the start, and what is left of that
-//! is shared by both parts as they have triangles.
+//! A set that is divided by a plane gains references. How many there may be is limited from the start, and what is left of that is shared
+//! by both parts in proportion to their triangles.
 
 use super::forest::{Binary, Forest, ForestCosts, Link, Slot, Subtree, cheapest_forests};
 use super::item::{Extent, Item};
@@ -18,8 +18,9 @@ use crate::control::{CancelToken, Progress};
 use crate::geometry::Triangle;
 use std::ops::Range;
 
-/// Costs of the surface area heuristic: testing the boxes of one node, and testing one block of up to eight triangles.
+/// Cost, in the surface area heuristic, of testing the boxes of one node.
 pub(super) const NODE_COST: f64 = 1.0;
+/// The same of testing one block of up to eight triangles.
 pub(super) const BLOCK_COST: f64 = 0.6;
 
 /// From this depth on sets are halved, so that no tree is much deeper.
@@ -61,7 +62,7 @@ struct Set {
     start: usize,
     extent: Extent,
     depth: u32,
-    /// How many items may come about.
+    /// How many items cutting may add.
     spare: usize,
     /// How many triangles it counts for in the progress.
     triangles: usize,

@@ -59,8 +59,7 @@ impl Forest {
         children
     }
 
-    /// Adds the trees of the cheapest forest of at most `trees` over the set at `slot`; of exactly that choice where it is a
-    /// node's.
+    /// Adds the trees of the cheapest forest of at most `trees` over the set at `slot`.
     fn gather(&self, slot: Slot, mut trees: usize, found: &mut ([Slot; WIDTH], usize)) {
         let node = self.node(slot);
         while trees > 1 && node.choices[trees - 1] == 0 {

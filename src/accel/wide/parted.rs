@@ -1,4 +1,4 @@
-//! Trees of which only some triangles are left, made by leaving lanes of leaves empty: far quicker than building. The boxes stay as they
+//! Trees with only some of their triangles left, made by leaving lanes of leaves empty: far quicker than building. The boxes stay as they
 //! were, so rays take longer than in a tree that was built for what is left.
 
 use std::ops::Range;
@@ -44,7 +44,7 @@ impl WideTree {
 }
 
 impl TriangleBlock {
-    /// Keeps the triangles that `number` gives an id, under that.
+    /// Keeps the triangles to which `number` gives an id, under that id.
     fn keep(&mut self, number: impl Fn(u32) -> Option<u32>) {
         for lane in 0..LANES {
             let id = self.ids[lane];

@@ -11,9 +11,9 @@ use crate::math::Vec4;
 /// Planes are tried between this many slices along each axis.
 const BINS: usize = 16;
 
-/// What one more item costs, in items there are: all that come about have to be tested, but above all they use up what may be
-/// added, so only what is large in comparison with the set is cut. Measured on a soup of a million triangles, half of them
-/// slivers: with 50 the tree is expected to cost 207 and takes 76 bytes per triangle, with 1 it is 222 and 79.
+/// What an added item costs, in items of the set: it has to be tested, but above all it uses up what may be added, so only what is large in
+/// comparison with the set is cut. Measured on a soup of a million triangles, half of them slivers: with 50 the tree is expected to cost
+/// 207 and takes 76 bytes per triangle, with 1 it is 222 and 79.
 const PRICE: f32 = 50.0;
 
 /// A plane across an axis; what lies in it is before it.

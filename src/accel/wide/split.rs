@@ -10,12 +10,12 @@ use rayon::prelude::*;
 /// Items handled at a time by one thread, and between two looks at the cancel token.
 pub(super) const CHUNK: usize = 1 << 14;
 
-/// Space is divided only where the boxes on both sides of the best division by objects share at least this part of the set's
-/// box along every axis,
+/// The least share of the set's box, along every axis, that the two halves of the best division by objects must have in common before a
+/// division of space is tried.
 const SHARE_FROM: f32 = 0.02;
 
-/// and where that part, times how many items' boxes a ray through the set's box is expected to meet, is at least this. On
-/// smooth meshes it is about 2 of them, on soups hundreds.
+/// What that share, times the number of item boxes that a ray through the set's box is expected to meet, must exceed as well. Such a ray
+/// meets about 2 boxes on smooth meshes, hundreds in soups.
 const SHARE_OF_BOXES_FROM: f32 = 1.0;
 
 /// A division of a set, and what the surface area heuristic expects of it.
@@ -28,8 +28,8 @@ pub(super) struct Split {
 }
 
 impl Split {
-    /// Whether dividing space may be better: where the boxes of both parts share much, and a ray through the set meets the
-    /// boxes of many items.
+    /// Whether dividing space may be better: where the boxes of both parts have much in common, and a ray through the set meets the boxes
+    /// of many items.
     pub fn overlaps<'a>(&self, whole: &Extent, items: impl Iterator<Item = &'a Item>) -> bool {
         let [left, right] = &self.sides;
         let shared = left.intersection(right);
@@ -78,7 +78,7 @@ pub(super) struct Divided {
     pub added: usize,
 }
 
-/// Divides the items from `start` on, of which `spare` more may come about.
+/// Divides the items from `start` on; cutting may add `spare` items.
 pub(super) fn divide(
     job: &Job,
     items: &mut Vec<Item>,

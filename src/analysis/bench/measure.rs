@@ -16,7 +16,7 @@ use crate::accel::{Assembly, Packet, StructureQuality, Visits};
 use crate::math::Ray;
 use crate::scene::Choice;
 
-/// A measurement traces its rays again and again until it took this long, so that clocks of any kind can tell.
+/// A measurement traces its rays again and again until that has taken this long, so that clocks of any kind can tell.
 const LEAST_SECONDS: f64 = 0.05;
 
 /// Rays that a thread takes at once: some milliseconds of work.
@@ -317,7 +317,7 @@ fn added<T: AddAssign>(mut sum: T, more: T) -> T {
     sum
 }
 
-/// Every structure against the first, and with packets against itself.
+/// Compares every structure with the first, and with itself when it is given packets.
 fn compare(built: &[Built], sets: &[RaySet]) -> Result<(), Disagreement> {
     let first = &built[0];
     for set in sets {

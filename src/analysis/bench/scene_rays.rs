@@ -87,9 +87,9 @@ pub fn with_lamp(scene: &Scene) -> Scene {
     lit
 }
 
-/// The rays of every kind, in the order of [`RayKind::ALL`]: camera rays in tiles of 16 × 16 pixels, block by block
-/// of 4 × 4, and from each of their hits one ray of every other kind, in the same order. Shadow rays take the lights in turns, pixel after pixel, and
-/// go to a random point of those with area; there are none in a scene without lights, see [`with_lamp`].
+/// The rays of every kind, in the order of [`RayKind::ALL`]: camera rays in tiles of 16 × 16 pixels, by blocks of 4 × 4, and from each of
+/// their hits one ray of every other kind, in the same order. Shadow rays take the lights in turns, pixel after pixel, and go to a random
+/// point of those with area; there are none in a scene without lights, see [`with_lamp`].
 ///
 /// Rays start where the renderer's would, rounded away from the surface to what a file in world units holds. Shadow
 /// rays end where their parameter is 1, directions of all others are unit vectors.

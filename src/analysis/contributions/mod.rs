@@ -115,10 +115,10 @@ fn shines(material: &Material) -> bool {
 
 /// What something brings to a picture.
 ///
-/// How far noise puts the mean of the change off is told by the errors of the two pictures, which are estimated (see
-/// [`ErrorEstimate`](crate::render::ErrorEstimate)). Pixels are sampled on their own, so errors of a mean over `n` of them fall by `√n`. Those of
-/// the two pictures come of the same samples, and may cancel or not: their sum is what the error of the difference is at most, so what is
-/// told is rather too large.
+/// How far noise puts the mean of the change off follows from the estimated errors of the two pictures (see
+/// [`ErrorEstimate`](crate::render::ErrorEstimate)). Pixels are sampled on their own, so errors of a mean over `n` of them fall by `√n`.
+/// Those of the two pictures come of the same samples, and may cancel or not: their sum is what the error of the difference is at most, so
+/// what is told is rather too large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contribution {
     /// What brings it.
@@ -178,8 +178,8 @@ impl Picture {
 }
 
 impl Whole {
-    /// Renders the picture of `scene`, `longer_side` pixels along its longer side, or smaller where it is. `None` when cancelled, as all
-    /// it is asked for then. `prepared`: what was prepared of the scene, if anything was; its triangles and tree are used.
+    /// Renders the picture of `scene`, `longer_side` pixels along its longer side, or as small as the scene asks. `None` when cancelled, as
+    /// is then all that is asked of it. `prepared`: what was prepared of the scene, if anything was; its triangles and tree are used.
     ///
     /// # Errors
     /// What about the description cannot be rendered.
@@ -245,7 +245,7 @@ impl Whole {
 }
 
 impl Contribution {
-    /// What brings `whole` about where there is `without` else.
+    /// What `contributor` brings: `whole` minus `without`.
     ///
     /// # Panics
     /// When the sizes differ.

@@ -18,7 +18,7 @@ const MOST_PAIRS: usize = 50_000_000;
 /// The most faces that are compared: a quarter of a gigabyte of them.
 const MOST_COMPARED: usize = 1 << 24;
 
-/// How much larger than they are boxes are taken, in prepared units: several times what rounds.
+/// By how much boxes are enlarged, in prepared units: several times what rounding moves.
 const SLACK: f64 = 1e-6;
 
 /// Looks for faces of different objects or copies with the same three corners, after rounding to `f32`. `None` when cancelled.
@@ -174,8 +174,8 @@ fn common_boxes(parts: &[Part<'_>], cancel: &CancelToken) -> Option<Vec<DBounds>
     Some(common)
 }
 
-/// The same for faces with the same corners in any order; among all faces that are compared, two others have it with a probability
-/// below 10⁻⁵.
+/// A number that is the same for faces with the same corners in any order; among all faces that are compared, any two others share theirs
+/// with a probability below 10⁻⁵.
 fn fingerprint(corners: [Vec3; 3]) -> u64 {
     // A sum with 0 makes 0 of −0.
     let mut corners = corners.map(|corner| (corner + 0.0).to_array().map(f32::to_bits));

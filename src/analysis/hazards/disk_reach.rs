@@ -12,7 +12,7 @@ pub struct DiskSpace {
 }
 
 impl DiskSpace {
-    /// That of the disk around `center` with a unit normal and a radius above 0.
+    /// The coordinates of the disk around `center` with a unit normal and a radius above 0.
     pub fn new(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let x = normal.any_orthonormal_vector();
         Self {

@@ -9,11 +9,12 @@ use crate::scene::{Mode, RenderSettings, Scene, SceneError};
 
 /// The missing share of the light that is told.
 const LEAST_LOSS: f64 = 1e-3;
-/// The one that is warned of.
+/// The missing share that is warned of.
 const NOTABLE_LOSS: f64 = 1e-2;
 
-/// How many more bounces paths may have where it is looked for what is missing, and at least how many.
+/// How many times as many bounces paths may have where it is looked for what is missing.
 const MORE_BOUNCES: u32 = 4;
+/// How many bounces they may have then at least.
 const LEAST_BOUNCES: u32 = 64;
 
 /// 97.5 % of the t distribution with 15 degrees of freedom: what an estimate from 16 seeds is off by in 1 of 20 cases, in standard
@@ -87,7 +88,8 @@ struct Loss {
 }
 
 impl Loss {
-    /// What the means of pictures with the same seeds are short of, as a share of the `long` ones. `None` where these are black.
+    /// What the means `short` lack of `long`, those of pictures with the same seeds, as a share of the latter. `None` where these are
+    /// black.
     fn of(short: &[f64], long: &[f64]) -> Option<Self> {
         let count = short.len() as f64;
         let total = long.iter().sum::<f64>();

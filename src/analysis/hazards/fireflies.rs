@@ -76,7 +76,7 @@ struct Specks {
 }
 
 impl Specks {
-    /// Those among the samples, where a pixel has `samples` of them in the end.
+    /// The specks among the samples, where a pixel has `samples` of them in the end.
     fn among(pilot: &Pilot, samples: u32) -> Self {
         let (width, height) = (pilot.width, pilot.height);
         let seeds = pilot.luminances.len() as f64;

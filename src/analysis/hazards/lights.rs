@@ -15,7 +15,7 @@ use crate::scene::{Light, Object, Scene, SceneError};
 /// How near a face is to a disk light, in radii, to touch it nearly.
 const NEAR: f64 = 1e-3;
 
-/// What rounds in prepared units, whose largest are between a half and one: some units in the last place of an `f32`.
+/// What rounding moves in prepared units, where the largest coordinate is between a half and one: some units in the last place of an `f32`.
 const ROUNDING: f64 = 4.0 / (1 << 24) as f64;
 
 /// How near a face is to a point light, in prepared units, to touch it: nearer, rounding has a say in which side is lit.

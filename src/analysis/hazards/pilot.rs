@@ -18,7 +18,7 @@ pub const FEW_SEEDS: u32 = 16;
 
 /// The longest side of the picture in pixels.
 const LONGEST_SIDE: u32 = 128;
-/// The least it may have where samples take long.
+/// The shortest that the longer side may become where samples take long, in pixels.
 const SHORTEST_SIDE: u32 = 8;
 
 /// From so many bounces on the picture is smaller, by area in proportion.
@@ -31,7 +31,7 @@ const MOST_RAYS: u32 = 256;
 /// Nodes and blocks of triangles that an eye ray meets on the way, from which on the picture is smaller, by area in proportion: many
 /// triangles at one spot take as long for each ray as a whole scene else.
 const MANY_VISITS: f64 = 64.0;
-/// Along each side of the picture so many rays tell how many there are.
+/// So many rays along each side of the picture tell how many nodes and blocks those are.
 const LOOKS: u32 = 8;
 
 /// The samples of a pilot.
@@ -98,7 +98,7 @@ pub fn bounded(scene: Scene, prepared: &PreparedScene) -> Scene {
     resized(scene, (MANY_VISITS / mean).sqrt())
 }
 
-/// The scene with sides that many times as long, where that is shorter, and none shorter than they may be.
+/// The scene with its sides scaled by `factor`, where that shortens them, down to [`SHORTEST_SIDE`] for the longer one.
 fn resized(mut scene: Scene, factor: f64) -> Scene {
     let settings = &mut scene.render;
     let least = f64::from(SHORTEST_SIDE) / f64::from(settings.width.max(settings.height));

@@ -13,9 +13,9 @@ use crate::math::{DBounds, DVec3, SceneFrame, length_of};
 use crate::render::PreparedScene;
 use crate::scene::{Object, Placement, Scene, SceneError};
 
-/// The largest move of a corner, of the median edge, that can be neglected: faces turn by about half a degree.
+/// The largest move of a corner, as a share of the median edge, that can be neglected: faces turn by about half a degree.
 const MOST_OF_EDGE: f64 = 1e-2;
-/// The same, of the object's size.
+/// The same as a share of the object's size.
 const MOST_OF_SIZE: f64 = 1e-3;
 
 /// Edges of so many triangles, evenly spread over the mesh, stand for all where the median is looked for.

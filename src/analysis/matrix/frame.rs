@@ -73,7 +73,7 @@ fn scenes() -> [Scene; 3] {
     })
 }
 
-/// `scene` with every place mapped, of which lengths grow by `factor`.
+/// `scene` with every place mapped by `place`, which makes lengths `factor` times as large.
 fn placed(scene: &Scene, factor: f64, place: impl Fn(DVec3) -> DVec3) -> Scene {
     let mut scene = scene.clone();
     let meshes = std::mem::take(&mut scene.meshes);

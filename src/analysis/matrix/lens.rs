@@ -41,7 +41,8 @@ pub const CASES: &[Case] = &[
     },
 ];
 
-/// Stripes one unit apart along `right` at distance `far`, alternately dark and bright.
+/// How many pixels show another colour than they should, where each of 1024 stripes fills one of them, in a view a millionth of a degree
+/// high.
 fn narrow_view(_: Effort) -> f64 {
     let width = 1024;
     let mut scene = still(width, 1);

@@ -76,7 +76,7 @@ pub const CASES: &[Case] = &[
     },
 ];
 
-/// Twenty scenes of at most 160 triangles, which brute force is through with soon, as rendering stores them or moved and scaled against its habit.
+/// Twenty scenes of at most 160 triangles, few enough for brute force, as rendering stores them, or moved and scaled as it never does.
 fn scenes() -> Vec<Vec<Triangle>> {
     let identical = TriangleMesh {
         triangles: vec![[0, 1, 2]; 60],
@@ -122,7 +122,7 @@ fn scenes() -> Vec<Vec<Triangle>> {
     scenes
 }
 
-/// The literal tree and the wide one.
+/// The kd-tree and the wide tree.
 fn trees(triangles: &[Triangle]) -> [Accelerator; 2] {
     let cancel = CancelToken::new();
     let kd = KdTree::build(triangles, &KdParameters::default(), &cancel);

@@ -115,7 +115,7 @@ fn layers(bench: &Bench<'_>) -> Measured {
     })
 }
 
-/// Of a plane, whose interpolated normals are those of its faces.
+/// Normals of a plane, whose interpolated ones are those of its faces.
 fn normals(bench: &Bench<'_>) -> Measured {
     let trial = trial_of(&of_grid(bench, 64))?;
     let mut scene = trial.scene().clone();
@@ -130,7 +130,7 @@ fn normals(bench: &Bench<'_>) -> Measured {
     })
 }
 
-/// Of a plane with coordinates, on which no image lies or a white one.
+/// Textures of a plane with texture coordinates: none, or a white image.
 fn textures(bench: &Bench<'_>) -> Measured {
     const SIDE: u32 = 512;
     let mut scene = of_grid(bench, 64);
@@ -161,7 +161,7 @@ fn textures(bench: &Bench<'_>) -> Measured {
     })
 }
 
-/// What preparing `scene` takes longer after `other` than after `known`.
+/// How much longer preparing `scene` takes after `other` than after `known`.
 fn saved_in_preparing(
     bench: &Bench<'_>,
     scene: &Scene,
@@ -194,7 +194,7 @@ fn tree_again(bench: &Bench<'_>) -> Measured {
     })
 }
 
-/// Among 2,000 lights.
+/// The choice among 2,000 lights, after a change of the camera alone.
 fn light_choice_again(bench: &Bench<'_>) -> Measured {
     let mut scene = bench.changed(|scene| {
         scene.render.mode = Mode::Path;
@@ -272,7 +272,7 @@ fn eye_rays_again(bench: &Bench<'_>) -> Measured {
     })
 }
 
-/// To a noise at which the pixels of the background, which has none, have got no more than all get at first.
+/// A render to a noise at which the pixels of the background, which has none, have got no more samples than all get at first.
 fn quiet_pixels(bench: &Bench<'_>) -> Measured {
     let mut scene = bench.changed(|scene| {
         scene.render.width = 120;

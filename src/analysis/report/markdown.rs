@@ -9,7 +9,7 @@ use super::svg::{correction, seeds_in_words, settings, signed};
 use crate::analysis::bench::Spread;
 use crate::render::NOISE_TARGETS;
 
-/// The reference's share of a measured mean square from which true errors hang on how well that share is known.
+/// From this share of a measured mean square on, true errors depend much on how well the reference's own error is known.
 const LARGE_SHARE: f64 = 0.25;
 
 const NONE: &str = "—";

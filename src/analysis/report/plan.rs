@@ -42,7 +42,7 @@ struct Rendering {
 }
 
 impl ReportPlan {
-    /// For the scene that is called `scene_name`. Reads the files that `options` name.
+    /// The plan for the scene that is called `scene_name`. Reads the files that `options` name.
     ///
     /// # Errors
     /// What about `options` cannot be understood, loaded or measured.

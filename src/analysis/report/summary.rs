@@ -15,7 +15,7 @@ const SLOPE_FROM: f64 = 4.0;
 /// Samples from which renders are taken at their word.
 const HONEST_FROM: f64 = 16.0;
 
-/// Over the seeds of a variant.
+/// What was measured of a variant, over its seeds.
 #[derive(Clone, Debug)]
 pub struct Summary {
     /// What it took to prepare the scene.
@@ -34,7 +34,7 @@ pub struct Summary {
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
     /// Samples that were infinite or not a number, of all trials.
     pub non_finite_samples: u64,
-    /// Samples with less than no light, of all trials.
+    /// Samples that are negative in a channel, of all trials.
     pub negative_samples: u64,
     /// Samples of all trials, and the mean of the shares.
     pub clamped: Clamped,
@@ -59,7 +59,7 @@ pub struct SummaryPoint {
     pub measured_rmse: Spread,
     /// The same, relative.
     pub measured_relmse: Spread,
-    /// From which the reference's own error is taken away.
+    /// Distance from the truth: [`Self::measured_rmse`] without the reference's own error.
     pub true_rmse: Spread,
     /// The same, relative.
     pub true_relmse: Spread,
@@ -87,11 +87,11 @@ pub struct Honesty {
     pub estimated_over_true: [f64; 2],
     /// How many of the 95 % intervals hold the truth, of RMSE and relmse of every render.
     pub intervals_held: usize,
-    /// Of so many.
+    /// Number of these intervals.
     pub intervals: usize,
 }
 
-/// What time buys: 1 / (relMSE · seconds), median. Four times as much halves the noise of the same time.
+/// What time buys: 1 / (relMSE · seconds), median. Four times as much halves the noise after the same time.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Efficiency {
     /// Of wall time.
@@ -123,7 +123,7 @@ fn root(Spread { median, min, max }: Spread) -> Spread {
 }
 
 impl Summary {
-    /// Of these trials; a moment that not all have reached is left out. `None` without a trial.
+    /// The summary of the trials of `variant`; a moment that not all have reached is left out. `None` without a trial.
     #[must_use]
     pub fn of(variant: &Variant, reference: &Reference) -> Option<Self> {
         let trials = &variant.trials;
@@ -243,7 +243,7 @@ fn honesty(points: &[SummaryPoint], trials: usize) -> Option<Honesty> {
     })
 }
 
-/// At the last of `moments`.
+/// Efficiency at the last of `moments`.
 fn efficiency(trials: &[Trial], moments: usize, reference: &Reference) -> Efficiency {
     let of = |seconds: fn(&Measurement) -> f64| {
         let each = trials.iter().filter_map(|trial| {

@@ -118,7 +118,7 @@ fn caption(study: &Study) -> Vec<String> {
     lines
 }
 
-/// The size of the picture, and those settings of the base that must be known, are not the usual ones, or differ in a variant.
+/// The size of the picture, and those settings of the base that must be known because they are not the usual ones or differ in a variant.
 fn telling_settings(study: &Study, base: &Variant) -> Vec<String> {
     let usual = settings(&study.default_settings);
     let of_variants: Vec<Vec<String>> = study.measured().map(|v| settings(&v.settings)).collect();

@@ -39,7 +39,7 @@ pub struct Measurement {
     pub measured: SquaredErrors,
 }
 
-/// Errors from which that of the reference is taken away.
+/// Errors without that of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrueErrors {
     /// Mean squared error.

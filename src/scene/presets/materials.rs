@@ -12,7 +12,7 @@ pub struct MaterialPreset {
     pub name: &'static str,
     /// What it is good for.
     pub description: &'static str,
-    /// It.
+    /// The material.
     pub material: Material,
 }
 
