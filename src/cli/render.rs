@@ -321,7 +321,7 @@ fn unfinished_name(output: &Path) -> PathBuf {
     output.with_extension(format!("unfinished.{format}"))
 }
 
-/// That of the signal, if one came, however far the work was.
+/// The exit code of the signal, if one came, however far the work was.
 fn exit_code(signals: &Signals) -> ExitCode {
     signals
         .exit_code()

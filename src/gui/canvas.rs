@@ -56,7 +56,7 @@ struct Band {
 /// A texture, where it lies in the picture (shares of width and height), and what of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CanvasLayer {
-    /// It.
+    /// The texture.
     pub texture: TextureId,
     /// Where it lies, `0..=1` along each axis.
     pub place: Rect,

@@ -11,7 +11,7 @@ use crate::scene::{Material, NamedLight, Object, Scene, free_name};
 pub enum Part {
     /// An object, its mesh and its material.
     Object {
-        /// It.
+        /// The object.
         object: Box<Object>,
         /// What its mesh is, where it is loaded.
         mesh: Option<Arc<TriangleMesh>>,

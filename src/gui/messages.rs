@@ -8,7 +8,7 @@ use egui::{Align, Frame, Layout, Margin, RichText, Ui};
 pub enum Severity {
     /// Something the user asked for did not happen.
     Error,
-    /// It happened, but not wholly.
+    /// Something the user asked for happened in part.
     Warning,
 }
 

@@ -18,7 +18,7 @@ pub enum Activity<'a> {
     Idle,
     /// Files are being read; the share is 0 while the whole is not known.
     Loading {
-        /// Which.
+        /// Which files.
         what: &'a str,
         /// `0..=1`.
         share: f64,
@@ -32,7 +32,7 @@ pub enum Activity<'a> {
     Reporting(&'a Run),
     /// A render runs or has ended.
     Picture {
-        /// It.
+        /// The picture of the render.
         picture: &'a Picture,
         /// Whether the scene is no longer the one it shows.
         outdated: bool,

@@ -23,13 +23,13 @@ struct Stamp {
 }
 
 impl Stamp {
-    /// That of no file.
+    /// The stamp of no file.
     const OTHER: Self = Self {
         modified: None,
         bytes: u64::MAX,
     };
 
-    /// That of `path`; `None` where there is no file now.
+    /// The stamp of the file at `path`; `None` where there is none now.
     fn of(path: &Path) -> Option<Self> {
         let metadata = std::fs::metadata(path).ok()?;
         Some(Self {

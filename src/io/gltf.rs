@@ -7,8 +7,9 @@
 //! - Materials become the nearest of the scene's four kinds: by what they emit, let through and reflect (see `materials.rs`). Images of
 //!   colours and normals are files, or `image 0` and so on within the file. The colours of vertices count.
 //! - Images are where `KHR_texture_transform` moves them: it is worked into the texture coordinates.
-//! - Point lights of `KHR_lights_punctual` are point lights; a spot light is an invisible disk that shines where it points; a
-//!   directional light is a point far away, at a multiple of the size of all objects. Candela, lux and nit are taken for W/sr, W/m² and W/m²/sr, as programs that show glTF do.
+//! - Point lights of `KHR_lights_punctual` are point lights; a spot light is an invisible disk that shines where it points; a directional
+//!   light is a point far away, at a multiple of the size of all objects. Candela, lux and nit are taken for W/sr, W/m² and W/m²/sr, as
+//!   programs that show glTF do.
 //! - The first perspective camera of the scene is the camera.
 //! - What is needed and not known (`extensionsRequired`) is an error. Animations, skins, morph targets and orthographic cameras are
 //!   ignored with a warning; compressed meshes (Draco, meshopt) cannot be read.

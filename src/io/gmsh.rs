@@ -126,7 +126,7 @@ struct Reader<'a> {
     /// By its number, the index of each node.
     nodes: HashMap<u64, u32, RandomState>,
     solid: Solid,
-    /// Those of the face at hand.
+    /// The corners of the face at hand.
     corners: Vec<u32>,
     /// Nodes and elements so far.
     items: u64,

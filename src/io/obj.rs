@@ -137,7 +137,7 @@ struct Reader<'a> {
     normals: Vec<DVec3>,
     textures: Vec<DVec2>,
     triangles: Vec<[Corner; 3]>,
-    /// Those of the face at hand.
+    /// The corners of the face at hand.
     corners: Vec<Corner>,
     early: EarlyFaces,
     parts: PartsInOrder<'a>,

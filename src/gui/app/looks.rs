@@ -19,7 +19,7 @@ pub struct Looks {
 }
 
 impl Looks {
-    /// Those of a window that begins with `layout`.
+    /// The looks of a window that begins with `layout`.
     pub fn new(layout: Layout) -> Self {
         Self {
             layout,

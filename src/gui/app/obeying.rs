@@ -102,8 +102,8 @@ impl App {
         self.show_camera_view();
     }
 
-    /// Puts the tool away that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where nothing runs, the
-    /// window of the report closes, or nothing is selected any more but the camera.
+    /// Puts away the tool that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where
+    /// nothing runs, the window of the report closes, or nothing is selected any more but the camera.
     fn cancel(&mut self) {
         if self.region.is_drawing {
             self.region.stop();

@@ -30,7 +30,7 @@ pub enum Stale {
     Textures(PathBuf),
     /// The scene file.
     Scene {
-        /// It.
+        /// The file.
         path: PathBuf,
         /// Whether the user wants it in place of unsaved work.
         is_wanted: bool,

@@ -25,7 +25,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// That of `values`; nothing where there are none.
+    /// The spread of `values`; all 0 where there are none.
     #[must_use]
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
@@ -58,8 +58,8 @@ pub struct FrameFigures {
     pub while_user: &'static str,
     /// Processor time of the thread that draws the window, in a frame.
     pub cpu_ms: Spread,
-    /// That of it until the frame is handed to the graphics driver. The rest is the driver's: where the processor draws, it sends all pixels
-    /// to the display on this thread, which takes the longer the less the display gets of the processor.
+    /// Of it, the time until the frame is handed to the graphics driver. The rest is the driver's: where the processor draws, it sends all
+    /// pixels to the display on this thread, which takes the longer the less the display gets of the processor.
     pub own_cpu_ms: Spread,
     /// From the start of a frame to that of the next. Nobody waits for frames where the user only watches.
     pub interval_ms: Spread,

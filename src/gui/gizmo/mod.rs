@@ -142,7 +142,7 @@ impl Axes {
     /// Those of the world.
     pub const WORLD: Self = Self(DVec3::AXES);
 
-    /// Those of `placed`, or of the world.
+    /// The axes of `placed`, or of the world, as `orientation` says.
     #[must_use]
     pub fn of(placed: &Placed, orientation: Orientation) -> Self {
         match orientation {

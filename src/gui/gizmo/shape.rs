@@ -34,7 +34,7 @@ const BRIGHT: Color32 = Color32::from_rgb(0xff, 0xd8, 0x4a);
 /// A handle on the screen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// Which.
+    /// Which handle it is.
     pub handle: Handle,
     /// Its lines, that can be hit.
     lines: Vec<[DVec2; 2]>,

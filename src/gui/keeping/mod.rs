@@ -1,8 +1,9 @@
 //! What outlives the window: unsaved work, in case the program ends before it is saved, the files opened last, and what the window looks like.
 //!
-//! Everything lies in one folder of the user's data. Each window has a session there, a folder of its own that it holds a lock on:
-//! the system gives the lock back however the program ends, so a session that nobody holds and that has a scene in it is work that
-//! was lost. So is a render that is kept there while it runs. A window that offers such work holds its lock meanwhile, so several windows never offer or remove the same.
+//! Everything lies in one folder of the user's data. Each window has a session there, a folder of its own that it holds a lock on: the
+//! system gives the lock back however the program ends, so a session that nobody holds and that has a scene in it is work that was lost. So
+//! is a render that is kept there while it runs. A window that offers such work holds its lock meanwhile, so several windows never offer or
+//! remove the same.
 
 mod layout;
 mod recent;

@@ -41,7 +41,7 @@ pub(super) struct Texels {
 }
 
 impl Texels {
-    /// Those of a picture of `size` pixels, on textures of at most `largest_texture` texels a side.
+    /// The texels of a picture of `size` pixels, on textures of at most `largest_texture` texels a side.
     pub fn of(size: [u32; 2], largest_texture: u32) -> Self {
         let largest = largest_texture.clamp(1, LARGEST_TEXTURE);
         let step = size[0].max(size[1]).div_ceil(largest).max(1);

@@ -22,7 +22,7 @@ pub(super) struct Pipelines {
     pub(super) objects: wgpu::RenderPipeline,
     /// Objects over which images or colours vary.
     pub(super) painted_objects: wgpu::RenderPipeline,
-    /// Those with an image of normals.
+    /// Objects with an image of normals.
     pub(super) embossed_objects: wgpu::RenderPipeline,
     pub(super) object_ids: wgpu::RenderPipeline,
     pub(super) view: wgpu::Buffer,

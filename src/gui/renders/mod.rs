@@ -51,7 +51,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Those of `picture`.
+    /// The facts about `picture`.
     #[must_use]
     pub fn of(picture: &Picture) -> Self {
         let last = picture.errors().last();

@@ -37,9 +37,9 @@ const FRAME_HEIGHT: f32 = 150.0;
 pub enum Asked {
     /// Measure this, and write it to the folder.
     Start {
-        /// Where to.
+        /// The folder.
         folder: PathBuf,
-        /// What.
+        /// What to measure.
         options: ReportOptions,
     },
     /// Choose a path for this.

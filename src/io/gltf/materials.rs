@@ -51,8 +51,8 @@ pub fn roughness_of(shininess: f64) -> f64 {
 ///
 /// Where `KHR_materials_pbrSpecularGlossiness` says what is reflected, that holds in place of B, m and r.
 ///
-/// `textures` vary a material of Phong. Where m and r come from an image, the material is taken for no metal of the roughness that it states. What is changed or left
-/// out, `remarks` say of the material called `name`.
+/// `textures` vary a material of Phong. Where m and r come from an image, the material is taken for no metal of the roughness that it
+/// states. What is changed or left out, `remarks` say of the material called `name`.
 #[must_use]
 pub fn to_material(
     source: &Source,

@@ -19,7 +19,7 @@ const NONE: Vec3 = Vec3::INFINITY;
 const MOST_OF_UNITS: f32 = 1.5;
 
 impl Colors {
-    /// Those of numbers `range` have this colour, those before that have none yet none.
+    /// Gives `color` to the items with numbers in `range`, and none to those before that have none yet.
     pub fn fill(&mut self, range: std::ops::Range<usize>, color: DVec3) {
         let color = color.as_vec3();
         self.written.resize(range.start, NONE);
@@ -27,7 +27,7 @@ impl Colors {
         self.largest = self.largest.max(color.max_element());
     }
 
-    /// The last of so many has this colour.
+    /// Gives `color` to the last of `count` items.
     pub fn push(&mut self, count: usize, color: DVec3) {
         self.fill(count - 1..count, color);
     }
@@ -39,7 +39,7 @@ impl Colors {
         self.largest = self.largest.max(alpha);
     }
 
-    /// Those of all, linear and clamped to `0..=1`, white where there is none; `None` where nothing has one.
+    /// The colours of all `count` items, linear and clamped to `0..=1`, white where there is none; `None` where no item has one.
     pub fn into_linear(mut self, count: usize) -> Option<Vec<Vec3>> {
         if self.written.is_empty() {
             return None;

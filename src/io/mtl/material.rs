@@ -28,11 +28,11 @@ pub struct MtlMaterial {
 
 /// Models of illumination whose surfaces reflect what is around them.
 const REFLECTING: [u64; 3] = [3, 5, 8];
-/// Those that refract, whatever the opacity says.
+/// Models that refract, whatever the opacity says.
 const REFRACTING: [u64; 2] = [6, 7];
-/// Those of glass, where the surface lets light through.
+/// Models of glass, where the surface lets light through.
 const OF_GLASS: [u64; 2] = [4, 9];
-/// Those without highlight.
+/// Models without highlight.
 const MATT: [u64; 2] = [0, 1];
 
 /// The index of refraction of window glass, where none is stated.

@@ -12,7 +12,7 @@ pub struct Keyword {
     pub color: bool,
     /// `N`: normals do.
     pub normal: bool,
-    /// They do behind the colours: `NC`, as `MeshLab` writes it. Elsewhere `CN` is written, and normals come first.
+    /// Whether normals follow the colours: `NC`, as `MeshLab` writes it. Elsewhere `CN` is written, and normals come first.
     pub normal_is_late: bool,
     /// `4`: positions are homogeneous.
     pub homogeneous: bool,

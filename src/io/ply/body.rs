@@ -71,7 +71,7 @@ struct Reader<'a, V> {
 #[derive(Default)]
 struct Wedges {
     triangles: Vec<[Wedge; 3]>,
-    /// Those of the face at hand.
+    /// The corners of the face at hand.
     corners: Vec<Wedge>,
     /// Faces that have no coordinates for all their corners.
     without: Seen,

@@ -11,7 +11,8 @@ use crate::control::{CancelToken, Progress};
 /// Bytes that a row takes at least, by the older of the two run-length codings.
 const LEAST_ROW_BYTES: u64 = 4;
 
-/// Reads `bytes`; `progress` advances by as many, at the end. `EXPOSURE` and `COLORCORR` lines of the header, which say by what the values were multiplied, are undone.
+/// Reads `bytes`; `progress` advances by as many, at the end. `EXPOSURE` and `COLORCORR` lines of the header, which say by what the values
+/// were multiplied, are undone.
 pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RawImage> {
     let source = Watched { bytes, cancel };
     let in_words = |error: image::ImageError| format!("not a whole Radiance HDR file: {error}");

@@ -38,7 +38,7 @@ struct Reader<'a> {
     weld: Weld,
     tally: Tally,
     triangles: Vec<[u32; 3]>,
-    /// Those of the facet at hand.
+    /// The corners of the facet at hand.
     corners: Vec<u32>,
     /// The line where the solid at hand begins.
     solid: Option<u64>,
