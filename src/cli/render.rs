@@ -46,11 +46,11 @@ pub struct RenderArguments {
     spp: Option<u32>,
 
     /// Stop after so many seconds of rendering
-    #[arg(long, value_name = "S", value_parser = parse_positive)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse_positive)]
     seconds: Option<f64>,
 
     /// Stop when the estimated noise (root of the relative mean square error) is down to E, e.g. 0.03
-    #[arg(long, value_name = "E", value_parser = parse_positive)]
+    #[arg(long, value_name = "E", allow_hyphen_values = true, value_parser = parse_positive)]
     noise: Option<f64>,
 
     /// Start of the random numbers
@@ -62,7 +62,7 @@ pub struct RenderArguments {
     threads: Option<u16>,
 
     /// Render and write this part of the picture only
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_region)]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_region)]
     region: Option<Region>,
 
     /// Change any key of the scene, e.g. render.shadows=off; may be given several times
@@ -102,6 +102,28 @@ impl RenderArguments {
             .chain(self.stats.as_deref())
             .collect();
         self.checkpoint.check(&others)
+    }
+
+    /// Refuses to write over what `scene` was read from. A picture that holds its scene may be rendered anew in its place.
+    fn check_inputs(&self, scene: &Scene) -> Result<()> {
+        let names = scene.meshes.keys().map(|name| io::file_and_part(name).0);
+        let images = scene.images.keys().chain(scene.textures.keys());
+        let names = names.chain(images.map(String::as_str)).map(Path::new);
+        let own = self.scene.as_deref();
+        let is_read = |path: &Path| names.clone().any(|name| is_same_file(name, path));
+        let is_scene = |path: &Path| own.is_some_and(|own| is_same_file(own, path));
+        let is_picture = own.is_some_and(io::is_render_file);
+        let output = self.output.as_deref();
+        let output = output.filter(|path| is_read(path) || is_scene(path) && !is_picture);
+        let stats = self.stats.as_deref();
+        let stats = stats.filter(|path| is_read(path) || is_scene(path));
+        for (path, what) in [(output, "the picture"), (stats, "the figures of --stats")] {
+            if let Some(path) = path {
+                let name = path.display();
+                bail!("{name}: the scene is read from it; {what} would take its place");
+            }
+        }
+        Ok(())
     }
 
     /// Every change to the scene's keys that the flags ask for.
@@ -145,6 +167,7 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
     if interrupt.is_cancelled() {
         return Ok(interrupted_early(signals));
     }
+    arguments.check_inputs(&loaded.scene)?;
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
         super::warn(warning);
     }

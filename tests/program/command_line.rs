@@ -724,6 +724,23 @@ fn numbers_of_options_are_numbers() {
     }
 }
 
+/// What a scene is read from is not written over.
+#[test]
+fn no_input_is_written_over() {
+    let folder = folder();
+    for (output, stats) in [("out.png", "scene.toml"), ("out.png", "tetra.off")] {
+        let before = std::fs::read(folder.path().join(stats)).expect("exists");
+        let render = ["render", "scene.toml", "-o", output, "--stats", stats];
+        let complaint = fail(folder.path(), 1, &render);
+        assert!(
+            complaint.contains("the scene is read from it"),
+            "{complaint}"
+        );
+        let after = std::fs::read(folder.path().join(stats)).expect("exists");
+        assert_eq!(before, after);
+    }
+}
+
 #[test]
 fn one_file_is_not_asked_to_be_two() {
     let folder = folder();

@@ -171,6 +171,8 @@ fn shortened(path: &str) -> &str {
 
 fn describe_places(places: &[Place], left: u64) -> String {
     let mut places: Vec<_> = places.iter().map(describe_place).collect();
+    // Samples of one pixel are in one place.
+    places.dedup();
     if left > 0 {
         places.push(format!("and {left} more"));
     }
