@@ -522,12 +522,15 @@ impl<'a> Keys<'a> {
         let is_unknown = |entry: &&Entry| !known.contains(&entry.key.as_str());
         if let Some(entry) = entries.iter().find(is_unknown) {
             let key = shortened(&entry.key);
-            let message = match nearest(&entry.key, known.iter().copied()) {
-                Some(nearest) if is_near(&entry.key, nearest) => {
+            let counterpart = counterpart(&entry.key).filter(|name| known.contains(name));
+            let nearest = nearest(&entry.key, known.iter().copied());
+            let message = match (counterpart, nearest) {
+                (Some(name), _) => format!("unknown key `{key}`; here it is called `{name}`"),
+                (_, Some(nearest)) if is_near(&entry.key, nearest) => {
                     format!("unknown key `{key}`; the nearest known one is `{nearest}`")
                 }
-                Some(_) => format!("unknown key `{key}`; known here: {}", known.join(", ")),
-                None => format!("unknown key `{key}`; no key is known here"),
+                (_, Some(_)) => format!("unknown key `{key}`; known here: {}", known.join(", ")),
+                (_, None) => format!("unknown key `{key}`; no key is known here"),
             };
             problems.push(SceneFileError::at(name, entry.place, message));
         }
@@ -565,6 +568,26 @@ fn wrong_kind(name: &str, node: &Node, path: &str, expected: &str) -> SceneFileE
         node.place,
         format!("`{path}` is {}; expected {expected}", node.describe()),
     )
+}
+
+/// What a key of other renderers is called here.
+fn counterpart(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "fov" | "angle" => "vertical_fov",
+        "origin" | "look_from" | "lookfrom" => "eye",
+        "look_at" | "lookat" => "target",
+        "lens_radius" | "aperture" => "aperture_radius",
+        "spp" | "samples" => "samples_per_pixel",
+        "max_depth" | "depth" => "max_bounces",
+        "color" | "colour" | "albedo" | "base_color" => "diffuse",
+        "exponent" => "shininess",
+        "absorption" | "transmittance" => "attenuation",
+        "emission" => "radiance",
+        "file" | "filename" | "shape" => "mesh",
+        "translation" => "translate",
+        "rotation" => "rotate",
+        _ => return None,
+    })
 }
 
 /// Whether one word may be a misspelling of the other: at most half of its letters differ.

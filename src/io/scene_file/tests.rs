@@ -264,7 +264,11 @@ fn mistakes_name_place_and_expectation() {
         ),
         (
             "[camera]\nfov = 40",
-            "2:1: unknown key `fov`; known here: eye, target, up, vertical_fov",
+            "2:1: unknown key `fov`; here it is called `vertical_fov`",
+        ),
+        (
+            "[camera]\nwidth = 40",
+            "2:1: unknown key `width`; known here: eye, target, up, vertical_fov",
         ),
         (
             "[camera]\nvertical_fow = 40",
