@@ -14,6 +14,15 @@ impl Scene {
     /// # Errors
     /// The first value that cannot be rendered, and what it may be.
     pub fn validate(&self) -> Result<(), SceneError> {
+        self.validate_but_objects()?;
+        self.validate_objects()
+    }
+
+    /// [`Self::validate`], of all but the objects, which may be very many.
+    ///
+    /// # Errors
+    /// Those of [`Self::validate`].
+    pub fn validate_but_objects(&self) -> Result<(), SceneError> {
         check_camera(&self.camera)?;
         for (index, bookmark) in self.bookmarks.iter().enumerate() {
             check_camera(&bookmark.camera).map_err(|error| of_bookmark(error, index))?;
@@ -22,7 +31,14 @@ impl Scene {
         for (index, light) in self.lights.iter().enumerate() {
             check_light(index, light)?;
         }
-        check_settings(&self.render)?;
+        check_settings(&self.render)
+    }
+
+    /// [`Self::validate`], of the objects alone.
+    ///
+    /// # Errors
+    /// Those of [`Self::validate`].
+    pub fn validate_objects(&self) -> Result<(), SceneError> {
         for (index, object) in self.objects.iter().enumerate() {
             check_object(index, object)?;
         }
