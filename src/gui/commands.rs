@@ -248,7 +248,9 @@ impl Command {
     #[must_use]
     pub fn description(self) -> &'static str {
         match self {
-            Self::Open => "Open a scene file or a mesh in place of the present scene",
+            Self::Open => {
+                "Open a scene file in place of the present scene, or meshes to add to it or to replace it"
+            }
             Self::AddMesh => "Add a mesh to the present scene as a new object",
             Self::SetBackground => "Light the scene with an image of all directions",
             Self::SetTexture(TextureUse::Diffuse) => "Lay an image on the material",
@@ -454,10 +456,11 @@ impl Command {
         // Ctrl+Shift+S also matches a pressed Ctrl+S pattern: ask for the longer one first.
         candidates.sort_by_key(|(keys, _)| !keys.modifiers.shift);
         ctx.input_mut(|input| {
-            let pressed = candidates
-                .into_iter()
-                .filter(|(keys, _)| input.consume_shortcut(keys))
-                .map(|(_, command)| command);
+            // A slow frame may bring a key several times.
+            let pressed = candidates.into_iter().flat_map(|(keys, command)| {
+                let count = input.count_and_consume_key(keys.modifiers, keys.logical_key);
+                std::iter::repeat_n(command, count)
+            });
             let mut pressed: Vec<Self> = pressed.collect();
             // Desktops say what the keys of the clipboard mean, in place of the keys.
             if !in_text_field {

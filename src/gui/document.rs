@@ -134,9 +134,10 @@ impl Document {
         !same_but_camera(&self.scene, saved) || (camera_counts && self.scene.camera != saved.camera)
     }
 
-    /// Takes note of what was edited since the last call as one step to undo; `selection`: what is selected now.
-    pub fn record_edit(&mut self, selection: &Selection) {
-        self.undo.record(&self.scene, selection);
+    /// Takes note of what was edited since the last call as one step to undo; `selection`: what is selected now. Returns whether
+    /// anything was.
+    pub fn record_edit(&mut self, selection: &Selection) -> bool {
+        self.undo.record(&self.scene, selection)
     }
 
     /// [`Document::record_edit`] of an edit that is called `name`.

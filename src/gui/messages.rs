@@ -28,6 +28,8 @@ pub struct Message {
 pub struct Messages {
     banners: Vec<Message>,
     news: String,
+    /// Whether the next edit makes the news old.
+    are_until_edit: bool,
 }
 
 /// Banners shown at once; older ones go first.
@@ -47,6 +49,20 @@ impl Messages {
     /// Good news for the status bar.
     pub fn news(&mut self, text: impl Into<String>) {
         self.news = text.into();
+        self.are_until_edit = false;
+    }
+
+    /// [`Self::news`] that the next edit makes old.
+    pub fn news_until_edit(&mut self, text: impl Into<String>) {
+        self.news(text);
+        self.are_until_edit = true;
+    }
+
+    /// The scene was edited.
+    pub fn note_edit(&mut self) {
+        if self.are_until_edit {
+            self.news("");
+        }
     }
 
     /// The last good news; empty when there is none.

@@ -92,9 +92,9 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
     let mut warnings = Vec::new();
     if outdated {
         let hint = if picture.is_paused() {
-            "settings changed: Resume goes on without, Render restarts"
+            "settings changed: Resume goes on without, F5 restarts"
         } else if picture.is_running() {
-            "settings changed: Render restarts"
+            "settings changed: F5 restarts"
         } else {
             "settings changed since"
         };
@@ -151,9 +151,9 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             }
         }
         Outcome::Cancelled => {
-            let share = picture.progress.samples.fraction() * 100.0;
+            let share = (picture.progress.samples.fraction() * 100.0).floor();
             parts.push(format!(
-                "Cancelled at {share:.0} % after {}",
+                "Cancelled at {share} % after {}",
                 duration(picture.elapsed())
             ));
             if let Some(point) = picture.errors().last() {

@@ -16,7 +16,7 @@ use raymini::gui::costs::CostState;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::jobs::Lane;
 use raymini::gui::messages::Severity;
-use raymini::gui::picture::Outcome;
+use raymini::gui::picture::{Outcome, Picture};
 use raymini::gui::report::Outcome as ReportOutcome;
 use raymini::gui::top_bar::View;
 use raymini::math::DVec3;
@@ -574,9 +574,102 @@ fn what_comes_from_outside_waits_for_the_question_that_shows() {
     window.press(Modifiers::COMMAND, Key::S);
     window.enter_path(&files.path("saved.toml"));
     window.until("the scene is saved", |app| !app.document().is_modified());
+    assert!(!is_told_to_close(&window));
+}
+
+/// Commands that the window sent to the desktop in the last frame.
+fn is_told_to_close(window: &Window) -> bool {
     let output = window.harness.output().viewport_output.values();
     let mut commands = output.flat_map(|viewport| &viewport.commands);
-    assert!(!commands.any(|command| *command == egui::ViewportCommand::Close));
+    commands.any(|command| *command == egui::ViewportCommand::Close)
+}
+
+#[test]
+fn closing_asks_before_a_render_is_given_up() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 100_000);
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("it runs", |app| {
+        app.picture()
+            .is_some_and(|picture| picture.first_tile.is_some())
+    });
+    for answer in ["Go on", "Give up and close"] {
+        ask_to_close(&mut window);
+        assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
+        assert!(window.app().picture().is_some_and(Picture::is_running));
+        window.harness.get_by_label(answer).click();
+        let mut is_closed = false;
+        for _ in 0..4 {
+            window.harness.step();
+            is_closed |= is_told_to_close(&window);
+        }
+        assert_eq!(is_closed, answer != "Go on");
+    }
+}
+
+/// What a render has reached when another scene takes its place is among the renders.
+#[test]
+fn a_render_that_another_scene_ends_is_kept() {
+    let files = Files::new();
+    let other = files.write("other.toml", SCENE);
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 100_000);
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("the scene is saved", |app| !app.document().is_modified());
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("it runs", |app| {
+        app.picture()
+            .is_some_and(|picture| picture.first_tile.is_some())
+    });
+    window.drop_file(other);
+    window.harness.step();
+    window.until("the other is open", |app| app.document().name() == "other");
+    let entries = window.app().renders().entries();
+    assert_eq!(entries.len(), 1);
+    assert_eq!(entries[0].scene.render.samples_per_pixel, 100_000);
+}
+
+/// However slow a frame is, every press of a key counts.
+#[test]
+fn keys_that_come_in_one_frame_all_count() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    for _ in 0..3 {
+        window.operate("Add light");
+    }
+    assert_eq!(window.scene().lights.len(), 4);
+    for pressed in [true, false, true, false, true, false] {
+        window.harness.input_mut().events.push(Event::Key {
+            key: Key::Z,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::COMMAND,
+        });
+    }
+    window.harness.run_steps(2);
+    assert_eq!(window.scene().lights.len(), 1);
+    assert!(window.app().messages().last_news().starts_with("Undone"));
+    window.operate("Add light");
+    assert!(!window.app().messages().last_news().starts_with("Undone"));
+}
+
+#[test]
+fn the_path_field_goes_into_folders_and_begins_anew() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("pyramid.off"));
+    window.press(Modifiers::COMMAND, Key::O);
+    let folder = files.folder.path().to_str().unwrap().to_owned();
+    window.enter("Path", &format!("/somewhere/{folder}"));
+    assert!(matches!(window.app().dialog(), Some(Dialog::Path(_))));
+    let deadline = Instant::now() + DEADLINE;
+    while !window.says("room.toml") {
+        assert!(Instant::now() < deadline, "the folder is not listed");
+        window.harness.step();
+    }
 }
 
 /// The extension that is added counts.

@@ -281,7 +281,7 @@ fn a_render_that_was_killed_goes_on_to_the_same_bits() {
     let mut window = open(&room, &killed);
     asks(&mut window);
     assert!(window.says("before the render of room was done"));
-    window.click("Restore");
+    window.click("Go on");
     window.until("the render goes on", |app| {
         let share = app.picture().and_then(Picture::goes_on_from);
         share.is_some_and(|share| share > 0.0 && share < 1.0)
@@ -317,7 +317,7 @@ fn a_render_that_was_killed_goes_on_to_the_same_bits() {
     for (data, reason) in [(&damaged, "damaged"), (&foreign, "another render")] {
         let mut window = open(&room, data);
         asks(&mut window);
-        window.click("Restore");
+        window.click("Go on");
         window.until("it is told", |app| !app.messages().banners().is_empty());
         let banner = &window.app().messages().banners()[0];
         assert_eq!(banner.title, "The interrupted render cannot go on");

@@ -85,7 +85,7 @@ fn edits_in_a_pause_change_nothing_about_the_render_that_goes_on() {
     window.operate("Add light");
     window.harness.run_steps(5);
     assert!(picture(&window).is_paused(), "it is not started anew");
-    assert!(window.says("Resume goes on without, Render restarts"));
+    assert!(window.says("Resume goes on without, F5 restarts"));
     window.click("Resume");
     window.until("the render ends", is_over);
     assert_eq!(window.hash(), library_hash(&scene));

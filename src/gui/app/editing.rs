@@ -1,5 +1,8 @@
 //! Undoing, copying, duplicating and removing.
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
+
 use super::App;
 use crate::gui::commands::Command;
 use crate::gui::edit;
@@ -43,7 +46,12 @@ impl App {
             }
             Command::Rename => {
                 self.panel_open = true;
-                ctx.memory_mut(|memory| memory.request_focus(egui::Id::unique(NAME_FIELD)));
+                let field = egui::Id::unique(NAME_FIELD);
+                ctx.memory_mut(|memory| memory.request_focus(field));
+                let all = CCursorRange::two(CCursor::new(0), CCursor::new(usize::MAX));
+                let mut state = TextEditState::load(ctx, field).unwrap_or_default();
+                state.cursor.set_char_range(Some(all));
+                state.store(ctx, field);
             }
             Command::Remove => {
                 let next = edit::remove(&mut self.document.scene, &self.selection);
@@ -93,7 +101,7 @@ impl App {
         if orbit::is_moved(&camera_before, &self.document.scene.camera) {
             self.show_camera_view();
         }
-        self.messages.news(news);
+        self.messages.news_until_edit(news);
     }
 
     fn copy(&mut self, ctx: &egui::Context) {

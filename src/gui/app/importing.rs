@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::App;
-use super::opening::what;
+use super::opening::{cannot_open, what};
 use crate::gui::dialogs::import::{Import, ImportDecision, Unit};
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::jobs::Lane;
@@ -31,6 +31,7 @@ impl App {
         self.loading = None;
         match result {
             Ok(models) => {
+                self.messages.withdraw(&cannot_open(&paths));
                 let import = Box::new(Import::new(paths, models, replaces));
                 if self.document.scene.objects.is_empty() {
                     self.add(*import);
@@ -41,8 +42,7 @@ impl App {
             }
             Err(error) => {
                 let text = format!("{error}\nThe scene you had is still here.");
-                self.messages
-                    .error(format!("Cannot open {}", what(&paths)), text);
+                self.messages.error(cannot_open(&paths), text);
             }
         }
     }

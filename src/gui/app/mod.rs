@@ -96,7 +96,7 @@ use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
 use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore};
-use crate::scene::Scene;
+use crate::scene::{Object, Scene, SceneError};
 
 pub use reloading::Stale;
 
@@ -145,6 +145,8 @@ pub struct App {
     build_progress: Progress,
     /// The first value of the scene as it is that cannot be rendered.
     invalid: Option<String>,
+    /// The objects that were looked through for it last, and what was found: they may be very many, and seldom change.
+    checked_objects: (Vec<Object>, Result<(), SceneError>),
     /// Why the scene that was prepared last cannot be rendered.
     problem: Option<String>,
     picture: Option<Picture>,
@@ -259,6 +261,7 @@ impl App {
             preparing: None,
             build_progress: Progress::new(),
             invalid: None,
+            checked_objects: (Vec::new(), Ok(())),
             problem: None,
             picture: None,
             renders: Renders::default(),
@@ -537,10 +540,11 @@ impl App {
         }
     }
 
-    /// Closing the window waits for unsaved work to be decided about.
+    /// Closing the window waits for unsaved work, and what runs, to be decided about.
     fn take_close_request(&mut self, ctx: &egui::Context) {
         let asked = ctx.input(|input| input.viewport().close_requested());
-        if asked && !self.may_close && self.document.is_modified() {
+        let holds_up = self.document.is_modified() || self.running_work().is_some();
+        if asked && !self.may_close && holds_up {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.ask_to_close();
         }
@@ -612,8 +616,8 @@ impl eframe::App for App {
         }
 
         self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
-        if !self.gesture.goes_on(&ctx) {
-            self.document.record_edit(&self.selection);
+        if !self.gesture.goes_on(&ctx) && self.document.record_edit(&self.selection) {
+            self.messages.note_edit();
         }
         let display = self.document.scene.display;
         if self

@@ -12,6 +12,7 @@ use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
 use crate::gui::panels::with_image;
+use crate::gui::picture::Outcome;
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
@@ -127,8 +128,7 @@ impl App {
             Ok(loaded) => loaded,
             Err(error) => {
                 let text = format!("{error}\nThe scene you had is still here.");
-                self.messages
-                    .error(format!("Cannot open {}", what(paths)), text);
+                self.messages.error(cannot_open(paths), text);
                 return;
             }
         };
@@ -196,6 +196,10 @@ impl App {
         self.preparing = None;
         self.problem = None;
         self.hide_past_render();
+        if !self.is_live {
+            // What a render has reached stays among the renders.
+            self.end_picture(Outcome::Cancelled);
+        }
         if let Some(picture) = self.picture.take() {
             self.keep_render(picture);
         }
@@ -232,6 +236,11 @@ impl App {
         self.show_camera_view();
         self.messages.news(format!("The background is {shown}"));
     }
+}
+
+/// The title of the banner about files that cannot be opened.
+pub(super) fn cannot_open(paths: &[PathBuf]) -> String {
+    format!("Cannot open {}", what(paths))
 }
 
 /// What is being opened, in words.

@@ -63,10 +63,21 @@ impl App {
         self.waiting_render.is_some() || self.picture.as_ref().is_some_and(Picture::is_running)
     }
 
+    /// Looks for a value that cannot be rendered.
+    fn find_invalid(&mut self) {
+        let scene = &self.document.scene;
+        let (objects, found) = &mut self.checked_objects;
+        if *objects != scene.objects {
+            objects.clone_from(&scene.objects);
+            *found = scene.validate_objects();
+        }
+        let found = scene.validate_but_objects().and(found.clone());
+        self.invalid = found.err().map(|error| error.to_string());
+    }
+
     /// Starts what the scene's newest state needs.
     pub(super) fn update_background_work(&mut self) {
-        let invalid = self.document.scene.validate().err();
-        self.invalid = invalid.map(|error| error.to_string());
+        self.find_invalid();
         if self.document.scene.objects.is_empty() {
             self.jobs.cancel(Lane::Prepare);
             self.prepared = None;

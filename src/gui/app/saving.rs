@@ -13,6 +13,9 @@ use crate::gui::picture::Outcome;
 use crate::gui::worker;
 use crate::scene::Scene;
 
+/// What a banner says until the scene is saved.
+const CANNOT_SAVE: &str = "Cannot save the scene";
+
 impl App {
     /// Writes the scene to its file, or asks for one.
     pub(super) fn save_scene(&mut self) {
@@ -41,6 +44,7 @@ impl App {
     ) {
         match result {
             Ok(scene) => {
+                self.messages.withdraw(CANNOT_SAVE);
                 self.messages.news(format!("Saved {}", path.display()));
                 self.remember(&path);
                 self.reloading
@@ -64,7 +68,7 @@ impl App {
                 self.after_saving = None;
                 self.messages.news("");
                 let text = format!("{error}\nThe scene is not saved. Try another folder or name.");
-                self.messages.error("Cannot save the scene", text);
+                self.messages.error(CANNOT_SAVE, text);
             }
         }
     }
@@ -112,12 +116,32 @@ impl App {
         }
     }
 
-    /// Asks about unsaved work before the window closes.
+    /// Asks about unsaved work, and then about what runs, before the window closes.
     pub(super) fn ask_to_close(&mut self) {
-        let is_asked = |dialog: &Dialog| matches!(dialog, Dialog::Unsaved(Intent::Close));
-        if !self.dialog.as_ref().is_some_and(is_asked) {
-            self.ask_first(Dialog::Unsaved(Intent::Close));
+        let is_asked =
+            |dialog: &Dialog| matches!(dialog, Dialog::Unsaved(Intent::Close) | Dialog::Running);
+        if self.dialog.as_ref().is_some_and(is_asked) {
+            return;
         }
+        self.ask_first(if self.document.is_modified() {
+            Dialog::Unsaved(Intent::Close)
+        } else {
+            Dialog::Running
+        });
+    }
+
+    /// What runs that somebody asked for, in a word, and its done part, `0..=1`.
+    pub(super) fn running_work(&self) -> Option<(&'static str, f64)> {
+        let picture = self.picture.as_ref();
+        let picture = picture.filter(|picture| picture.is_running() && !self.is_live);
+        let render = picture.map(|picture| ("render", picture.progress.samples.fraction()));
+        let report = self.report.run().filter(|_| self.report.is_running());
+        render.or_else(|| Some(("report", report?.progress.how_far().0)))
+    }
+
+    pub(super) fn close(&mut self, ctx: &egui::Context) {
+        self.may_close = true;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
 
     /// Does what the user decided about unsaved work.
@@ -138,10 +162,8 @@ impl App {
         match intent {
             Intent::Open(paths) => self.load(paths),
             Intent::Import(import) => self.replace_by(*import),
-            Intent::Close => {
-                self.may_close = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
+            Intent::Close if self.running_work().is_some() => self.ask(Dialog::Running),
+            Intent::Close => self.close(ctx),
         }
     }
 }

@@ -26,6 +26,8 @@ pub enum Dialog {
     Waiting(FilePurpose),
     /// Unsaved work is about to be lost.
     Unsaved(Intent),
+    /// A render or a report is about to be given up with the window.
+    Running,
     /// Meshes were read, and it is to be said what becomes of them.
     Import(Box<Import>),
     /// Work that a window before did not save.

@@ -107,6 +107,10 @@ impl PathField {
         match confirmed {
             Some(false) => Outcome::Cancelled,
             _ if (entered || confirmed == Some(true)) && !self.text.trim().is_empty() => {
+                let wants_file = !self.purpose.is_folder() && !self.text.ends_with('/');
+                if wants_file && with_home(self.text.trim()).is_dir() {
+                    self.text = format!("{}/", self.text.trim());
+                }
                 if self.is_place_to_go() {
                     field.request_focus();
                     return Outcome::Open;
@@ -255,8 +259,11 @@ fn as_folder(path: &Path) -> String {
     format!("{}/", text.trim_end_matches('/'))
 }
 
-/// The path, with `~/` as the user's home.
+/// The path, with `~/` as the user's home. What is typed after `//` begins anew: the field is filled already.
 pub(in crate::gui) fn with_home(text: &str) -> PathBuf {
+    // Where that is no path of a network drive.
+    let anew = text.rfind("//").filter(|&place| place > 0);
+    let text = anew.map_or(text, |place| &text[place + 1..]);
     match (text.strip_prefix("~/"), std::env::home_dir()) {
         (Some(rest), Some(home)) => home.join(rest),
         _ => PathBuf::from(text),

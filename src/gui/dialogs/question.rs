@@ -25,10 +25,16 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent) -> Decision 
         ui.heading(format!("Save the changes to {name}?"));
         ui.add_space(4.0);
         let (what, discard) = match intent {
-            Intent::Open(_) | Intent::Import(_) => ("opening another scene", "Replace"),
-            Intent::Close => ("closing the window", "Discard"),
+            Intent::Open(_) | Intent::Import(_) => (
+                "Another scene takes its place. Undo brings this one back.",
+                "Replace",
+            ),
+            Intent::Close => (
+                "They are lost by closing the window without saving.",
+                "Discard",
+            ),
         };
-        ui.label(RichText::new(format!("They are lost by {what} without saving.")).weak());
+        ui.label(RichText::new(what).weak());
         buttons_ui(ui, |ui| {
             let mut decision = Decision::None;
             let mut choice = |ui: &mut egui::Ui, button: egui::Button<'_>, tooltip, meaning| {
@@ -60,6 +66,40 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent) -> Decision 
     });
     match response.inner {
         Decision::None if response.should_close() => Decision::Cancel,
+        Decision::None if is_confirmed(ctx) => Decision::Save,
         decision => decision,
     }
+}
+
+/// Whether Enter was pressed and no button has the focus, which it would press.
+fn is_confirmed(ctx: &egui::Context) -> bool {
+    ctx.input(|input| input.key_pressed(egui::Key::Enter))
+        && ctx.memory(|memory| memory.focused().is_none())
+}
+
+/// Asks before `what` is given up with the window: a render or a report. `Some(true)` to give it up, `Some(false)` to let it go on;
+/// `None` while nothing is decided.
+#[must_use]
+pub fn running_ui(ctx: &egui::Context, what: &str, share: f64) -> Option<bool> {
+    let response = modal_ui(ctx, "running", 440.0, |ui| {
+        ui.heading(format!("Give up the {what}?"));
+        ui.add_space(4.0);
+        let done = (share * 100.0).floor();
+        let text = format!("The {what} is at {done} %. It ends with the window.");
+        ui.label(RichText::new(text).weak());
+        buttons_ui(ui, |ui| {
+            let go_on = ui
+                .add(primary_button("Go on"))
+                .on_hover_text("Leave the window open");
+            let give_up = ui
+                .button("Give up and close")
+                .on_hover_text("What it has reached is lost, but for pictures that were saved");
+            give_up
+                .clicked()
+                .then_some(true)
+                .or(go_on.clicked().then_some(false))
+        })
+    });
+    let is_over = response.should_close() || is_confirmed(ctx);
+    response.inner.or(is_over.then_some(false))
 }

@@ -51,7 +51,7 @@ pub fn recovery_ui(ctx: &egui::Context, lost: &Lost) -> Answer {
             let mut answer = Answer::None;
             for (button, tooltip, meaning) in [
                 (
-                    primary_button("Restore"),
+                    primary_button(if is_unsaved { "Restore" } else { "Go on" }),
                     "Go on where it ended",
                     Answer::Restore,
                 ),

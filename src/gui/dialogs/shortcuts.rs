@@ -57,6 +57,7 @@ const MOUSE_OVER_PICTURE: [(&str, &str); 4] = [
 /// The sheet of shortcuts; returns whether it stays.
 #[must_use]
 pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
+    let is_asked_again = ctx.input(|input| input.key_pressed(egui::Key::F1));
     let width = (ctx.content_rect().width() - AROUND).clamp(LEAST_WIDTH, MOST_WIDTH);
     let response = modal_ui(ctx, "shortcuts", width, |ui| {
         ui.heading("Keyboard and mouse");
@@ -98,7 +99,7 @@ pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
             });
         buttons_ui(ui, |ui| ui.button("Close").clicked())
     });
-    !(response.inner || response.should_close())
+    !(response.inner || response.should_close() || is_asked_again)
 }
 
 fn mouse_ui(ui: &mut Ui, keys_width: f32) {

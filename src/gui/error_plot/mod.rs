@@ -155,6 +155,10 @@ fn slope_in_words(points: &[ErrorPoint]) -> String {
 
 /// When the next level of noise is reached.
 fn crossing_in_words(points: &[ErrorPoint], target: Option<f64>, is_over: bool) -> String {
+    if is_over && slope(points).is_some_and(|slope| slope >= 0.0) {
+        // A curve that does not fall reaches nothing.
+        return String::new();
+    }
     match (next_crossing(points, target), target) {
         (Some(Crossing { noise, seconds }), _) => {
             let [value, low, high] =

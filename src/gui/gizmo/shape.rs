@@ -25,6 +25,8 @@ const DISK_RADIUS: f64 = 8.0;
 const CORNERS: u32 = 72;
 /// Within this distance of a line it is hit, in points.
 const REACH: f64 = 7.0;
+/// Length of an arrow's head beyond its line, in points.
+const HEAD: f32 = 13.0;
 /// Shortest arrow that is drawn, and narrowest plane (as a cosine): those seen from their ends have no use.
 const SHORTEST: f64 = 14.0;
 const NARROWEST: f64 = 0.12;
@@ -212,6 +214,9 @@ impl Shape {
             return 0.0;
         }
         let distances = self.lines.iter().map(|line| distance_to(line, position));
+        let tip = self.lines.last().filter(|_| self.end == End::Arrow);
+        let tip = tip.map(|&[from, to]| to + (to - from).normalize_or_zero() * f64::from(HEAD));
+        let distances = distances.chain(tip.map(|tip| tip.distance(position)));
         distances.fold(f64::INFINITY, f64::min)
     }
 
@@ -253,7 +258,7 @@ impl Shape {
             End::Arrow => {
                 let along = (to - from).normalized();
                 let across = along.rot90() * 5.5;
-                let corners = vec![to + along * 13.0, to + across, to - across];
+                let corners = vec![to + along * HEAD, to + across, to - across];
                 painter.add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
             }
             End::Square => {

@@ -430,7 +430,8 @@ fn bar_button_ui(
             _ => command.tooltip(ui.ctx()),
         })
         .on_disabled_hover_text(state.why_not(command));
-    if response.clicked() {
+    // The second click of two on Render does not mean what has taken its place.
+    if response.clicked() && !response.double_clicked() {
         asked.push(command);
     }
     response

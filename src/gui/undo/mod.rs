@@ -81,17 +81,22 @@ impl UndoHistory {
 
     /// Takes note of the scene as it is now, once a gesture is over. What was undone before is forgotten as soon as something
     /// else is edited.
-    pub fn record(&mut self, scene: &Scene, selection: &Selection) {
-        self.record_as(scene, selection, None);
+    pub fn record(&mut self, scene: &Scene, selection: &Selection) -> bool {
+        self.record_as(scene, selection, None)
     }
 
     /// [`UndoHistory::record`], with a name for what was done where that is known better than it shows.
-    pub fn record_as(&mut self, scene: &Scene, selection: &Selection, name: Option<String>) {
+    pub fn record_as(
+        &mut self,
+        scene: &Scene,
+        selection: &Selection,
+        name: Option<String>,
+    ) -> bool {
         if same_scene(&self.present.scene, scene) {
             if self.present.selection != *selection {
                 self.present.selection = selection.clone();
             }
-            return;
+            return false;
         }
         let now = Snapshot {
             scene: scene.clone(),
@@ -100,6 +105,7 @@ impl UndoHistory {
         };
         let name = name.unwrap_or_else(|| name_of_change(&self.present.scene, scene));
         self.go_on(now, name);
+        true
     }
 
     /// Takes note that `now` took the place of the scene as it was, by what is called `name`.
