@@ -59,7 +59,9 @@ pub fn gather<K: Kernel>(
             }
             Seen::Surface(point) => point,
         };
-        throughput *= media.left_at(scene, &point, start);
+        if scene.absorbs() {
+            throughput *= media.left_at(scene, &point, start);
+        }
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = material {
             gathered.add_light(beginning, throughput * radiance);

@@ -37,11 +37,9 @@ impl Media {
     }
 
     /// Share of the light that is left at `point`, which a ray meets. `start`: how far from the eye the ray began, 0 for all but camera
-    /// rays.
+    /// rays. That is all of it where [`PreparedScene::absorbs`] is false.
+    #[inline(never)]
     pub fn left_at(&self, scene: &PreparedScene, point: &SurfacePoint, start: f64) -> Vec3 {
-        if !scene.absorbs() {
-            return Vec3::ONE;
-        }
         // Never seen to be entered, as by an eye in an open mesh, glass is left by its back.
         let unseen = (!point.front).then_some(point.object);
         let object = self.innermost().or(unseen);
@@ -50,8 +48,9 @@ impl Media {
 
     /// Share of the light that is left along `ray` up to its parameter `t`: all of it where that is infinite, as nothing is all around.
     /// `start`: see [`Self::left_at`].
+    #[inline(never)]
     pub fn left_along(&self, scene: &PreparedScene, ray: &Ray, t: f32, start: f64) -> Vec3 {
-        if !scene.absorbs() || t == f32::INFINITY {
+        if t == f32::INFINITY {
             return Vec3::ONE;
         }
         left_after(scene, self.innermost(), t * ray.direction.length(), start)

@@ -78,7 +78,9 @@ pub fn gather<K: Kernel>(
             }
             Seen::Surface(point) => point,
         };
-        throughput *= media.left_at(scene, &point, start);
+        if scene.absorbs() {
+            throughput *= media.left_at(scene, &point, start);
+        }
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
             let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &ray, &point);
@@ -275,10 +277,13 @@ impl Aiming<'_> {
         let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
         let noted = || NotedRay::passing(aimed.ray, aimed.reach, passed);
         tally.note(RayPurpose::Shadow, noted);
-        // What is behind glass is not aimed at: all of the way is in what the point is in.
-        let left = media.left_along(scene, &aimed.ray, aimed.reach, 0.0);
+        let mut irradiance = aimed.irradiance * weight * passed;
+        if scene.absorbs() {
+            // What is behind glass is not aimed at: all of the way is in what the point is in.
+            irradiance *= media.left_along(scene, &aimed.ray, aimed.reach, 0.0);
+        }
         Some(Lit {
-            lobes: reflected * (aimed.irradiance * weight * passed * left),
+            lobes: reflected * irradiance,
             passed,
             is_background: aimed.is_background,
         })
