@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use raymini::cli::{Arguments, Signals, WindowBench, printable, render_to_file, tell};
+use raymini::cli::{Arguments, Signals, WindowBench, render_to_file, tell};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 use raymini::render::{RenderFault, keep_panics_quiet};
@@ -59,7 +59,7 @@ fn measure_window(bench: &WindowBench) -> Result<ExitCode> {
     } else {
         figures.describe()
     };
-    println!("{}", printable(text.trim_end()));
+    println!("{}", raymini::cli::printable(text.trim_end()));
     Ok(ExitCode::SUCCESS)
 }
 
