@@ -52,15 +52,15 @@ pub fn gather<K: Kernel>(
                 break;
             }
             Seen::Disk(met) => {
-                let radiance =
-                    met.disk.emitted(ray.direction) * media.left_along(scene, &ray, met.t, start);
+                let radiance = met.disk.emitted(ray.direction)
+                    * media.transmittance_along(scene, &ray, met.t, start);
                 gathered.add_light(beginning, throughput * radiance);
                 break;
             }
             Seen::Surface(point) => point,
         };
         if scene.absorbs() {
-            throughput *= media.left_at(scene, &point, start);
+            throughput *= media.transmittance_from(scene, &point, start);
         }
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = material {
@@ -574,7 +574,7 @@ impl<K: Kernel> Shading<'_, K> {
                 return Vec3::ZERO;
             }
             let Some(point) = self.scene.surface_along(&ray, 1.0) else {
-                return passed * media.left_along(self.scene, &ray, 1.0, 0.0);
+                return passed * media.transmittance_along(self.scene, &ray, 1.0, 0.0);
             };
             let PreparedMaterial::Specular(Specular::Glass { ior, .. }) =
                 *self.scene.material(point.object)
@@ -584,7 +584,7 @@ impl<K: Kernel> Shading<'_, K> {
             // The ray stays straight, so both faces are met at the angle outside; Fresnel's equations give the way out the
             // same loss as the way in.
             passed *= 1.0 - fresnel(point.shading_normal.dot(point.wo), ior).reflectance;
-            passed *= media.left_at(self.scene, &point, 0.0);
+            passed *= media.transmittance_from(self.scene, &point, 0.0);
             media.cross(&point);
             if passed == Vec3::ZERO {
                 return passed;

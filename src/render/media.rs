@@ -1,5 +1,7 @@
 //! The glass that light is in on its way, which absorbs some of it between any two surfaces, whatever those are of.
 
+use std::collections::BTreeMap;
+
 use super::material::PreparedMaterial;
 use super::prepare::PreparedScene;
 use super::specular::Specular;
@@ -9,7 +11,7 @@ use crate::math::{Ray, Vec3};
 /// The glass objects that a path has entered and not left, the newest last: where one stands in another, the inner one absorbs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Media {
-    objects: [u32; MOST_NESTED],
+    objects: [usize; MOST_NESTED],
     count: usize,
 }
 
@@ -19,14 +21,14 @@ const MOST_NESTED: usize = 8;
 impl Media {
     /// The glass that `eye`, in prepared units, is in.
     pub fn at(scene: &PreparedScene, eye: Vec3) -> Self {
-        // An eye is in what all ways out leave: an open mesh has no inside.
+        // An eye is in what it takes to go out of whatever way one takes: an open mesh has no inside.
         let ways = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis + Vec3::new(0.013, 0.027, 0.041));
-        let mut left = ways
+        let mut exited = ways
             .into_iter()
             .flat_map(|way| [way, -way])
-            .map(|way| objects_left(scene, Ray::new(eye, way)));
-        let mut objects = left.next().unwrap_or_default();
-        for others in left {
+            .map(|way| exited_objects(scene, Ray::new(eye, way)));
+        let mut objects = exited.next().unwrap_or_default();
+        for others in exited {
             objects.retain(|object| others.contains(object));
         }
         let mut media = Self::default();
@@ -36,52 +38,58 @@ impl Media {
         media
     }
 
-    /// Share of the light that is left at `point`, which a ray meets. `start`: how far from the eye the ray began, 0 for all but camera
-    /// rays. That is all of it where [`PreparedScene::absorbs`] is false.
+    /// Share of the light that comes through from `point`, which a ray meets, to where that began. `start`: how far from the eye that is,
+    /// 0 for all but camera rays. Only to be asked for where [`PreparedScene::absorbs`] says so.
+    // Inside the loops that follow paths, it makes them slower where nothing absorbs.
     #[inline(never)]
-    pub fn left_at(&self, scene: &PreparedScene, point: &SurfacePoint, start: f64) -> Vec3 {
+    pub fn transmittance_from(
+        &self,
+        scene: &PreparedScene,
+        point: &SurfacePoint,
+        start: f64,
+    ) -> Vec3 {
         // Never seen to be entered, as by an eye in an open mesh, glass is left by its back.
         let unseen = (!point.front).then_some(point.object);
         let object = self.innermost().or(unseen);
-        left_after(scene, object, point.distance, start)
+        transmittance(scene, object, point.distance, start)
     }
 
-    /// Share of the light that is left along `ray` up to its parameter `t`: all of it where that is infinite, as nothing is all around.
-    /// `start`: see [`Self::left_at`].
+    /// Share of the light that comes through along `ray` from its parameter `t`: all of it where that is infinite, as nothing is all
+    /// around. `start`: see [`Self::transmittance_from`].
     #[inline(never)]
-    pub fn left_along(&self, scene: &PreparedScene, ray: &Ray, t: f32, start: f64) -> Vec3 {
+    pub fn transmittance_along(
+        &self,
+        scene: &PreparedScene,
+        ray: &Ray,
+        t: f32,
+        start: f64,
+    ) -> Vec3 {
         if t == f32::INFINITY {
             return Vec3::ONE;
         }
-        left_after(scene, self.innermost(), t * ray.direction.length(), start)
+        transmittance(scene, self.innermost(), t * ray.direction.length(), start)
     }
 
     fn innermost(&self) -> Option<usize> {
-        let innermost = self.objects[..self.count].last();
-        innermost.map(|&object| object as usize)
+        self.objects[..self.count].last().copied()
     }
 
     /// Goes through the boundary at `point`.
     pub fn cross(&mut self, point: &SurfacePoint) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "there are fewer objects than triangles"
-        )]
-        let object = point.object as u32;
         if point.front {
-            self.enter(object);
+            self.enter(point.object);
             return;
         }
         // What was never entered is the other side of what was: two objects may make one slab.
         let inside = &self.objects[..self.count];
-        let place = inside.iter().rposition(|&entered| entered == object);
+        let place = inside.iter().rposition(|&entered| entered == point.object);
         if let Some(place) = place.or(self.count.checked_sub(1)) {
             self.objects.copy_within(place + 1..self.count, place);
             self.count -= 1;
         }
     }
 
-    fn enter(&mut self, object: u32) {
+    fn enter(&mut self, object: usize) {
         if self.count == MOST_NESTED {
             self.objects.rotate_left(1);
             self.count -= 1;
@@ -91,25 +99,22 @@ impl Media {
     }
 }
 
-/// The glass objects that `ray` leaves without having entered them, in that order.
-fn objects_left(scene: &PreparedScene, mut ray: Ray) -> Vec<u32> {
+/// The glass objects that `ray` goes out of without having entered them, in that order.
+fn exited_objects(scene: &PreparedScene, mut ray: Ray) -> Vec<usize> {
     /// Where there are more surfaces, the eye is taken to be in nothing.
     const MOST_SURFACES: usize = 10_000;
-    let mut entered = std::collections::BTreeMap::<usize, i64>::new();
-    let mut left = Vec::new();
+    let mut entered = BTreeMap::<usize, i64>::new();
+    let mut exited = Vec::new();
     for _ in 0..MOST_SURFACES {
         let Some(point) = scene.surface_along(&ray, f32::INFINITY) else {
-            left.retain(|object| entered[object] < 0);
-            return left
-                .into_iter()
-                .filter_map(|object| u32::try_from(object).ok())
-                .collect();
+            exited.retain(|object| entered[object] < 0);
+            return exited;
         };
         if attenuation_of(scene, point.object).is_some() {
             let entered = entered.entry(point.object).or_default();
             *entered += if point.front { 1 } else { -1 };
-            if *entered == -1 && !left.contains(&point.object) {
-                left.push(point.object);
+            if *entered == -1 && !exited.contains(&point.object) {
+                exited.push(point.object);
             }
         }
         ray = point.ray_through(ray.direction);
@@ -125,8 +130,8 @@ fn attenuation_of(scene: &PreparedScene, object: usize) -> Option<Vec3> {
     }
 }
 
-/// Share of the light that is left inside an object, or in nothing, after `distance` on a ray that began `start` from the eye.
-fn left_after(scene: &PreparedScene, object: Option<usize>, distance: f32, start: f64) -> Vec3 {
+/// Share of the light that comes through `distance` inside an object, or in nothing, on a ray that began `start` from the eye.
+fn transmittance(scene: &PreparedScene, object: Option<usize>, distance: f32, start: f64) -> Vec3 {
     let attenuation = object.and_then(|object| attenuation_of(scene, object));
     let Some(attenuation) = attenuation.filter(|attenuation| *attenuation != Vec3::ZERO) else {
         return Vec3::ONE;

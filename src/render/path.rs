@@ -71,15 +71,15 @@ pub fn gather<K: Kernel>(
             Seen::Disk(met) => {
                 let aimed = |from: &Receiver| aim::pdf_of_disk(scene, from, &ray, &met);
                 let weight = met_weight(settings, scattered.as_ref(), aimed);
-                let radiance =
-                    met.disk.emitted(ray.direction) * media.left_along(scene, &ray, met.t, start);
+                let radiance = met.disk.emitted(ray.direction)
+                    * media.transmittance_along(scene, &ray, met.t, start);
                 gathered.add_light(beginning, throughput * radiance * weight);
                 break;
             }
             Seen::Surface(point) => point,
         };
         if scene.absorbs() {
-            throughput *= media.left_at(scene, &point, start);
+            throughput *= media.transmittance_from(scene, &point, start);
         }
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
@@ -280,7 +280,7 @@ impl Aiming<'_> {
         let mut irradiance = aimed.irradiance * weight * passed;
         if scene.absorbs() {
             // What is behind glass is not aimed at: all of the way is in what the point is in.
-            irradiance *= media.left_along(scene, &aimed.ray, aimed.reach, 0.0);
+            irradiance *= media.transmittance_along(scene, &aimed.ray, aimed.reach, 0.0);
         }
         Some(Lit {
             lobes: reflected * irradiance,

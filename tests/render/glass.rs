@@ -347,7 +347,7 @@ fn assert_absorbed(scene: &mut Scene, whole: f64, length: f64, what: &str) {
         for (channel, found) in found.into_iter().enumerate() {
             let expected = whole * (-(channel as f64) * length).exp();
             let what = format!("{what}, {mode:?}, channel {channel}");
-            assert_near(f64::from(found), expected, 1e-4, &what);
+            assert_near(f64::from(found), expected, 1e-5, &what);
         }
     }
 }
@@ -422,7 +422,7 @@ fn light_that_stands_in_glass_loses_on_its_way_out() {
         intensity: Rgb::splat(81.0 * PI),
     });
     let [r, g, b] = picture(&scene).pixel(0, 0).map(f64::from);
-    assert_near(r, 1.0, 1e-4, "nothing is lost");
-    assert_near(g, (-1.0_f64).exp(), 1e-4, "one unit");
-    assert_near(b, (-2.0_f64).exp(), 1e-4, "one unit, twice as thick");
+    assert_near(r, 1.0, 1e-5, "nothing is lost");
+    assert_near(g, (-1.0_f64).exp(), 1e-5, "one unit");
+    assert_near(b, (-2.0_f64).exp(), 1e-5, "one unit, twice as thick");
 }
