@@ -41,6 +41,8 @@ pub struct Canvas {
 /// A piece that does not show yet.
 struct Waiting {
     piece: EncodedTile,
+    /// Where it lies, in texels.
+    place: Rect,
     /// It goes after those of earlier turns. Pieces of one turn do not overlap: they may go in any order.
     turn: usize,
 }
@@ -70,15 +72,21 @@ const WHOLE: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
 impl Canvas {
     /// Takes in a piece; it shows from [`Self::flush`] on, over all that came before.
     pub fn put(&mut self, piece: EncodedTile) {
-        let new = place_of(&piece);
-        self.pending
-            .retain(|earlier| !new.contains_rect(place_of(&earlier.piece)));
-        let below = self.pending.iter().filter(|earlier| {
-            let shared = new.intersect(place_of(&earlier.piece));
-            shared.is_positive()
-        });
-        let turn = below.map(|earlier| earlier.turn + 1).max().unwrap_or(0);
-        self.pending.push(Waiting { piece, turn });
+        let place = place_of(&piece);
+        let mut turn = 0;
+        let mut index = 0;
+        // Hundreds may come in a frame and find hundreds here: nothing is moved along.
+        while let Some(earlier) = self.pending.get(index) {
+            if !overlap(place, earlier.place) {
+                index += 1;
+            } else if place.contains_rect(earlier.place) {
+                self.pending.swap_remove(index);
+            } else {
+                turn = turn.max(earlier.turn + 1);
+                index += 1;
+            }
+        }
+        self.pending.push(Waiting { piece, place, turn });
     }
 
     /// Takes in a coarse picture, which shows from [`Self::flush`] on in place of all that there was.
@@ -248,6 +256,11 @@ fn rows_of(image: &ColorImage, rows: std::ops::Range<usize>) -> ColorImage {
     ColorImage::new([width, rows.len()], texels)
 }
 
+/// Whether two places have more than an edge in common.
+fn overlap(a: Rect, b: Rect) -> bool {
+    a.min.x < b.max.x && b.min.x < a.max.x && a.min.y < b.max.y && b.min.y < a.max.y
+}
+
 /// Where a piece lies, in texels.
 fn place_of(piece: &EncodedTile) -> Rect {
     let [x, y] = piece.position.map(|side| side as f32);
@@ -257,7 +270,7 @@ fn place_of(piece: &EncodedTile) -> Rect {
 
 /// The pieces in the order in which they go, those of one turn that lie side by side joined.
 fn joined(mut pieces: Vec<Waiting>) -> Vec<Waiting> {
-    pieces.sort_by_key(|Waiting { piece, turn }| {
+    pieces.sort_by_key(|Waiting { piece, turn, .. }| {
         let [x, y] = piece.position;
         (*turn, y, piece.pixels.size[1], x)
     });
@@ -293,12 +306,14 @@ fn side_by_side(mut run: Vec<Waiting>) -> Waiting {
             texels.extend_from_slice(&pixels.pixels[row * columns..][..columns]);
         }
     }
+    let piece = EncodedTile {
+        position: run[0].piece.position,
+        pixels: ColorImage::new([width, height], texels),
+    };
     Waiting {
-        piece: EncodedTile {
-            position: run[0].piece.position,
-            pixels: ColorImage::new([width, height], texels),
-        },
+        place: place_of(&piece),
         turn: run[0].turn,
+        piece,
     }
 }
 
