@@ -179,6 +179,15 @@ impl Window {
         }
     }
 
+    /// Draws frames until `part` is somewhere to be read.
+    pub fn until_says(&mut self, part: &str) {
+        let deadline = Instant::now() + DEADLINE;
+        while !self.says(part) {
+            assert!(Instant::now() < deadline, "{part:?} is not told");
+            self.harness.step();
+        }
+    }
+
     /// Until files are read and the scene is prepared, or a message says why not.
     pub fn settle(&mut self) {
         self.until("the scene is ready", |app| {
@@ -216,8 +225,8 @@ impl Window {
         self.enter("Path", path.to_str().unwrap());
     }
 
-    /// Types into the text field called `name`, in place of what is there, and confirms it.
-    pub fn enter(&mut self, name: &str, text: &str) {
+    /// Types into the text field called `name`, in place of what is there.
+    pub fn fill(&mut self, name: &str, text: &str) {
         let field = self.harness.get_by_role_and_label(Role::TextInput, name);
         field.focus();
         self.harness.run_steps(1);
@@ -226,6 +235,11 @@ impl Window {
         let field = self.harness.get_by_role_and_label(Role::TextInput, name);
         field.type_text(text);
         self.harness.run_steps(2);
+    }
+
+    /// [`Self::fill`], and confirms it.
+    pub fn enter(&mut self, name: &str, text: &str) {
+        self.fill(name, text);
         self.harness.key_press(Key::Enter);
         self.harness.run_steps(3);
     }

@@ -584,11 +584,9 @@ fn is_told_to_close(window: &Window) -> bool {
     commands.any(|command| *command == egui::ViewportCommand::Close)
 }
 
-#[test]
-fn closing_asks_before_a_render_is_given_up() {
-    let files = Files::new();
-    let mut window = Window::open(&files.path("room.toml"));
-    set_samples(&mut window, 100_000);
+/// Starts a render that does not end by itself, with nothing unsaved.
+fn start_long_render(window: &mut Window) {
+    set_samples(window, 100_000);
     window.press(Modifiers::COMMAND, Key::S);
     window.until("the scene is saved", |app| !app.document().is_modified());
     window.press(Modifiers::NONE, Key::F5);
@@ -596,6 +594,13 @@ fn closing_asks_before_a_render_is_given_up() {
         app.picture()
             .is_some_and(|picture| picture.first_tile.is_some())
     });
+}
+
+#[test]
+fn closing_asks_before_a_render_is_given_up() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
     for answer in ["Go on", "Give up and close"] {
         ask_to_close(&mut window);
         assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
@@ -616,14 +621,7 @@ fn a_render_that_another_scene_ends_is_kept() {
     let files = Files::new();
     let other = files.write("other.toml", SCENE);
     let mut window = Window::open(&files.path("room.toml"));
-    set_samples(&mut window, 100_000);
-    window.press(Modifiers::COMMAND, Key::S);
-    window.until("the scene is saved", |app| !app.document().is_modified());
-    window.press(Modifiers::NONE, Key::F5);
-    window.until("it runs", |app| {
-        app.picture()
-            .is_some_and(|picture| picture.first_tile.is_some())
-    });
+    start_long_render(&mut window);
     window.drop_file(other);
     window.harness.step();
     window.until("the other is open", |app| app.document().name() == "other");
@@ -665,11 +663,7 @@ fn the_path_field_goes_into_folders_and_begins_anew() {
     let folder = files.folder.path().to_str().unwrap().to_owned();
     window.enter("Path", &format!("/somewhere/{folder}"));
     assert!(matches!(window.app().dialog(), Some(Dialog::Path(_))));
-    let deadline = Instant::now() + DEADLINE;
-    while !window.says("room.toml") {
-        assert!(Instant::now() < deadline, "the folder is not listed");
-        window.harness.step();
-    }
+    window.until_says("room.toml");
 }
 
 /// The extension that is added counts.
@@ -678,20 +672,8 @@ fn a_file_that_will_be_replaced_is_told_of() {
     let files = Files::new();
     let mut window = Window::open(&files.path("pyramid.off"));
     window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    let field = window
-        .harness
-        .get_by_role_and_label(Role::TextInput, "Path");
-    field.focus();
-    window.press(Modifiers::COMMAND, Key::A);
-    let field = window
-        .harness
-        .get_by_role_and_label(Role::TextInput, "Path");
-    field.type_text(files.path("room").to_str().unwrap());
-    let deadline = Instant::now() + DEADLINE;
-    while !window.says("will be replaced") {
-        assert!(Instant::now() < deadline, "it is not told");
-        window.harness.step();
-    }
+    window.fill("Path", files.path("room").to_str().unwrap());
+    window.until_says("will be replaced");
 }
 
 /// To look at a panel is no edit.

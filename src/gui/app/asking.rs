@@ -148,23 +148,19 @@ impl App {
 
     /// Does with `paths` what they were asked for; only meshes and scenes are ever several.
     fn use_paths(&mut self, purpose: FilePurpose, paths: Vec<PathBuf>) {
-        match purpose {
-            FilePurpose::Open => return self.open(paths),
-            FilePurpose::AddMesh => return self.import(paths, false),
-            _ => {}
-        }
-        let Some(path) = paths.into_iter().next() else {
-            return;
-        };
-        match purpose {
-            FilePurpose::Open | FilePurpose::AddMesh => {}
-            FilePurpose::SetBackground => self.set_background(path),
-            FilePurpose::SetTexture(texture) => self.set_texture(path, texture),
-            FilePurpose::Compare => self.compare_with_file(path),
-            FilePurpose::ReportFolder | FilePurpose::ReportReference => {
+        match (purpose, paths.first().cloned()) {
+            (FilePurpose::Open, _) => self.open(paths),
+            (FilePurpose::AddMesh, _) => self.import(paths, false),
+            (_, None) => {}
+            (FilePurpose::SetBackground, Some(path)) => self.set_background(path),
+            (FilePurpose::SetTexture(texture), Some(path)) => self.set_texture(path, texture),
+            (FilePurpose::Compare, Some(path)) => self.compare_with_file(path),
+            (FilePurpose::ReportFolder | FilePurpose::ReportReference, Some(path)) => {
                 self.report.set_path(purpose, &path);
             }
-            FilePurpose::SaveScene | FilePurpose::SavePicture => self.write_to(purpose, &path),
+            (FilePurpose::SaveScene | FilePurpose::SavePicture, Some(path)) => {
+                self.write_to(purpose, &path);
+            }
         }
     }
 
