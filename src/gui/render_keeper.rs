@@ -1,21 +1,31 @@
 //! A render that is kept on disk while it runs, to be gone on with when the program is killed.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use super::event::Event;
 use super::jobs::Job;
 use super::keeping::KeptRender;
 use super::worker::RenderRequest;
-use crate::io::describe_render;
-use crate::render::{Checkpoint, Layer, PictureMemory, PreparedScene};
+use crate::io::{LoggedBlocks, block_record, describe_render};
+use crate::render::{
+    Block, BlockHeader, BlockStore, Checkpoint, CheckpointKeeper, Layer, PictureMemory,
+    PreparedScene,
+};
 
 /// The least time between two checkpoints.
 const LEAST_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The most that they may take of a render's time.
-pub const MOST_SHARE: f64 = 0.01;
+const MOST_SHARE: f64 = 0.01;
+
+/// The most that blocks of samples may take of it, beside [`BLOCK_CREDIT`]. From passes of a few samples on, all fit in; before, those that
+/// do not are taken anew when the render goes on, which takes no longer than they took at first.
+const MOST_BLOCK_SHARE: f64 = 0.02;
+
+/// What blocks may take beyond their share, so that those of a render's first second are kept.
+const BLOCK_CREDIT: Duration = Duration::from_millis(50);
 
 /// What is thought to be copied, packed and written in a second, until it is known how long the first takes: 240 MB were measured.
 const BYTES_PER_SECOND: f64 = 200e6;
@@ -32,18 +42,34 @@ pub struct RenderKeeper<'a> {
     /// What the render takes with checkpoints.
     memory: PictureMemory,
     description: OnceLock<String>,
+    threads: usize,
+    started: Instant,
+    /// Nanoseconds that keeping blocks took.
+    spent: AtomicU64,
+    /// The blocks that were there when the render went on.
+    known: OnceLock<LoggedBlocks>,
     /// Whether it was told that one cannot be kept.
     is_told: AtomicBool,
 }
 
+/// Where a render goes on.
+pub struct Start {
+    pub checkpoint: Checkpoint,
+    /// The share of the samples that need not be taken again, `0..=1`.
+    pub share_done: f64,
+    /// When the last of them was there, in seconds of wall time of the render.
+    pub seconds: f64,
+}
+
 impl<'a> RenderKeeper<'a> {
     /// Of the render that is asked for, if it is one to be kept. `layers`: those that it keeps; `memory`: what it takes without
-    /// checkpoints.
+    /// checkpoints; `threads`: those that render.
     pub fn new(
         job: &'a Job<Event>,
         request: &'a RenderRequest,
         layers: &'a [Layer],
         memory: PictureMemory,
+        threads: usize,
     ) -> Option<Self> {
         let memory = PictureMemory {
             has_checkpoint: true,
@@ -56,6 +82,10 @@ impl<'a> RenderKeeper<'a> {
             layers,
             memory,
             description: OnceLock::new(),
+            threads,
+            started: Instant::now(),
+            spent: AtomicU64::new(0),
+            known: OnceLock::new(),
             is_told: AtomicBool::new(false),
         };
         if let Err(short) = memory.require() {
@@ -65,25 +95,55 @@ impl<'a> RenderKeeper<'a> {
         Some(keeper)
     }
 
-    /// How long to wait before the first checkpoint, and at least between others.
-    pub fn interval(&self, threads: usize) -> Duration {
+    /// When checkpoints are kept, and that `keep` keeps them, which calls [`Self::keep`].
+    pub fn checkpoints<'k>(&self, keep: &'k (dyn Fn(Checkpoint) + Sync)) -> CheckpointKeeper<'k> {
         let seconds = self.memory.checkpoint_bytes() as f64 / BYTES_PER_SECOND;
-        let seconds = seconds / (MOST_SHARE * threads as f64);
-        Duration::try_from_secs_f64(seconds).map_or(Duration::MAX, |time| time.max(LEAST_INTERVAL))
+        let seconds = seconds / (MOST_SHARE * self.threads as f64);
+        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        CheckpointKeeper {
+            every: every.max(LEAST_INTERVAL),
+            most_share: MOST_SHARE,
+            keep,
+        }
     }
 
     /// What to go on from.
-    pub fn start(&self, prepared: &PreparedScene) -> Result<Checkpoint, String> {
+    pub fn start(&self, prepared: &PreparedScene) -> Result<Start, String> {
         let description = self.description();
         // Small numbers take up to a quarter more in the file than in memory.
         let most = 2 * self.memory.bytes() + description.len() as u64 + MOST_OTHER_BYTES;
-        let loaded = self.kept.checkpoint(description, most);
-        let checkpoint = loaded.map_err(|error| error.reason)?;
-        if checkpoint.fits(prepared, self.kept.about().region, self.layers) {
-            Ok(checkpoint)
-        } else {
-            Err("its parts do not fit the render".to_owned())
+        let region = self.kept.about().region;
+        let checkpoint = self.kept.checkpoint(description, most)?;
+        let is_begun = checkpoint.is_some();
+        let checkpoint =
+            checkpoint.unwrap_or_else(|| Checkpoint::before(prepared, region, self.layers));
+        if !checkpoint.fits(prepared, region, self.layers) {
+            return Err("its parts do not fit the render".to_owned());
         }
+        let blocks = self
+            .known
+            .get_or_init(|| self.kept.blocks(description))
+            .headers()
+            .iter()
+            .filter(|block| checkpoint.lacks(block.pass, block.tile));
+        let (mut samples, mut seconds) = (0, checkpoint.seconds());
+        for BlockHeader {
+            samples: more,
+            seconds: end,
+            ..
+        } in blocks
+        {
+            samples += more;
+            seconds = end.max(seconds);
+        }
+        if !is_begun && samples == 0 {
+            return Err("what is left of it is of another render, or damaged".to_owned());
+        }
+        Ok(Start {
+            share_done: checkpoint.share_done(samples),
+            seconds,
+            checkpoint,
+        })
     }
 
     /// Keeps `checkpoint`. That it cannot be is told once.
@@ -101,9 +161,36 @@ impl<'a> RenderKeeper<'a> {
         })
     }
 
+    /// Whether blocks have taken all the time by now that they may.
+    fn is_spent(&self) -> bool {
+        let share = self.started.elapsed().as_secs_f64() * self.threads as f64 * MOST_BLOCK_SHARE;
+        let spent = Duration::from_nanos(self.spent.load(Ordering::Relaxed));
+        spent.as_secs_f64() > share + BLOCK_CREDIT.as_secs_f64()
+    }
+
     fn tell(&self, reason: String) {
         if !self.is_told.swap(true, Ordering::Relaxed) {
             self.job.send(Event::RenderNotKept(reason));
         }
+    }
+}
+
+impl BlockStore for RenderKeeper<'_> {
+    fn keep(&self, block: &Block<'_>) {
+        if self.is_spent() || self.is_told.load(Ordering::Relaxed) {
+            return;
+        }
+        let started = Instant::now();
+        let record = block_record(block);
+        let scene = &self.request.scene;
+        if let Err(error) = self.kept.keep_block(scene, self.description(), &record) {
+            self.tell(error);
+        }
+        let taken = u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.spent.fetch_add(taken, Ordering::Relaxed);
+    }
+
+    fn recall(&self, pass: u32, tile: u32) -> Option<Block<'static>> {
+        self.known.get()?.find(pass, tile)
     }
 }

@@ -24,7 +24,7 @@ use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
-use super::render_keeper::{MOST_SHARE, RenderKeeper};
+use super::render_keeper::{RenderKeeper, Start};
 use super::report::Findings;
 use super::time_estimate::Subject;
 use crate::analysis::cost::{Costs, Trial};
@@ -34,9 +34,9 @@ use crate::control::{CancelToken, Progress, Throttle};
 use crate::io::{self, LoadedScene};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
-    self, Checkpoint, CheckpointKeeper, CoarsePicture, ErrorEstimate, Image, Layer, OnCoarse,
-    OnRound, PictureMemory, PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome,
-    RenderProgress, Round, RunConfig, Sketch, SketchStore, TilePixels, Watch,
+    self, BlockStore, Checkpoint, CoarsePicture, ErrorEstimate, Image, Layer, OnCoarse, OnRound,
+    PictureMemory, PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress,
+    Round, RunConfig, Sketch, SketchStore, TilePixels, Watch,
 };
 use crate::scene::{Object, Scene, SceneError};
 
@@ -337,7 +337,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         });
     }
     let prepared = prepared.with_primary_hits(&request.primary_hits);
-    let keeper = RenderKeeper::new(job, request, run.layers_of(&prepared), memory);
+    let layers = run.layers_of(&prepared);
+    let keeper = RenderKeeper::new(job, request, layers, memory, run.thread_count());
     let start = keeper.as_ref().filter(|_| request.goes_on);
     let start = match start.map(|keeper| keeper.start(&prepared)).transpose() {
         Ok(start) => start,
@@ -380,21 +381,22 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         on_coarse: (!is_sketched && start.is_none()).then_some(&on_coarse as OnCoarse<'_>),
         on_tile: Some(&on_tile),
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
-        checkpoints: keeper.as_ref().map(|keeper| CheckpointKeeper {
-            every: keeper.interval(run.thread_count()),
-            most_share: MOST_SHARE,
-            keep: &keep,
-        }),
+        checkpoints: keeper.as_ref().map(|keeper| keeper.checkpoints(&keep)),
+        blocks: keeper.as_ref().map(|keeper| keeper as &dyn BlockStore),
     };
     let progress = &request.progress;
     let outcome = match start {
-        Some(start) => {
+        Some(Start {
+            checkpoint,
+            share_done,
+            seconds,
+        }) => {
             job.send(Event::RenderGoesOn {
-                share_done: start.share_done(),
-                seconds: start.seconds(),
+                share_done,
+                seconds,
             });
-            start.show(&on_tile);
-            render::resume(&prepared, start, &run, progress, watch)
+            checkpoint.show(&on_tile);
+            render::resume(&prepared, checkpoint, &run, progress, watch)
         }
         None => render::render_watched(&prepared, region, &run, progress, watch),
     };

@@ -1,6 +1,7 @@
 //! Bytes to meshes, scene files, pictures, rays and checkpoints, and back. Parsers take bytes or text; paths appear at the edge only.
 
 mod atomic;
+mod block_log;
 mod builtin;
 mod checkpoint_file;
 pub mod gltf;
@@ -40,6 +41,7 @@ mod texture_loader;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};
+pub use block_log::{BlockLog, LoggedBlocks, block_record};
 pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{
     ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_render, write_image,

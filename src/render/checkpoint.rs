@@ -91,6 +91,37 @@ impl Course {
 }
 
 impl Checkpoint {
+    /// The moment before the first sample of a render of `region` of `scene` that keeps `layers`.
+    ///
+    /// # Panics
+    /// When the region does not lie in the picture.
+    #[must_use]
+    pub fn before(scene: &PreparedScene, region: Region, layers: &[Layer]) -> Self {
+        let settings = scene.settings();
+        assert!(
+            region.fits(settings.width, settings.height),
+            "{region:?} lies outside the picture"
+        );
+        let pixels = region.pixel_count();
+        let has_error = settings.measures_error();
+        Self {
+            shared: Shared {
+                film: Film::new(region, layers, has_error),
+                counts: SampleCounts::default(),
+                first_tile_seconds: None,
+                has_pass: vec![false; region.tiles(TILE_SIDE).len()],
+            },
+            course: Course {
+                estimator: has_error.then(|| ErrorEstimator::new(pixels)),
+                ..Course::default()
+            },
+            seconds: 0.0,
+            cpu_seconds: 0.0,
+            errors: Vec::new(),
+            expected_samples: pixels as u64 * u64::from(settings.samples_per_pixel),
+        }
+    }
+
     /// The part of the picture that is rendered.
     #[must_use]
     pub fn region(&self) -> Region {
@@ -103,11 +134,22 @@ impl Checkpoint {
         self.seconds
     }
 
-    /// The share of all camera samples that is done, as far as their number was known, `0..=1`.
+    /// The share of all camera samples that is done, as far as their number was known, `0..=1`, where there are so many `more` beside.
     #[must_use]
-    pub fn share_done(&self) -> f64 {
-        let done = self.shared.film.total_samples() as f64;
+    pub fn share_done(&self, more: u64) -> f64 {
+        let done = (self.shared.film.total_samples() + more) as f64;
         (done / self.expected_samples.max(1) as f64).min(1.0)
+    }
+
+    /// Whether it has not what the tile number `tile` got in pass number `pass`.
+    #[must_use]
+    pub fn lacks(&self, pass: u32, tile: u32) -> bool {
+        let has_tile = || self.shared.has_pass.get(tile as usize) == Some(&true);
+        match pass.cmp(&self.course.passes) {
+            std::cmp::Ordering::Less => false,
+            std::cmp::Ordering::Equal => !has_tile(),
+            std::cmp::Ordering::Greater => true,
+        }
     }
 
     /// Mean samples of a pixel.

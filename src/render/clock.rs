@@ -20,6 +20,9 @@ pub struct Clock {
     /// Wall time and processor time before it was started.
     seconds_before: f64,
     cpu_seconds_before: f64,
+    /// Nanoseconds of wall time and processor time of work that was not done again.
+    ahead: AtomicU64,
+    cpu_ahead: AtomicU64,
     /// Processor time of the thread that leads, when the clock was started.
     lead_started: Duration,
     lead_paused: Duration,
@@ -37,6 +40,10 @@ fn nanoseconds(time: Duration) -> u64 {
     u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
+fn seconds(nanoseconds: &AtomicU64) -> f64 {
+    Duration::from_nanos(nanoseconds.load(Ordering::Relaxed)).as_secs_f64()
+}
+
 impl Clock {
     /// A clock that goes on from `seconds` of wall time and `cpu_seconds` of processor time. The thread that calls leads; `others` more
     /// begin now. It stands still whenever `throttle` pauses them.
@@ -48,6 +55,8 @@ impl Clock {
             uncounted: Duration::ZERO,
             seconds_before: seconds,
             cpu_seconds_before: cpu_seconds,
+            ahead: AtomicU64::new(0),
+            cpu_ahead: AtomicU64::new(0),
             lead_started: thread_time(),
             lead_paused: Duration::ZERO,
             lead: AtomicU64::new(0),
@@ -57,11 +66,26 @@ impl Clock {
 
     /// Wall time since the start, in seconds.
     pub fn seconds(&self) -> f64 {
+        self.seconds_here() + seconds(&self.ahead)
+    }
+
+    fn seconds_here(&self) -> f64 {
         let here = self
             .throttle
             .time_since(self.started)
             .saturating_sub(self.uncounted);
         self.seconds_before + here.as_secs_f64()
+    }
+
+    /// Goes on from `seconds` of wall time and `cpu_seconds` of processor time at least: what they were spent on is there without doing it
+    /// again.
+    pub fn bring_forward(&self, seconds: f64, cpu_seconds: f64) {
+        let bring = |ahead: &AtomicU64, missing: f64| {
+            let missing = Duration::try_from_secs_f64(missing).unwrap_or_default();
+            ahead.fetch_max(nanoseconds(missing), Ordering::Relaxed);
+        };
+        bring(&self.ahead, seconds - self.seconds_here());
+        bring(&self.cpu_ahead, cpu_seconds - self.cpu_seconds_here());
     }
 
     /// Takes note of the processor time of the thread that calls, which has this `number` among the others.
@@ -77,6 +101,10 @@ impl Clock {
 
     /// Processor time since the start as far as it was noted, in seconds.
     pub fn cpu_seconds(&self) -> f64 {
+        self.cpu_seconds_here() + seconds(&self.cpu_ahead)
+    }
+
+    fn cpu_seconds_here(&self) -> f64 {
         let all = self.others.iter().chain([&self.lead]);
         let here: u64 = all.map(|time| time.load(Ordering::Relaxed)).sum();
         self.cpu_seconds_before + Duration::from_nanos(here).as_secs_f64()

@@ -8,6 +8,7 @@
 mod aim;
 mod background;
 mod bands;
+mod blocks;
 mod camera;
 mod camera_samples;
 mod checkpoint;
@@ -57,6 +58,7 @@ mod used;
 mod work;
 
 pub use bands::Bands;
+pub use blocks::{Block, BlockHeader, BlockStore};
 pub use camera::{CameraRay, PreparedCamera};
 pub use checkpoint::Checkpoint;
 pub use coarse::{CoarsePicture, OnCoarse, Sketch};

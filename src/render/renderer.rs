@@ -9,12 +9,13 @@ use std::panic::resume_unwind;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
+use super::blocks::{Block, BlockHeader};
 use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
 use super::coarse::{self, CoarsePicture};
 use super::crew::{Crew, Cut};
 use super::error::{Allotment, ErrorEstimator, Forecast, Outlook};
-use super::film::{Film, block_after};
+use super::film::block_after;
 use super::kernel::{Layered, Plain};
 use super::layers::Layer;
 use super::plan::Feature;
@@ -22,7 +23,7 @@ use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
 use super::run::{Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
 use super::texturing::{Textured, Untextured};
-use super::tile_samples::{SampleCounts, TileBlock, sample_tile};
+use super::tile_samples::{TileBlock, sample_tile};
 use super::tiles::{Region, TilePixels};
 use crate::scene::RenderSettings;
 
@@ -107,25 +108,7 @@ impl<'a> Renderer<'a> {
         progress: &'a RenderProgress,
         watch: Watch<'a>,
     ) -> Self {
-        let settings = scene.settings();
-        let pixels = region.pixel_count();
-        let has_error = settings.measures_error();
-        let nothing = Checkpoint {
-            shared: Shared {
-                film: Film::new(region, run.layers_of(scene), has_error),
-                counts: SampleCounts::default(),
-                first_tile_seconds: None,
-                has_pass: vec![false; region.tiles(TILE_SIDE).len()],
-            },
-            course: Course {
-                estimator: has_error.then(|| ErrorEstimator::new(pixels)),
-                ..Course::default()
-            },
-            seconds: 0.0,
-            cpu_seconds: 0.0,
-            errors: Vec::new(),
-            expected_samples: pixels as u64 * u64::from(settings.samples_per_pixel),
-        };
+        let nothing = Checkpoint::before(scene, region, run.layers_of(scene));
         Self::resume(scene, nothing, run, progress, watch)
     }
 
@@ -460,15 +443,10 @@ impl<'a> Renderer<'a> {
                 return Some(());
             }
             drop(shared);
-            let (scene, layers, progress) = (this.scene, this.layers, this.progress);
-            let take = match (layers.is_empty(), scene.does(Feature::Textures)) {
-                (true, false) => sample_tile::<Plain<Untextured>>,
-                (true, true) => sample_tile::<Plain<Textured>>,
-                (false, false) => sample_tile::<Layered<Untextured>>,
-                (false, true) => sample_tile::<Layered<Textured>>,
-            };
-            this.crew
-                .sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))?;
+            let is_new = !this.recall(number, block);
+            if is_new {
+                this.sample(tile, block)?;
+            }
             let mut shared = this.lock();
             shared.add(number, tile, block, &this.clock);
             let means = this.watch.on_tile.map(|_| shared.film.means(tile));
@@ -480,11 +458,56 @@ impl<'a> Renderer<'a> {
                     layers: &means[1..],
                 });
             }
+            if is_new {
+                this.keep(number, block);
+            }
             this.keep_checkpoint_if_due();
             Some(())
         })?;
         self.course.passes += 1;
         Ok(self.course.pass.take().expect("one is going on"))
+    }
+
+    /// Takes the samples that `block` asks for; `None` when stopped.
+    fn sample(&self, tile: Region, block: &mut TileBlock) -> Option<()> {
+        let (scene, layers, progress) = (self.scene, self.layers, self.progress);
+        let take = match (layers.is_empty(), scene.does(Feature::Textures)) {
+            (true, false) => sample_tile::<Plain<Untextured>>,
+            (true, true) => sample_tile::<Plain<Textured>>,
+            (false, false) => sample_tile::<Layered<Untextured>>,
+            (false, true) => sample_tile::<Layered<Textured>>,
+        };
+        self.crew
+            .sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))
+    }
+
+    /// Puts the samples that `block` asks for into it, where they were kept before the render went on. Returns whether they were.
+    fn recall(&self, tile: usize, block: &mut TileBlock) -> bool {
+        let known = self.watch.blocks;
+        let Some(known) = known.and_then(|known| known.recall(self.course.passes, number(tile)))
+        else {
+            return false;
+        };
+        let header = known.header;
+        let is_there = known.put_into(block, self.layers);
+        if is_there {
+            self.progress.samples.advance(header.samples);
+            let BlockHeader {
+                seconds,
+                cpu_seconds,
+                ..
+            } = header;
+            self.clock.bring_forward(seconds, cpu_seconds);
+        }
+        is_there
+    }
+
+    /// Has the samples of a tile kept.
+    fn keep(&self, tile: usize, block: &TileBlock) {
+        if let Some(store) = self.watch.blocks {
+            let time = [self.clock.seconds(), self.clock.cpu_seconds()];
+            store.keep(&Block::new(self.course.passes, number(tile), time, block));
+        }
     }
 
     /// Has a checkpoint kept where the last one is old enough. The thread that calls first is busy with it; the others go on with
@@ -599,6 +622,10 @@ impl<'a> Renderer<'a> {
             });
         });
     }
+}
+
+fn number(tile: usize) -> u32 {
+    u32::try_from(tile).expect("even the largest picture has fewer tiles")
 }
 
 /// The whole part of a number of at least 0; what is more than the largest gives that.

@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::Image;
+use super::blocks::BlockStore;
 use super::checkpoint::Checkpoint;
 use super::coarse::OnCoarse;
 use super::error::{ErrorEstimate, ErrorEstimator};
@@ -224,6 +225,8 @@ pub struct Watch<'a> {
     pub on_round: Option<OnRound<'a>>,
     /// Keeps checkpoints.
     pub checkpoints: Option<CheckpointKeeper<'a>>,
+    /// Keeps what tiles get between checkpoints, and knows what they got before.
+    pub blocks: Option<&'a dyn BlockStore>,
 }
 
 /// Renders `region` of the picture, or all of it, and shows the tiles to `on_tile`, if anybody watches. `None` when cancelled.
@@ -261,10 +264,6 @@ pub fn render_watched(
 ) -> Option<RenderOutcome> {
     let settings = scene.settings();
     let region = region.unwrap_or(Region::full(settings.width, settings.height));
-    assert!(
-        region.fits(settings.width, settings.height),
-        "{region:?} lies outside the picture"
-    );
     let mut renderer = Renderer::new(scene, region, run, progress, watch);
     let ending = renderer.render()?;
     Some(renderer.outcome(ending))

@@ -37,7 +37,7 @@ pub struct PassWork<'a> {
 }
 
 /// The samples of one pixel in a pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelSamples {
     /// Index of the first.
     pub first: u32,

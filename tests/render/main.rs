@@ -1,5 +1,6 @@
 //! Renders against closed forms, against a second way to the same light, and against themselves.
 
+mod blocks;
 #[path = "../common/mod.rs"]
 mod common;
 mod error;

@@ -55,14 +55,14 @@ fn scene() -> Scene {
 }
 
 /// What is rendered, and which parts are kept.
-struct Case {
-    name: &'static str,
-    scene: Scene,
-    region: Option<Region>,
-    layers: bool,
+pub struct Case {
+    pub name: &'static str,
+    pub scene: Scene,
+    pub region: Option<Region>,
+    pub layers: bool,
 }
 
-fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<Case> {
     let case = |name, change: &dyn Fn(&mut Scene)| {
         let mut scene = scene();
         change(&mut scene);
@@ -106,7 +106,7 @@ fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    fn prepared(&self) -> PreparedScene {
+    pub fn prepared(&self) -> PreparedScene {
         let prepared = PreparedScene::prepare(&self.scene, None, &CancelToken::new());
         prepared.expect("can be rendered").expect("nobody cancels")
     }
@@ -157,7 +157,7 @@ impl Case {
 
 /// All that must not depend on interruptions.
 #[track_caller]
-fn assert_same(found: &RenderOutcome, expected: &RenderOutcome, what: &str) {
+pub fn assert_same(found: &RenderOutcome, expected: &RenderOutcome, what: &str) {
     let bits = |outcome: &RenderOutcome| {
         let layers = outcome.layers.iter();
         let layers: Vec<(Layer, String)> = layers.map(|(l, image)| (*l, image.hash())).collect();

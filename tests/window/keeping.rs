@@ -7,6 +7,7 @@ use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use raymini::gui::dialogs::Dialog;
+use raymini::gui::inspector::Samples;
 use raymini::gui::picture::Picture;
 
 /// A window that keeps its work in `data`.
@@ -326,6 +327,50 @@ fn a_render_that_was_killed_goes_on_to_the_same_bits() {
         assert_eq!(window.app().document().name(), "room");
         wait_until_no_render_is_kept(&mut window, data);
     }
+}
+
+/// The share of the samples of a render that are taken.
+fn share_done(window: &Window) -> f64 {
+    let picture = window.app().picture().expect("one is there");
+    let Samples::OnAverage(samples) = picture.samples() else {
+        panic!("it is not finished");
+    };
+    samples / f64::from(picture.scene.render.samples_per_pixel)
+}
+
+/// Between checkpoints too, but for the tiles in hand.
+#[test]
+fn nearly_all_samples_of_a_killed_render_are_there_again() {
+    let files = Files::new();
+    let text = crate::driver::SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 10_000");
+    let room = files.write("room.toml", &text);
+    let data = files.path("data");
+    let mut window = open(&room, &data);
+    render_until_kept(&mut window, &data);
+    let kept = share_done(&window);
+    window.click("Resume");
+    window.just_until("it is further", |app| {
+        let picture = app.picture().expect("it runs");
+        let Samples::OnAverage(samples) = picture.samples() else {
+            return true;
+        };
+        samples / 10_000.0 > kept + 0.02
+    });
+    window.click("Pause");
+    let done = share_done(&window);
+    let killed = files.path("killed");
+    copy_folder(&data, &killed);
+    drop(window);
+
+    let mut window = open(&room, &killed);
+    asks(&mut window);
+    window.click("Go on");
+    window.until("the render goes on", |app| {
+        app.picture().and_then(Picture::goes_on_from).is_some()
+    });
+    let share = window.app().picture().and_then(Picture::goes_on_from);
+    let lost = done - share.expect("was waited for");
+    assert!(lost < 0.01, "{lost} of {done} are lost");
 }
 
 /// Unsaved work comes back as it was edited last, and the render goes on with the scene it was started with.
