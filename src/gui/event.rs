@@ -10,6 +10,7 @@ use super::dialogs::files::Answer;
 use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
+use super::opened_picture::OpenedPicture;
 use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer, PictureId};
 use super::ray_view::WantedRays;
 use super::recovering::Recovered;
@@ -46,6 +47,8 @@ pub enum Event {
         paths: Vec<PathBuf>,
         /// The scene, or why there is none.
         result: Result<Box<LoadedScene>, String>,
+        /// The picture of it in the file, where that is one of a render.
+        picture: Option<OpenedPicture>,
     },
     /// Mesh files; what becomes of them is still to be decided.
     ModelsLoaded {

@@ -58,6 +58,8 @@ pub enum Samples {
     OfEach(u32),
     /// So many on average: pixels have as many as they need, or the render goes on.
     OnAverage(f64),
+    /// The picture is from a file that does not tell.
+    Unknown,
 }
 
 /// What is known of a pixel.
@@ -110,12 +112,15 @@ impl Inspected {
             parts.push(format!("error {}{relative}", format_number(worst, 4)));
             parts.push(format!("variance {}", format_number(worst * worst, 4)));
         }
-        parts.push(match self.samples {
-            Samples::OfEach(samples) => counted(samples as usize, "sample", "samples"),
-            Samples::OnAverage(samples) => {
-                format!("{} samples on average", format_number(samples, 1))
+        match self.samples {
+            Samples::OfEach(samples) => {
+                parts.push(counted(samples as usize, "sample", "samples"));
             }
-        });
+            Samples::OnAverage(samples) => {
+                parts.push(format!("{} samples on average", format_number(samples, 1)));
+            }
+            Samples::Unknown => {}
+        }
         parts.join(SEPARATOR)
     }
 

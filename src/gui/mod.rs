@@ -53,6 +53,7 @@ pub mod legend;
 pub mod log_plot;
 pub mod look;
 pub mod messages;
+pub mod opened_picture;
 pub mod orbit;
 pub mod panels;
 pub mod part;

@@ -6,9 +6,11 @@ use std::time::{Duration, Instant};
 use super::canvas::Canvas;
 use super::first_look::FirstLook;
 use super::inspector::Samples;
+use super::opened_picture::OpenedPicture;
 use super::part::Part;
 use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
 use crate::control::Throttle;
+use crate::io::WrittenError;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
 
@@ -28,6 +30,13 @@ pub enum Outcome {
     Cancelled,
     /// Ended by a fault of the program.
     Failed,
+    /// Ended before this session: the picture was in the file that was opened.
+    Opened {
+        /// Of the linear picture, as of one that is finished; `None` where the file has rounded it.
+        hash: Option<String>,
+        /// How wrong it is, where the file tells.
+        error: Option<WrittenError>,
+    },
 }
 
 /// What holds a render back. Whoever lets go of it lets the render go on, so that a cancelled one ends.
@@ -110,6 +119,21 @@ impl Picture {
             elapsed: None,
             canvas: Canvas::default(),
         }
+    }
+
+    /// The picture of a file.
+    #[must_use]
+    pub fn opened(number: usize, names: [String; 2], scene: Scene, opened: OpenedPicture) -> Self {
+        let progress = RenderProgress::default();
+        let started = Instant::now();
+        let mut picture = Self::new(number, names, scene, opened.buffer, progress, started);
+        picture.first_tile = Some(Duration::ZERO);
+        picture.elapsed = Some(Duration::ZERO);
+        picture.outcome = Outcome::Opened {
+            hash: opened.hash,
+            error: opened.error,
+        };
+        picture
     }
 
     /// Takes in a tile; it is on the screen from [`Self::show_tiles`] on.
@@ -285,6 +309,11 @@ impl Picture {
     /// How many samples a pixel has so far.
     #[must_use]
     pub fn samples(&self) -> Samples {
+        if let Outcome::Opened { error, .. } = &self.outcome {
+            return error.map_or(Samples::Unknown, |error| {
+                Samples::OnAverage(error.samples_per_pixel)
+            });
+        }
         if let Outcome::Finished { stats, .. } = &self.outcome {
             let [fewest, most] = stats.sample_range;
             return if fewest == most {

@@ -7,7 +7,7 @@ use egui::{Align, CornerRadius, Layout, ProgressBar, RichText, Ui};
 use super::picture::{Outcome, Picture};
 use super::report::Run;
 use super::theme;
-use super::widgets::{chosen_percent, counted, format_number, grouped, noise_in_words};
+use super::widgets::{chosen_percent, counted, format_number, grouped, noise_in_words, percent};
 use crate::render::{Ending, RenderStats};
 use crate::scene::{RenderSettings, Scene, Stop};
 
@@ -143,7 +143,7 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             parts.push(samples(stats));
             let mrays = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
             parts.push(format!("{mrays:.2} Mrays/s"));
-            parts.push(format!("hash {}", &hash[..hash.len().min(8)]));
+            parts.push(short_hash(hash));
             warnings.extend(faults(stats));
             if render.clamp.is_some() {
                 let share = stats.clamped.energy_share * 100.0;
@@ -164,6 +164,18 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             }
         }
         Outcome::Failed => parts.push("The render failed".to_owned()),
+        Outcome::Opened { hash, error } => {
+            if !news.is_empty() {
+                parts.push(news.to_owned());
+            }
+            parts.push(format!("{size}, from {}", picture.name));
+            if let Some(error) = error {
+                parts.push(format!("noise {}", percent(error.noise())));
+            }
+            if let Some(hash) = hash {
+                parts.push(short_hash(hash));
+            }
+        }
     }
     if picture.buffer.step() > 1 {
         parts.push(format!("shown at 1/{} of its size", picture.buffer.step()));
@@ -173,6 +185,10 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
         ui.label(RichText::new("·").weak());
     }
     line_ui(ui, &parts.join("  ·  "));
+}
+
+fn short_hash(hash: &str) -> String {
+    format!("hash {}", &hash[..hash.len().min(8)])
 }
 
 /// Why a render ended.

@@ -19,6 +19,7 @@ use super::event::{Event, Reloaded};
 use super::first_look::FirstLook;
 use super::jobs::Job;
 use super::keeping::KeptRender;
+use super::opened_picture::OpenedPicture;
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
@@ -85,7 +86,12 @@ pub struct Gpu {
 }
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
-pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
+pub fn load_scene(
+    job: &Job<Event>,
+    paths: Vec<PathBuf>,
+    progress: &Progress,
+    largest_texture: u32,
+) {
     let loaded = match paths.as_slice() {
         [] => Ok(Some(LoadedScene {
             scene: io::demo_scene(),
@@ -93,11 +99,26 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
         })),
         paths => io::load_scenes(paths, &job.cancel, progress),
     };
-    let Some(result) = unless_cancelled(loaded) else {
+    let Some(mut result) = unless_cancelled(loaded) else {
         return;
     };
+    let mut picture = None;
+    if let ([path], Ok(loaded)) = (&paths[..], &mut result)
+        && io::is_render_file(path)
+    {
+        match OpenedPicture::read(path, &loaded.scene, largest_texture) {
+            Ok(found) => picture = found,
+            Err(error) => loaded
+                .warnings
+                .push(format!("the picture itself is not shown: {error}")),
+        }
+    }
     let result = result.map(Box::new);
-    job.send(Event::SceneLoaded { paths, result });
+    job.send(Event::SceneLoaded {
+        paths,
+        result,
+        picture,
+    });
 }
 
 /// Loads files of meshes of which it is to be decided what becomes of them. `replaces`: whether they are likely to take the place of

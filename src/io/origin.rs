@@ -42,6 +42,14 @@ pub struct WrittenError {
     pub samples_per_pixel: f64,
 }
 
+impl WrittenError {
+    /// √relmse: 0.03 is called 3 % noise.
+    #[must_use]
+    pub fn noise(&self) -> f64 {
+        self.relmse.sqrt()
+    }
+}
+
 /// What a picture's file tells of its origin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenOrigin {

@@ -22,6 +22,8 @@ pub struct PictureFile {
     pub image: Image,
     /// Short name of the format, as people write it.
     pub format: &'static str,
+    /// Whether the file holds the light itself, and not what a screen shows of it.
+    pub is_linear: bool,
     /// What looks wrong or was left out, in sentences.
     pub warnings: Vec<String>,
 }
@@ -67,7 +69,8 @@ pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError
 
 /// The picture in `bytes`, which are those of a whole file.
 fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
-    let (format, raw) = if bytes.starts_with(b"\x89PNG") {
+    let is_png = bytes.starts_with(b"\x89PNG");
+    let (format, raw) = if is_png {
         let linear = |code, most| linear_from_srgb(code as f32 / most as f32);
         ("PNG", read_png(bytes, linear)?)
     } else {
@@ -81,6 +84,7 @@ fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
             pixels: raw.pixels,
         },
         format,
+        is_linear: !is_png,
         warnings: raw.warnings,
     })
 }

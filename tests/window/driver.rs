@@ -195,8 +195,13 @@ impl Window {
         });
     }
 
+    /// Clicks a control where it is, which must be in sight.
     pub fn click(&mut self, name: &str) {
-        self.harness.get_by_label(name).click();
+        let control = self.harness.get_by_label(name);
+        let window = self.harness.ctx.content_rect();
+        let place = control.rect().center();
+        assert!(window.contains(place), "{name} is out of sight");
+        control.click();
         self.harness.run_steps(3);
     }
 

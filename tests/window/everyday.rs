@@ -21,7 +21,7 @@ use raymini::gui::report::Outcome as ReportOutcome;
 use raymini::gui::top_bar::View;
 use raymini::math::DVec3;
 use raymini::render::{Ending, Image, Layer, PreparedScene, RenderProgress, RunConfig, render};
-use raymini::scene::{Background, Light, Shadows};
+use raymini::scene::{Background, Light, Shadows, ToneCurve};
 use serde_json::Value;
 
 /// The main job: open, look around, render, watch, cancel, render to the end, save, open again.
@@ -231,8 +231,9 @@ fn display_settings_need_no_new_render() {
     let mut window = Window::open(&files.path("room.toml"));
     window.render();
     let hash = window.hash();
-    window.click("Tone curve: ACES");
+    window.operate("Tone curve: ACES");
     window.harness.run_steps(5);
+    assert_eq!(window.scene().display.tone_curve, ToneCurve::Aces);
     assert_eq!(window.hash(), hash);
     let png = files.path("aces.png");
     window.press(Modifiers::COMMAND, Key::E);

@@ -202,3 +202,63 @@ fn a_running_render_goes_on_while_another_is_looked_at() {
     window.click("Cancel");
     window.until("threads have stopped", |app| app.render_threads() == 0);
 }
+
+/// The picture on screen from a file that a window saved, in another window.
+#[test]
+fn a_saved_picture_opens_with_its_scene() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    let save = |window: &mut Window, name: &str| {
+        let path = files.path(name);
+        window.press(Modifiers::COMMAND, Key::E);
+        window.enter_path(&path);
+        window.until("the picture is saved", |app| {
+            let news = app.messages().last_news();
+            news.starts_with("Saved") && news.ends_with(name)
+        });
+        path
+    };
+    let linear = save(&mut window, "plain.exr");
+    let shown = save(&mut window, "plain.png");
+    window.operate("Tone curve: ACES");
+    window.harness.run_steps(5);
+    let looks = save(&mut window, "aces.png");
+    drop(window);
+
+    let mut window = Window::open(&linear);
+    window.until("it is on the screen", |app| {
+        app.picture_on_screen().is_some_and(Picture::is_shown)
+    });
+    assert_eq!(window.app().view(), View::Picture);
+    assert!(window.says("from plain.exr"));
+    assert_eq!(past(&window), [1]);
+    let facts = &window.app().renders().entries()[0].facts;
+    assert_eq!(facts.hash(), Some(hash.as_str()), "the very pixels");
+    assert!(facts.noise.is_some_and(|noise| noise > 0.0));
+    assert!(window.app().picture().is_none(), "nothing is rendered");
+
+    // It is one to compare with, as any other.
+    window.render();
+    assert_eq!(window.hash(), hash);
+    window.press(Modifiers::NONE, Key::C);
+    window.until("they are the same", |app| {
+        let distance = app.comparison().and_then(|c| c.distance());
+        distance.is_some_and(|d| d.as_ref().is_ok_and(|d| d.rmse == 0.0))
+    });
+
+    let window_of = |path: &std::path::Path| {
+        let mut window = Window::open(path);
+        window.settle();
+        window
+    };
+    let window = window_of(&shown);
+    let entry = &window.app().renders().entries()[0];
+    assert!(entry.facts.hash().is_none(), "eight bits are not the light");
+    assert_eq!(window.app().view(), View::Picture);
+    // What a tone curve made of it cannot be taken back.
+    let window = window_of(&looks);
+    assert!(window.app().renders().entries().is_empty());
+    assert_eq!(window.app().view(), View::Preview);
+}

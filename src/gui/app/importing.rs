@@ -65,7 +65,7 @@ impl App {
         let factor = import.factor(None);
         let models = import.take_models(factor);
         let made = io::scene_of_models(models).map_err(|error| error.to_string());
-        self.scene_loaded(&import.paths, made);
+        self.scene_loaded(&import.paths, made, None);
     }
 
     /// Adds what was read to the scene.

@@ -46,9 +46,11 @@ impl App {
 
     fn take_event(&mut self, ctx: &egui::Context, event: Event) {
         match event {
-            Event::SceneLoaded { paths, result } => {
-                self.scene_loaded(&paths, result.map(|loaded| *loaded));
-            }
+            Event::SceneLoaded {
+                paths,
+                result,
+                picture,
+            } => self.scene_loaded(&paths, result.map(|loaded| *loaded), picture),
             Event::ModelsLoaded {
                 paths,
                 replaces,

@@ -11,6 +11,7 @@ use crate::gui::costs::CostState;
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
+use crate::gui::opened_picture::OpenedPicture;
 use crate::gui::panels::with_image;
 use crate::gui::picture::Outcome;
 use crate::gui::selection::Selection;
@@ -37,8 +38,9 @@ impl App {
     /// Loads `paths`, or the demo when there are none.
     pub(super) fn load(&mut self, paths: Vec<PathBuf>) {
         let progress = self.begin_loading(what(&paths));
+        let largest = self.largest_texture();
         self.jobs.start(Lane::Load, move |job| {
-            worker::load_scene(job, paths, &progress);
+            worker::load_scene(job, paths, &progress, largest);
         });
     }
 
@@ -122,7 +124,13 @@ impl App {
         progress
     }
 
-    pub(super) fn scene_loaded(&mut self, paths: &[PathBuf], result: Result<LoadedScene, String>) {
+    /// `picture`: that in the file, where it is one of a render.
+    pub(super) fn scene_loaded(
+        &mut self,
+        paths: &[PathBuf],
+        result: Result<LoadedScene, String>,
+        picture: Option<OpenedPicture>,
+    ) {
         self.loading = None;
         let loaded = match result {
             Ok(loaded) => loaded,
@@ -147,6 +155,9 @@ impl App {
         }
         if let [path] = paths {
             self.remember(path);
+            if let Some(picture) = picture {
+                self.show_opened(path, picture);
+            }
         }
     }
 

@@ -1,8 +1,11 @@
 //! Which picture is looked at: that of the present render, or one of those before it.
 
+use std::path::Path;
+
 use super::App;
 use crate::gui::commands::Command;
 use crate::gui::jobs::{Lane, drop_elsewhere};
+use crate::gui::opened_picture::OpenedPicture;
 use crate::gui::picture::Picture;
 use crate::gui::renders::{Asked, Freed, Renders};
 use crate::gui::top_bar::View;
@@ -144,6 +147,21 @@ impl App {
             self.renders.forget_thumbnail(picture.buffer.id());
             vec![Freed::of(picture)]
         });
+    }
+
+    /// Puts the picture of the file that was opened among the renders, and shows it.
+    pub(super) fn show_opened(&mut self, path: &Path, opened: OpenedPicture) {
+        self.render_count += 1;
+        let number = self.render_count;
+        let file = path.file_name().unwrap_or(path.as_os_str());
+        let names = [
+            file.to_string_lossy().into_owned(),
+            self.document.name().to_owned(),
+        ];
+        let scene = self.document.scene.clone();
+        let picture = Picture::opened(number, names, scene, opened);
+        drop_elsewhere(self.renders.keep(picture, &self.document.scene));
+        self.show_render(number);
     }
 
     /// Gives up the pixels of all past renders, as a render does not fit beside them; returns whether there were any.

@@ -81,7 +81,10 @@ impl App {
         let mut scene = picture.scene.clone();
         scene.output = self.document.scene.output;
         let error = picture.errors().last().map(|point| point.error);
-        let is_whole = matches!(picture.outcome, Outcome::Finished { .. });
+        let is_whole = matches!(
+            picture.outcome,
+            Outcome::Finished { .. } | Outcome::Opened { .. }
+        );
         self.messages.news("Saving the picture…");
         self.jobs.start(Lane::SavePicture, move |job| {
             let result = worker::save_picture(&buffer, &scene, error.as_ref(), &path);

@@ -57,6 +57,7 @@ impl Facts {
         let last = picture.errors().last();
         let noise = match &picture.outcome {
             Outcome::Finished { stats, .. } => stats.error.map(|error| error.noise().value),
+            Outcome::Opened { error, .. } => error.map(|error| error.noise()),
             _ => last.map(|point| point.error.noise().value),
         };
         Self {
@@ -96,14 +97,15 @@ impl Facts {
     pub fn result(&self) -> String {
         let time = duration(self.elapsed);
         let ending = match self.outcome {
-            Outcome::Running => " so far",
-            Outcome::Finished { .. } => "",
-            Outcome::Cancelled => ", cancelled",
-            Outcome::Failed => ", failed",
+            Outcome::Running => format!("{time} so far"),
+            Outcome::Finished { .. } => time,
+            Outcome::Cancelled => format!("{time}, cancelled"),
+            Outcome::Failed => format!("{time}, failed"),
+            Outcome::Opened { .. } => "from its file".to_owned(),
         };
         match self.noise {
-            Some(noise) => format!("{time}{ending} · noise {}", percent(noise)),
-            None => format!("{time}{ending}"),
+            Some(noise) => format!("{ending} · noise {}", percent(noise)),
+            None => ending,
         }
     }
 
@@ -112,6 +114,7 @@ impl Facts {
     pub fn hash(&self) -> Option<&str> {
         match &self.outcome {
             Outcome::Finished { hash, .. } => Some(hash),
+            Outcome::Opened { hash, .. } => hash.as_deref(),
             _ => None,
         }
     }
