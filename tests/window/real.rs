@@ -226,7 +226,8 @@ fn the_real_window_renders_and_saves_what_the_command_line_does() {
     window.quit();
 }
 
-/// Killed with SIGKILL in the middle of a render, after an edit: the next start offers the work, and saving writes it.
+/// Killed with SIGKILL in the first second of a render, after an edit: the next start offers the work, the render goes on, and saving writes
+/// the scene.
 #[cfg(unix)]
 #[test]
 fn what_was_edited_before_a_kill_is_restored() {
@@ -246,7 +247,7 @@ fn what_was_edited_before_a_kill_is_restored() {
     window.kill();
     assert_eq!(std::fs::read_to_string(&scene).unwrap(), before);
 
-    let after = restored(&display, folder.path(), &scene);
+    let after = restored(&display, folder.path(), &scene, true);
     assert!(!after.contains(EYE), "{after}");
     assert!(after.contains("samples_per_pixel = 1000000"), "{after}");
 }
@@ -280,7 +281,7 @@ fn what_is_dragged_at_a_kill_is_restored_but_for_the_last_second() {
     std::thread::sleep(Duration::from_millis(100));
     window.kill();
     display.xdotool(&["mouseup", "1"]);
-    let after = restored(&display, folder.path(), &scene);
+    let after = restored(&display, folder.path(), &scene, false);
     assert!(!after.contains(EYE), "{after}");
 }
 
@@ -288,9 +289,10 @@ fn what_is_dragged_at_a_kill_is_restored_but_for_the_last_second() {
 #[cfg(unix)]
 const EYE: &str = "eye = [1.0, -4.0, 1.5]";
 
-/// Opens the window again on `scene`, has it restore what is offered and save it; returns the file.
+/// Opens the window again on `scene`, has it restore what is offered and save it; returns the file. `goes_on`: whether a render goes on, which
+/// is cancelled.
 #[cfg(unix)]
-fn restored(display: &Display, folder: &Path, scene: &Path) -> String {
+fn restored(display: &Display, folder: &Path, scene: &Path, goes_on: bool) -> String {
     assert!(std::fs::read_to_string(scene).unwrap().contains(EYE));
     let window = Window::open(display, folder, scene);
     assert!(!window.title().contains('•'));
@@ -302,6 +304,14 @@ fn restored(display: &Display, folder: &Path, scene: &Path) -> String {
         window.press("ctrl+s");
         wait_briefly(3, || (!window.title().contains('•')).then_some(()))
     });
+    if goes_on {
+        let renders = || window.title().contains('%');
+        wait_for("the render to go on", || renders().then_some(()));
+        wait_for("the render to be cancelled", || {
+            window.press("Escape");
+            wait_briefly(3, || (!renders()).then_some(()))
+        });
+    }
     window.quit();
     std::fs::read_to_string(scene).unwrap()
 }
