@@ -18,7 +18,7 @@ const FREE_BYTES: usize = 2 << 20;
 
 /// The program's limits on the size of an image.
 const FREE_PIXELS: usize = 1 << 24;
-const MOST_PIXELS_PER_BYTE: usize = 512;
+pub const MOST_PIXELS_PER_BYTE: usize = 512;
 
 /// Reads `bytes` as a PNG, OpenEXR or Radiance HDR picture. It has as many pixels as it says, and no more than the file can mean.
 pub fn check(bytes: &[u8]) {

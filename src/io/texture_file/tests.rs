@@ -96,6 +96,70 @@ fn sizes_that_a_file_can_hardly_mean_are_refused() {
     assert!(error.contains("the file is too short"), "{error}");
 }
 
+/// The header of a frame of this size, progressive or not, whose components are sampled by `factors`: horizontal and vertical ones in the
+/// halves of a byte.
+fn frame(marker: u8, height: u16, width: u16, factors: &[u8]) -> Vec<u8> {
+    let count = u8::try_from(factors.len()).expect("few");
+    let mut bytes = vec![0xff, marker, 0, 8 + 3 * count, 8];
+    bytes.extend(height.to_be_bytes());
+    bytes.extend(width.to_be_bytes());
+    bytes.push(count);
+    for (id, factors) in (1..).zip(factors) {
+        bytes.extend([id, *factors, 0]);
+    }
+    bytes
+}
+
+/// [`jpeg_of_one_block`] with another frame.
+fn jpeg_of(frame: &[u8]) -> Vec<u8> {
+    let mut bytes = jpeg_of_one_block();
+    let start = bytes
+        .array_windows()
+        .position(|w| *w == [0xff, 0xc0, 0, 11]);
+    let start = start.expect("is there");
+    bytes.splice(start..start + 13, frame.iter().copied());
+    bytes
+}
+
+/// Decoding takes memory for whole blocks: a row of pixels takes as much as sixteen.
+#[test]
+fn a_row_of_pixels_that_a_file_can_hardly_mean_is_refused() {
+    for marker in [0xc0, 0xc2] {
+        let wide = jpeg_of(&frame(marker, 1, 60_000, &[0x22, 0x11, 0x11]));
+        let error = read(&wide).expect_err("absurd");
+        assert!(error.contains("the file is too short"), "{error}");
+    }
+}
+
+#[test]
+fn components_that_are_sampled_oddly_are_refused() {
+    for factors in [
+        // A later component finer than the first, not a divisor of it, none at all, more than there may be.
+        &[0x22, 0x11, 0x41][..],
+        &[0x33, 0x22, 0x11],
+        &[0x22, 0x11, 0x10],
+        &[0x51, 0x11, 0x11],
+        &[0x00],
+    ] {
+        let error = read(&jpeg_of(&frame(0xc0, 8, 8, factors))).expect_err("odd");
+        assert!(error.contains("sampled in a way"), "{factors:x?}: {error}");
+    }
+    let none = read(&jpeg_of(&frame(0xc0, 8, 8, &[]))).expect_err("no component");
+    assert!(none.contains("no components"), "{none}");
+    // Bytes that fill up in front of a marker, or stand there for no reason, are none of this.
+    for before in [&[0xff, 0xff, 0xff][..], &[0], &[0xff, 0, 7]] {
+        let padded = [before, &frame(0xc0, 8, 8, &[0x11])].concat();
+        read(&jpeg_of(&padded)).expect("is right");
+        let padded = [before, &frame(0xc0, 8, 8, &[0x11, 0x21])].concat();
+        read(&jpeg_of(&padded)).expect_err("odd");
+    }
+    let cut = read(&jpeg_of_one_block()[..80]).expect_err("cut off");
+    assert!(cut.contains("it ends before"), "{cut}");
+    let scan = jpeg_of(&[]);
+    let error = read(&scan).expect_err("no frame");
+    assert!(error.contains("has no header"), "{error}");
+}
+
 #[test]
 fn what_is_no_image_is_named() {
     let expected = format!("a: this is not a known kind of image; expected {TEXTURE_FORMATS}");
