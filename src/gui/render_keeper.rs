@@ -24,8 +24,8 @@ const MOST_SHARE: f64 = 0.01;
 /// do not are taken anew when the render goes on, which takes no longer than they took at first.
 const MOST_BLOCK_SHARE: f64 = 0.02;
 
-/// What blocks may take beyond their share, so that those of a render's first second are kept.
-const BLOCK_CREDIT: Duration = Duration::from_millis(50);
+/// What blocks may take beyond their share, so that those of a render's first seconds are kept.
+const BLOCK_CREDIT: Duration = Duration::from_millis(200);
 
 /// What is thought to be copied, packed and written in a second, until it is known how long the first takes: 240 MB were measured.
 const BYTES_PER_SECOND: f64 = 200e6;

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Image;
 use super::layers::{Gathered, Layer, Parts};
-use super::tile_samples::PixelSamples;
 use super::tiles::Region;
 
 /// Sums of samples per pixel, normalised only when read.
@@ -60,11 +59,11 @@ impl Halves {
 }
 
 /// The sums of blocks of samples of the pixels of one tile: the picture's first, then those of each layer, each row by row.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default)]
 pub struct TileSums {
-    planes: Vec<Vec<[f64; 3]>>,
-    samples: Vec<u32>,
-    rays: Vec<u32>,
+    pub planes: Vec<Vec<[f64; 3]>>,
+    pub samples: Vec<u32>,
+    pub rays: Vec<u32>,
 }
 
 impl TileSums {
@@ -76,16 +75,6 @@ impl TileSums {
         }
         refill(&mut self.samples, pixels);
         refill(&mut self.rays, pixels);
-    }
-
-    /// Whether these are sums of `samples`, in as many planes as `layers` need, which is not certain where they were read from a file.
-    pub fn is_of(&self, samples: &[PixelSamples], layers: &[Layer]) -> bool {
-        let pixels = samples.len();
-        let counts = samples.iter().map(|pixel| pixel.count);
-        self.planes.len() == 1 + layers.len()
-            && self.planes.iter().all(|plane| plane.len() == pixels)
-            && self.samples.iter().copied().eq(counts)
-            && self.rays.len() == pixels
     }
 
     /// Adds a sample of the pixel number `index` that took `rays`.
