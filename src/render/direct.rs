@@ -2,9 +2,10 @@
 //! background. Mirrors and glass are followed along one path, never a tree.
 
 use super::camera::CameraRay;
+use super::eye_path::EyePath;
 use super::fresnel::fresnel;
 use super::kernel::Kernel;
-use super::layers::{Beginning, ByLobe, Gathered, Layer, Parts};
+use super::layers::{ByLobe, Gathered, Parts};
 use super::light::{LightSample, PreparedDisk, PreparedLight};
 use super::material::PreparedMaterial;
 use super::media::Media;
@@ -34,95 +35,71 @@ const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     camera_ray: CameraRay,
-    mut hit: Option<Hit>,
+    hit: Option<Hit>,
     sampler: Sampler,
     tally: &mut K::Tally,
 ) -> Gathered<K::Parts> {
-    let mut texturing = K::Texturing::from_eye(scene, &camera_ray);
-    let CameraRay { mut ray, mut start } = camera_ray;
-    let mut gathered = Gathered::<K::Parts>::nothing();
-    let mut beginning = Beginning::Eye;
-    let mut throughput = Vec3::ONE;
-    let mut media = scene.media_at_eye();
-    for bounce in 0.. {
-        let mut point = match scene.seen(&ray, hit) {
+    let mut path = EyePath::<K>::new(scene, camera_ray, hit);
+    loop {
+        let mut point = match path.seen() {
             Seen::Background => {
-                let radiance = scene.background().radiance(ray.direction.normalize());
-                gathered.add_background(beginning, throughput * radiance);
+                let direction = path.ray.direction.normalize();
+                path.meet_background(scene.background().radiance(direction), 1.0);
                 break;
             }
             Seen::Disk(met) => {
-                let radiance = met.disk.emitted(ray.direction)
-                    * media.transmittance_along(scene, &ray, met.t, start);
-                gathered.add_light(beginning, throughput * radiance);
+                path.meet_disk(&met, 1.0);
                 break;
             }
             Seen::Surface(point) => point,
         };
-        if scene.absorbs() {
-            throughput *= media.transmittance_from(scene, &point, start);
-        }
+        path.absorb(&point);
         let material = scene.material(point.object);
-        if let PreparedMaterial::Emitter { radiance } = material {
-            gathered.add_light(beginning, throughput * radiance);
+        if let PreparedMaterial::Emitter { radiance } = *material {
+            path.meet_emitter(radiance, 1.0);
             break;
         }
-        if bounce == scene.settings().max_bounces {
-            gathered.is_depth_limited = throughput != Vec3::ZERO && material.albedo() != Vec3::ZERO;
+        if path.end_if_spent(material) {
             break;
         }
         match material {
             PreparedMaterial::Phong(phong) => {
-                let phong = texturing.at(scene, phong, &mut point, hit.as_ref());
+                let hit = path.hit.as_ref();
+                let phong = path.texturing.at(scene, phong, &mut point, hit);
                 let phong: &Phong = phong.borrow();
-                let mut shading = Shading::<K> {
-                    scene,
-                    phong,
-                    point: &point,
-                    media,
-                    mirror: point.mirror_direction(),
-                    sampler,
-                    bounce,
-                    parts: &mut gathered.parts,
-                    tally,
-                };
                 if !phong.is_black() || scene.does(Feature::DarkRays) {
+                    let mut shading = Shading::<K> {
+                        scene,
+                        phong,
+                        point: &point,
+                        media: path.media,
+                        mirror: point.mirror_direction(),
+                        sampler,
+                        bounce: path.bounce,
+                        parts: &mut path.gathered.parts,
+                        tally,
+                    };
                     let ambient = shading.reflected_background();
                     let lobes = shading.light_from_all();
-                    gathered.add_ambient(beginning, throughput * ambient);
-                    gathered.add_reflected(beginning, lobes * throughput);
+                    let (beginning, throughput) = (path.beginning, path.throughput);
+                    path.gathered.add_ambient(beginning, throughput * ambient);
+                    path.gathered.add_reflected(beginning, lobes * throughput);
                 }
                 break;
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
-                let onward = specular.onward(&point, u);
-                texturing.deflect(&point);
-                throughput *= onward.throughput;
-                if onward.layer == Layer::Refraction {
-                    media.cross(&point);
-                }
-                beginning = beginning.then_specular(onward.layer);
-                ray = onward.ray;
+                path.deflect(specular, &point, &sampler, tally);
             }
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         }
-        if throughput == Vec3::ZERO && !scene.does(Feature::DarkRays) {
+        if path.throughput == Vec3::ZERO && !scene.does(Feature::DarkRays) {
             break;
         }
-        // The last ray is there for what shines alone.
-        if bounce + 1 == scene.settings().max_bounces
-            && !scene.may_meet_light(&ray)
-            && !scene.does(Feature::DarkRays)
-        {
-            gathered.is_depth_limited = true;
+        if !path.go_on(tally) {
             break;
         }
-        start = 0.0;
-        hit = scene.hit(&ray);
-        tally.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
-    gathered
+    path.gathered
 }
 
 /// Fewer shadow rays to a light than this are traced one by one.

@@ -20,6 +20,7 @@ mod disks;
 pub mod display;
 mod emitters;
 mod error;
+mod eye_path;
 mod false_color;
 mod fault;
 mod film;

@@ -6,8 +6,9 @@
 
 use super::aim::{self, Aimed};
 use super::camera::CameraRay;
+use super::eye_path::EyePath;
 use super::kernel::Kernel;
-use super::layers::{Beginning, ByLobe, Gathered, Layer, Parts};
+use super::layers::{Beginning, ByLobe, Gathered, Parts};
 use super::light_tree::Receiver;
 use super::material::PreparedMaterial;
 use super::media::Media;
@@ -34,69 +35,57 @@ pub(super) const ROULETTE_FROM: u32 = 4;
 const ENOUGH: f32 = 0.5;
 
 /// The light that arrives against `ray`, a camera ray that makes that `hit`.
-#[expect(
-    clippy::too_many_lines,
-    reason = "one loop, to be read from top to bottom"
-)]
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     camera_ray: CameraRay,
-    mut hit: Option<Hit>,
+    hit: Option<Hit>,
     sampler: Sampler,
     tally: &mut K::Tally,
 ) -> Gathered<K::Parts> {
-    let mut texturing = K::Texturing::from_eye(scene, &camera_ray);
-    let CameraRay { mut ray, mut start } = camera_ray;
     let settings = scene.settings();
-    let mut gathered = Gathered::<K::Parts>::nothing();
-    let mut beginning = Beginning::Eye;
-    let mut throughput = Vec3::ONE;
-    let mut media = scene.media_at_eye();
+    let mut path = EyePath::<K>::new(scene, camera_ray, hit);
     // How much denser radiance is where the path is than at the eye.
     let mut concentration = 1.0;
     // Density of the last scattered direction, and where light was aimed at instead; `None` where none could be: from the eye, a
     // mirror, glass.
     let mut scattered: Option<(f32, Receiver)> = None;
 
-    for bounce in 0.. {
+    loop {
         // Emission met along the way.
-        let mut point = match scene.seen(&ray, hit) {
+        let mut point = match path.seen() {
             Seen::Background => {
-                let (radiance, pdf) = aim::background_along(scene, ray.direction.normalize());
+                let direction = path.ray.direction.normalize();
+                let (radiance, pdf) = aim::background_along(scene, direction);
                 let weight =
                     pdf.map_or(1.0, |pdf| met_weight(settings, scattered.as_ref(), |_| pdf));
-                gathered.add_background(beginning, throughput * radiance * weight);
+                path.meet_background(radiance, weight);
                 break;
             }
             Seen::Disk(met) => {
-                let aimed = |from: &Receiver| aim::pdf_of_disk(scene, from, &ray, &met);
+                let aimed = |from: &Receiver| aim::pdf_of_disk(scene, from, &path.ray, &met);
                 let weight = met_weight(settings, scattered.as_ref(), aimed);
-                let radiance = met.disk.emitted(ray.direction)
-                    * media.transmittance_along(scene, &ray, met.t, start);
-                gathered.add_light(beginning, throughput * radiance * weight);
+                path.meet_disk(&met, weight);
                 break;
             }
             Seen::Surface(point) => point,
         };
-        if scene.absorbs() {
-            throughput *= media.transmittance_from(scene, &point, start);
-        }
+        path.absorb(&point);
         let material = scene.material(point.object);
         if let PreparedMaterial::Emitter { radiance } = *material {
-            let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &ray, &point);
+            let aimed = |from: &Receiver| aim::pdf_of_object(scene, from, &path.ray, &point);
             let weight = met_weight(settings, scattered.as_ref(), aimed);
-            gathered.add_light(beginning, throughput * radiance * weight);
+            path.meet_emitter(radiance, weight);
             break;
         }
-        if bounce == settings.max_bounces {
-            gathered.is_depth_limited = throughput != Vec3::ZERO && material.albedo() != Vec3::ZERO;
+        if path.end_if_spent(material) {
             break;
         }
 
         // The next direction, after aiming at a light where that is possible.
         match material {
             PreparedMaterial::Phong(phong) => {
-                let phong = texturing.at(scene, phong, &mut point, hit.as_ref());
+                let hit = path.hit.as_ref();
+                let phong = path.texturing.at(scene, phong, &mut point, hit);
                 let phong: &Phong = phong.borrow();
                 if phong.is_black() && !scene.does(Feature::DarkRays) {
                     break;
@@ -106,68 +95,54 @@ pub fn gather<K: Kernel>(
                     scene,
                     phong,
                     point: &point,
-                    media: &media,
+                    media: &path.media,
                     mirror,
                 };
                 if scene.does(Feature::Aiming)
-                    && let Some(lit) = aiming.reflected((sampler, bounce), tally)
+                    && let Some(lit) = aiming.reflected((sampler, path.bounce), tally)
                 {
-                    lit.add_to(&mut gathered, beginning, throughput);
+                    lit.add_to(&mut path.gathered, path.beginning, path.throughput);
                 }
                 // A ray that scatters no more is there for the light it meets alone.
-                if bounce + 1 == settings.max_bounces && !scene.does(Feature::LastRays) {
-                    gathered.is_depth_limited = throughput * phong.albedo() != Vec3::ZERO;
+                if path.bounce + 1 == settings.max_bounces && !scene.does(Feature::LastRays) {
+                    path.gathered.is_depth_limited = path.throughput * phong.albedo() != Vec3::ZERO;
                     break;
                 }
-                let direction = tally.draw_2d(&sampler, Dimension::at(Decision::Direction, bounce));
+                let dimension = Dimension::at(Decision::Direction, path.bounce);
+                let direction = tally.draw_2d(&sampler, dimension);
                 let Some(sample) = phong.sample(point.shading_normal, mirror, direction) else {
                     break;
                 };
-                throughput *= sample.weight.sum();
+                path.throughput *= sample.weight.sum();
                 scattered = Some((sample.pdf_solid_angle, point.receiver()));
-                beginning = beginning.then_scattered(sample.weight);
-                ray = point.ray_above(sample.wi);
-                texturing.scatter();
+                path.beginning = path.beginning.then_scattered(sample.weight);
+                path.ray = point.ray_above(sample.wi);
+                path.texturing.scatter();
             }
             PreparedMaterial::Specular(specular) => {
-                let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Boundary, bounce));
-                let onward = specular.onward(&point, u);
-                texturing.deflect(&point);
-                throughput *= onward.throughput;
+                let onward = path.deflect(specular, &point, &sampler, tally);
                 concentration *= onward.concentration;
                 scattered = None;
-                if onward.layer == Layer::Refraction {
-                    media.cross(&point);
-                }
-                beginning = beginning.then_specular(onward.layer);
-                ray = onward.ray;
             }
             PreparedMaterial::Emitter { .. } => unreachable!("emitters end the path above"),
         }
 
-        if bounce + 1 >= ROULETTE_FROM && scene.does(Feature::Roulette) {
-            let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Roulette, bounce));
-            let carried = throughput.max_element() * concentration;
+        if path.bounce + 1 >= ROULETTE_FROM && scene.does(Feature::Roulette) {
+            let u = || tally.draw_1d(&sampler, Dimension::at(Decision::Roulette, path.bounce));
+            let carried = path.throughput.max_element() * concentration;
             let Some(divisor) = after_roulette(scene, carried, u) else {
                 break;
             };
-            throughput /= divisor;
+            path.throughput /= divisor;
         }
-        if throughput == Vec3::ZERO {
+        if path.throughput == Vec3::ZERO {
             break;
         }
-        if bounce + 1 == settings.max_bounces
-            && !scene.may_meet_light(&ray)
-            && !scene.does(Feature::DarkRays)
-        {
-            gathered.is_depth_limited = true;
+        if !path.go_on(tally) {
             break;
         }
-        start = 0.0;
-        hit = scene.hit(&ray);
-        tally.note(RayPurpose::Bounce, || NotedRay::nearest(ray, hit));
     }
-    gathered
+    path.gathered
 }
 
 /// What to divide the throughput by where a path goes on that `carried` this much; `None` where it ends. Paths that carry little end at
