@@ -14,6 +14,7 @@ use super::phong::Phong;
 use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
 use super::sampler::{Decision, Dimension, Sampler, Turns};
+use super::shadow_ray;
 use super::sky_light;
 use super::specular::Specular;
 use super::surface::SurfacePoint;
@@ -31,7 +32,7 @@ pub const MOST_SUMMED: usize = 32;
 /// many calls for more than one.
 const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 
-/// The light that arrives against `ray`, a camera ray that makes that `hit`.
+/// The light that arrives against `camera_ray`, which makes that `hit`.
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     camera_ray: CameraRay,
@@ -438,10 +439,7 @@ impl<K: Kernel> Shading<'_, K> {
     fn nothing(&mut self, place: Vec3) -> Option<ShadowRay> {
         if self.scene.does(Feature::DarkRays) {
             let ray = self.point.ray_to(place);
-            let is_occluded = black_box(self.scene.occluded(&ray, 1.0, None));
-            let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
-            self.tally
-                .note(RayPurpose::Shadow, || NotedRay::passing(ray, 1.0, passed));
+            black_box(shadow_ray::passed(self.scene, ray, 1.0, None, self.tally));
         }
         None
     }
@@ -518,14 +516,13 @@ impl<K: Kernel> Shading<'_, K> {
         }
         let passed = if scene.does(Feature::GlassShadows) {
             self.tally.note_looking_for_glass();
-            self.through_glass(*ray, light)
-        } else if scene.occluded(ray, 1.0, light) {
-            Vec3::ZERO
+            let passed = self.through_glass(*ray, light);
+            let noted = || NotedRay::passing(*ray, 1.0, passed);
+            self.tally.note(RayPurpose::Shadow, noted);
+            passed
         } else {
-            Vec3::ONE
+            shadow_ray::passed(scene, *ray, 1.0, light, self.tally)
         };
-        let noted = || NotedRay::passing(*ray, 1.0, passed);
-        self.tally.note(RayPurpose::Shadow, noted);
         self.through(passed)
     }
 

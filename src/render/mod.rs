@@ -46,6 +46,7 @@ mod radiance_image;
 mod renderer;
 mod run;
 mod sampler;
+mod shadow_ray;
 mod shares;
 mod sky_light;
 mod specular;

@@ -17,8 +17,9 @@ use super::phong::Phong;
 use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
 use super::sampler::{Decision, Dimension, Sampler};
+use super::shadow_ray;
 use super::surface::SurfacePoint;
-use super::tally::{NotedRay, RayPurpose, Tally};
+use super::tally::Tally;
 use super::texturing::Texturing;
 use crate::accel::Hit;
 use crate::math::{Vec2, Vec3};
@@ -34,7 +35,7 @@ pub(super) const ROULETTE_FROM: u32 = 4;
 /// near 1. Where nothing is absorbed, paths end by `max_bounces`.
 const ENOUGH: f32 = 0.5;
 
-/// The light that arrives against `ray`, a camera ray that makes that `hit`.
+/// The light that arrives against `camera_ray`, which makes that `hit`.
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     camera_ray: CameraRay,
@@ -248,10 +249,7 @@ impl Aiming<'_> {
         if reflected.sum() == Vec3::ZERO {
             return self.nothing(&aimed, tally);
         }
-        let is_occluded = scene.occluded(&aimed.ray, aimed.reach, aimed.light);
-        let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
-        let noted = || NotedRay::passing(aimed.ray, aimed.reach, passed);
-        tally.note(RayPurpose::Shadow, noted);
+        let passed = shadow_ray::passed(scene, aimed.ray, aimed.reach, aimed.light, tally);
         let mut irradiance = aimed.irradiance * weight * passed;
         if scene.absorbs() {
             // What is behind glass is not aimed at: all of the way is in what the point is in.
@@ -268,10 +266,14 @@ impl Aiming<'_> {
     #[inline]
     fn nothing(&self, aimed: &Aimed, tally: &mut impl Tally) -> Option<Lit> {
         if self.scene.does(Feature::DarkRays) {
-            let (scene, ray, reach) = (self.scene, aimed.ray, aimed.reach);
-            let is_occluded = black_box(scene.occluded(&ray, reach, aimed.light));
-            let passed = if is_occluded { Vec3::ZERO } else { Vec3::ONE };
-            tally.note(RayPurpose::Shadow, || NotedRay::passing(ray, reach, passed));
+            let &Aimed { ray, reach, .. } = aimed;
+            black_box(shadow_ray::passed(
+                self.scene,
+                ray,
+                reach,
+                aimed.light,
+                tally,
+            ));
         }
         None
     }
