@@ -1,8 +1,8 @@
 //! Pictures of what the renderer sees instead of light: the first tool when a picture looks wrong.
 
+use super::ambient_occlusion::ambient_occlusion;
 use super::camera::CameraRay;
 use super::camera_samples::CameraSample;
-use super::direct::ambient_occlusion;
 use super::kernel::Kernel;
 use super::material::PreparedMaterial;
 use super::phong::Phong;

@@ -6,6 +6,7 @@
 //! nothing else, and sums are formed in a fixed order, so the picture is the same for any number of threads.
 
 mod aim;
+mod ambient_occlusion;
 mod background;
 mod bands;
 mod blocks;

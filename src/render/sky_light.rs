@@ -1,7 +1,7 @@
 //! The light of an image background at a point, for mode `direct`.
 
+use super::ambient_occlusion::Occlusion;
 use super::background::ImageBackground;
-use super::direct::Occlusion;
 use super::mis::power_heuristic;
 use super::prepare::PreparedScene;
 use super::sampler::{Decision, Dimension, Sampler};
