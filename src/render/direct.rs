@@ -63,7 +63,7 @@ pub fn gather<K: Kernel>(
                         scene,
                         phong,
                         point: &point,
-                        media: path.media,
+                        media: &path.media,
                         mirror: point.mirror_direction(),
                         sampler,
                         bounce: path.bounce,

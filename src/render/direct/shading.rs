@@ -32,7 +32,7 @@ pub struct Shading<'a, K: Kernel> {
     pub phong: &'a Phong,
     pub point: &'a SurfacePoint,
     /// What it is in.
-    pub media: Media,
+    pub media: &'a Media,
     /// The mirror direction of `wo`.
     pub mirror: Vec3,
     pub sampler: Sampler,
@@ -45,6 +45,7 @@ pub struct Shading<'a, K: Kernel> {
 
 impl<K: Kernel> Shading<'_, K> {
     /// What is reflected of the background's light.
+    #[inline]
     pub fn reflected_background(&mut self) -> Vec3 {
         let (scene, diffuse) = (self.scene, self.phong.diffuse);
         if scene.needs(Feature::Occlusion) && !scene.background().is_black() {
@@ -81,6 +82,7 @@ impl<K: Kernel> Shading<'_, K> {
     }
 
     /// Reflected light of all lights and emitting objects.
+    #[inline]
     pub fn light_from_all(&mut self) -> ByLobe {
         let mut sum = ByLobe::default();
         let scene = self.scene;

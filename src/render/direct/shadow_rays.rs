@@ -24,6 +24,7 @@ impl ShadowRays {
     /// Few, as room for so many is cleared for every light.
     const MOST: usize = 18;
 
+    #[inline]
     pub fn new() -> Self {
         Self {
             directions: [Vec3::ZERO; Self::MOST],
@@ -33,10 +34,12 @@ impl ShadowRays {
     }
 
     /// Whether there may be no room for what aiming once adds.
+    #[inline]
     pub fn is_full(&self) -> bool {
         self.count + 2 > Self::MOST
     }
 
+    #[inline]
     pub fn extend(&mut self, rays: [Option<ShadowRay>; 2]) {
         for ShadowRay { direction, light } in rays.into_iter().flatten() {
             self.directions[self.count] = direction;
@@ -46,6 +49,7 @@ impl ShadowRays {
     }
 
     /// All of them, directions and lights; leaves none.
+    #[inline]
     fn take(&mut self) -> (&[Vec3], &[ByLobe]) {
         let count = std::mem::take(&mut self.count);
         (&self.directions[..count], &self.lights[..count])
@@ -120,7 +124,7 @@ impl<K: Kernel> Shading<'_, K> {
     fn through_glass(&self, mut ray: Ray, light: Option<u32>) -> Vec3 {
         let target = ray.at(1.0);
         let mut passed = Vec3::ONE;
-        let mut media = self.media;
+        let mut media = *self.media;
         loop {
             if self.scene.disk_occludes(&ray, 1.0, light) {
                 return Vec3::ZERO;
