@@ -13,7 +13,7 @@ pub enum Material {
         diffuse: Rgb,
         /// Specular reflectance, `0..=1` per channel.
         specular: Rgb,
-        /// Exponent of the lobe, 0 or more.
+        /// Exponent of the lobe, `0..=`[`Material::MAX_SHININESS`].
         shininess: f64,
         /// What varies over the surface.
         textures: Textures,
@@ -25,7 +25,8 @@ pub enum Material {
     },
     /// A clear solid that reflects and refracts by Fresnel's equations.
     Glass {
-        /// Index of refraction relative to the outside, more than 0. With 1 and no attenuation, nothing is there.
+        /// Index of refraction relative to the outside, [`Material::MIN_IOR`]`..=`[`Material::MAX_IOR`]. With 1 and no attenuation,
+        /// nothing is there.
         ior: f64,
         /// Absorption inside, per scene unit (Beer-Lambert): light fades by `exp(−attenuation · distance)`.
         attenuation: Rgb,
@@ -92,6 +93,18 @@ impl Textures {
 }
 
 impl Material {
+    /// What a channel may reflect in all without reflecting more light than arrives: 1, and what colours are off by that were picked as
+    /// `f32`.
+    pub const MAX_REFLECTANCE: f64 = 1.0 + 1e-6;
+    /// Largest exponent of a lobe.
+    pub const MAX_SHININESS: f64 = 1e12;
+    /// Least index of refraction.
+    pub const MIN_IOR: f64 = 1e-6;
+    /// Largest index of refraction.
+    pub const MAX_IOR: f64 = 1e6;
+    /// The index of refraction of window glass, where none is stated.
+    pub const USUAL_IOR: f64 = 1.5;
+
     /// What varies over a surface of it; `None` where nothing can.
     #[must_use]
     pub fn textures(&self) -> Option<&Textures> {
@@ -145,7 +158,7 @@ impl Material {
     #[must_use]
     pub fn glass() -> Self {
         Self::Glass {
-            ior: 1.5,
+            ior: Self::USUAL_IOR,
             attenuation: Rgb::ZERO,
         }
     }

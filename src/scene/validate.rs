@@ -92,7 +92,7 @@ impl Scene {
         self.materials
             .iter()
             .map(move |(name, material)| (name.as_str(), reflected(material)))
-            .filter(|&(_, reflected)| reflected > MOST_REFLECTANCE)
+            .filter(|&(_, reflected)| reflected > Material::MAX_REFLECTANCE)
     }
 }
 
@@ -112,9 +112,6 @@ fn shown(number: f64) -> String {
 fn shown_vector(vector: &DVec3) -> String {
     format!("[{}]", vector.to_array().map(shown).join(", "))
 }
-
-/// What a channel may reflect in all, with a last digit to spare.
-const MOST_REFLECTANCE: f64 = 1.0 + 1e-9;
 
 /// What is wrong with a camera, said of that of a bookmark.
 fn of_bookmark(error: SceneError, index: usize) -> SceneError {

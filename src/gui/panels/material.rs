@@ -1,5 +1,6 @@
 //! The properties of a material. Objects refer to it by name, so names are unique and a new one goes to its objects too.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use egui::{Event, Id, Key, RichText, Ui, Vec2};
@@ -17,6 +18,8 @@ use crate::scene::{Material, Rgb, Scene, Textures, free_name};
 
 /// Largest exponent the window offers; files may hold more.
 const MOST_SHININESS: f64 = 1e7;
+/// Indices of refraction the window offers; files may hold others.
+const IORS: RangeInclusive<f64> = 0.1..=10.0;
 
 /// A named material's properties.
 pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
@@ -119,7 +122,7 @@ pub fn reflectance_ui(ui: &mut Ui, material: &mut Material) -> Option<Command> {
                 "Refraction",
                 "Index of refraction: 1.33 is water, 1.5 window glass, 2.4 diamond; below 1 is a bubble",
                 ior,
-                &Number::within(0.1..=10.0, 0.005),
+                &Number::within(IORS, 0.005),
             );
             light_row_ui(
                 ui,
@@ -163,7 +166,7 @@ fn phong_ui(ui: &mut Ui, diffuse: &mut Rgb, specular: &mut Rgb, shininess: &mut 
         &Number::within(0.0..=MOST_SHININESS, (*shininess * 0.01).max(0.1)),
     );
     let total = (*diffuse + *specular).max_element();
-    if total > 1.0 + 1e-6 {
+    if total > Material::MAX_REFLECTANCE {
         ui.label(
             RichText::new("Diffuse and specular together reflect more light than arrives.")
                 .small()

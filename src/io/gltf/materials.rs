@@ -6,16 +6,12 @@ use super::document::{
 use crate::io::remarks::Remarks;
 use crate::scene::{Material, Rgb, Textures};
 
-/// Largest exponent that a scene may have.
-const MOST_SHININESS: f64 = 1e12;
 /// Smoother metals are mirrors.
 const MIRROR_ROUGHNESS: f64 = 0.05;
 /// Share of metal, or of light let through, from which on a material is taken for metal or glass.
 const HALF: f64 = 0.5;
 /// What a surface of index 1.5, that of plastics, reflects at right angles.
 const PLASTIC: f64 = 0.04;
-/// The index of refraction where none is stated.
-const USUAL_IOR: f64 = 1.5;
 /// The darkest colour that light fades to: no finite fading makes black.
 const DARKEST: f64 = 1e-6;
 
@@ -28,7 +24,7 @@ const DARKEST: f64 = 1e-6;
 pub fn shininess_of(roughness: f64) -> f64 {
     let alpha = roughness * roughness;
     let alpha_squared = alpha * alpha;
-    ((1.0 / alpha_squared - 1.0) / 2.0).clamp(0.0, MOST_SHININESS)
+    ((1.0 / alpha_squared - 1.0) / 2.0).clamp(0.0, Material::MAX_SHININESS)
 }
 
 /// The roughness for which [`shininess_of`] is `shininess`.
@@ -191,8 +187,8 @@ fn glass(extensions: &MaterialExtensions) -> Material {
     });
     Material::Glass {
         ior: ior
-            .filter(|ior| (1.0..=1e6).contains(ior))
-            .unwrap_or(USUAL_IOR),
+            .filter(|ior| (1.0..=Material::MAX_IOR).contains(ior))
+            .unwrap_or(Material::USUAL_IOR),
         attenuation: attenuation
             .filter(|fading| fading.is_finite())
             .unwrap_or(Rgb::ZERO),

@@ -35,13 +35,6 @@ const OF_GLASS: [u64; 2] = [4, 9];
 /// Models without highlight.
 const MATT: [u64; 2] = [0, 1];
 
-/// The index of refraction of window glass, where none is stated.
-const USUAL_IOR: f64 = 1.5;
-/// Indices of refraction that a scene may have.
-const IORS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
-/// Largest exponent that a scene may have.
-const MOST_SHININESS: f64 = 1e12;
-
 impl MtlMaterial {
     /// The material of the scene that is nearest. The first of these that holds:
     ///
@@ -93,9 +86,10 @@ impl MtlMaterial {
         let is_glass =
             illuminated_as(&REFRACTING) || (lets_through && (bends || illuminated_as(&OF_GLASS)));
         if is_glass {
-            let stated = self.ior.filter(|ior| bends && IORS.contains(ior));
+            let allowed = Material::MIN_IOR..=Material::MAX_IOR;
+            let stated = self.ior.filter(|ior| bends && allowed.contains(ior));
             return Material::Glass {
-                ior: stated.unwrap_or(USUAL_IOR),
+                ior: stated.unwrap_or(Material::USUAL_IOR),
                 attenuation: Rgb::ZERO,
             };
         }
@@ -128,7 +122,7 @@ impl MtlMaterial {
         Material::Phong {
             diffuse,
             specular,
-            shininess: shininess.min(MOST_SHININESS),
+            shininess: shininess.min(Material::MAX_SHININESS),
             textures,
         }
     }

@@ -186,11 +186,13 @@ fn material(keys: &mut Keys<'_>, material: &mut Material) {
                 keys.flag("vertex_colors", &mut textures.vertex_colors);
             }
             keys.color("specular", specular);
-            keys.number("shininess", shininess, Allowed::Within(0.0, 1e12));
+            let allowed = Allowed::Within(0.0, Material::MAX_SHININESS);
+            keys.number("shininess", shininess, allowed);
         }
         Material::Mirror { reflectance } => keys.color("reflectance", reflectance),
         Material::Glass { ior, attenuation } => {
-            keys.number("ior", ior, Allowed::Within(1e-6, 1e6));
+            let allowed = Allowed::Within(Material::MIN_IOR, Material::MAX_IOR);
+            keys.number("ior", ior, allowed);
             keys.color("attenuation", attenuation);
         }
         Material::Emitter { radiance } => keys.color("radiance", radiance),
