@@ -21,7 +21,7 @@ use super::texture_file::TextureFile;
 use super::texture_loader::TextureLoader;
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
-use crate::scene::{Background, Material, Scene, SceneError, Textures};
+use crate::scene::{Background, Scene, SceneError, Textures};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
@@ -217,7 +217,10 @@ pub(super) fn portable_text(scene: &Scene, path: &Path) -> io::Result<String> {
     if let Background::Image { image, .. } = &mut portable.background {
         *image = relative_path(image, folder);
     }
-    for image in texture_names_mut(&mut portable) {
+    for image in portable
+        .material_textures_mut()
+        .flat_map(Textures::images_mut)
+    {
         *image = relative_path(image, folder);
     }
     Ok(scene_file::write(&portable))
@@ -250,7 +253,7 @@ pub fn override_scene(
     let progress = Progress::new();
     let here = Path::new(".");
     load_background(&mut scene, here, &mut loaded.warnings, cancel, &progress)?;
-    for image in texture_names_mut(&mut scene) {
+    for image in scene.material_textures_mut().flat_map(Textures::images_mut) {
         *image = absolute_image(image, here);
     }
     let mut loader = TextureLoader::default();
@@ -397,7 +400,7 @@ fn load_parts(
         _ => 0,
     };
     let work = meshes.sum::<u64>() + image;
-    for image in texture_names_mut(&mut scene) {
+    for image in scene.material_textures_mut().flat_map(Textures::images_mut) {
         *image = absolute_image(image, folder);
     }
     let textures = scene.texture_names();
@@ -516,15 +519,6 @@ fn load_textures(
         scene.textures.insert(image, Arc::new(loaded.image));
     }
     Ok(true)
-}
-
-/// The names of the images of all materials, to be changed.
-fn texture_names_mut(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
-    let textures = scene
-        .materials
-        .values_mut()
-        .filter_map(Material::textures_mut);
-    textures.flat_map(Textures::images_mut)
 }
 
 /// The first key of the scene file that names the texture `image`.

@@ -259,10 +259,7 @@ fn resolve_images(scene: &mut Scene, path: &Path, warnings: &mut Vec<String>) {
             None => path_below(&name, folder)
                 .map(|image| absolute_mesh(&image.to_string_lossy(), Path::new("."))),
         };
-        let textures = scene
-            .materials
-            .values_mut()
-            .filter_map(Material::textures_mut);
+        let textures = scene.material_textures_mut();
         match resolved {
             Ok(resolved) => textures.for_each(|textures| textures.rename(&name, &resolved)),
             Err(reason) => {

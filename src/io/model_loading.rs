@@ -11,7 +11,7 @@ use super::part_name::file_and_part;
 use super::texture_loader::TextureLoader;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Material, Scene, SceneError, presets};
+use crate::scene::{Scene, SceneError, presets};
 
 /// Loads the mesh file at `path` as the objects it brings into a scene. `progress` counts bytes. `None` when cancelled.
 ///
@@ -165,12 +165,7 @@ fn load_model_textures(
                 model
                     .warnings
                     .push(format!("{error}; the image is left out"));
-                for textures in model
-                    .scene
-                    .materials
-                    .values_mut()
-                    .filter_map(Material::textures_mut)
-                {
+                for textures in model.scene.material_textures_mut() {
                     textures.leave_out(&name);
                 }
             }
@@ -181,9 +176,9 @@ fn load_model_textures(
 
 /// Takes the image called `name` away from materials that have it for normals; whether there are any.
 fn leave_out_normals(scene: &mut Scene, name: &str) -> bool {
-    let materials = scene.materials.values_mut();
-    let textures = materials.filter_map(Material::textures_mut);
     // Of all of them, not up to the first.
-    let had = textures.map(|textures| textures.leave_out_normals(name));
+    let had = scene
+        .material_textures_mut()
+        .map(|textures| textures.leave_out_normals(name));
     had.fold(false, |any, had| any | had)
 }

@@ -12,7 +12,7 @@ use crate::geometry::TriangleMesh;
 use crate::math::{DVec2, DVec3, Vec3};
 use crate::render::{Layer, Region};
 use crate::scene::{
-    Background, Display, Material, Output, RadianceMap, Scene, Texels, TextureImage, Textures,
+    Background, Display, Output, RadianceMap, Scene, Texels, TextureImage, Textures,
 };
 
 /// Describes a render of `region` of `scene` that keeps `layers`: the scene file, in which meshes and images are named by what is
@@ -39,11 +39,7 @@ pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> Strin
     {
         *image = name_by_content(image, &hash_of_image(map));
     }
-    let textures = named
-        .materials
-        .values_mut()
-        .filter_map(Material::textures_mut);
-    for image in textures.flat_map(Textures::images_mut) {
+    for image in named.material_textures_mut().flat_map(Textures::images_mut) {
         if let Some(texture) = scene.textures.get(image) {
             *image = name_by_content(image, &hash_of_texture(texture));
         }

@@ -188,6 +188,13 @@ impl Scene {
         images.collect()
     }
 
+    /// What varies over surfaces of each material, to be changed.
+    pub fn material_textures_mut(&mut self) -> impl Iterator<Item = &mut Textures> {
+        self.materials
+            .values_mut()
+            .filter_map(Material::textures_mut)
+    }
+
     /// The world box of all objects with all their copies; lights do not count. Objects whose mesh is not loaded are
     /// left out.
     #[must_use]
