@@ -1,27 +1,26 @@
-//! From paths to a scene with its meshes and images, and back.
+//! From paths to a scene with its meshes and images.
 
-use std::collections::HashMap;
-use std::io;
+mod contents;
+mod warnings;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::atomic::write_atomically;
 use super::builtin;
 use super::mesh_file::{self, MeshError, MeshFile};
-use super::mesh_source::MeshSource;
 use super::model_loading::{load_models, scene_of_models};
 use super::origin::WrittenOrigin;
-use super::part_name::file_and_part;
 use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
 use super::scene_file::{self, SceneFile, SceneFileError};
-use super::scene_paths::{
-    absolute_image, absolute_mesh, is_render_file, is_scene_file, relative_mesh, relative_path,
-};
-use super::texture_file::TextureFile;
+use super::scene_paths::{absolute_image, absolute_mesh, is_render_file, is_scene_file};
 use super::texture_loader::TextureLoader;
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Scene, SceneError, Textures};
+use contents::{load_background, load_contents, read_mesh};
+
+pub(super) use contents::work_of;
+pub use warnings::{image_warnings, mesh_warnings, texture_warnings};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
@@ -67,15 +66,6 @@ pub enum LoadError {
     },
 }
 
-/// Why a scene could not be saved.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: cannot write the scene: {reason}", path.display())]
-pub struct SaveError {
-    /// The file asked for.
-    pub path: PathBuf,
-    reason: io::Error,
-}
-
 /// The scene that is shown when nothing else is named: three creatures on a plane under four lights.
 ///
 /// # Panics
@@ -85,7 +75,7 @@ pub fn demo_scene() -> Scene {
     let file =
         SceneFile::parse(builtin::DEMO_SCENE, "demo.toml").expect("the embedded scene is right");
     let mut warnings = Vec::new();
-    let loaded = load_parts(
+    let loaded = load_contents(
         &file,
         Path::new("."),
         &mut warnings,
@@ -193,39 +183,6 @@ pub fn load_image(
     load_radiance(path, cancel, progress)
 }
 
-/// Writes `scene` to `path`, paths of meshes and images made relative to it. The file appears whole or not at all.
-///
-/// # Errors
-/// What the system says.
-pub fn save_scene(scene: &Scene, path: &Path) -> Result<(), SaveError> {
-    let written = portable_text(scene, path)
-        .and_then(|text| write_atomically(path, |file| file.write_all(text.as_bytes())));
-    written.map_err(|reason| SaveError {
-        path: path.to_owned(),
-        reason,
-    })
-}
-
-/// The text of a scene file at `path`: paths of meshes and images are relative to it.
-pub(super) fn portable_text(scene: &Scene, path: &Path) -> io::Result<String> {
-    let absolute = std::path::absolute(path)?;
-    let folder = absolute.parent().unwrap_or(&absolute);
-    let mut portable = scene.clone();
-    for object in &mut portable.objects {
-        object.mesh = relative_mesh(&object.mesh, folder);
-    }
-    if let Background::Image { image, .. } = &mut portable.background {
-        *image = relative_path(image, folder);
-    }
-    for image in portable
-        .material_textures_mut()
-        .flat_map(Textures::images_mut)
-    {
-        *image = relative_path(image, folder);
-    }
-    Ok(scene_file::write(&portable))
-}
-
 /// Changes values of a loaded scene as [`scene_file::apply_overrides`] does, and loads meshes and images that are new by it; their
 /// paths are relative to the working folder.
 ///
@@ -267,39 +224,6 @@ pub fn override_scene(
     }
     loaded.scene = scene;
     Ok(())
-}
-
-/// What a loaded mesh file leaves to say to the user; `name` is what the user calls it.
-#[must_use]
-pub fn mesh_warnings(name: &str, file: &MeshFile) -> Vec<String> {
-    file.warnings
-        .iter()
-        .map(|warning| format!("{name}: {warning}"))
-        .collect()
-}
-
-/// What an image file loaded as a background leaves to say to the user; `name` is what the user calls it.
-#[must_use]
-pub fn image_warnings(name: &str, file: &RadianceFile) -> Vec<String> {
-    let (width, height) = (file.map.width(), file.map.height());
-    let stretched = format!(
-        "the image is {width}×{height}; one that shows all directions is twice as wide as high, so it is stretched"
-    );
-    let is_stretched = u64::from(width) != 2 * u64::from(height);
-    file.warnings
-        .iter()
-        .chain(is_stretched.then_some(&stretched))
-        .map(|warning| format!("{name}: {warning}"))
-        .collect()
-}
-
-/// What the file of a texture leaves to say to the user; `name` is what the user calls it.
-#[must_use]
-pub fn texture_warnings(name: &str, file: &TextureFile) -> Vec<String> {
-    file.warnings
-        .iter()
-        .map(|warning| format!("{name}: {warning}"))
-        .collect()
 }
 
 fn load_scene_file(
@@ -378,226 +302,8 @@ fn load_file(
 ) -> Result<Option<LoadedScene>, LoadError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut warnings = Vec::new();
-    let scene = load_parts(file, folder, &mut warnings, cancel, progress)?;
+    let scene = load_contents(file, folder, &mut warnings, cancel, progress)?;
     Ok(scene.map(|scene| LoadedScene { scene, warnings }))
-}
-
-/// The file's scene with its meshes and images, found relative to `folder`; `None` when cancelled.
-fn load_parts(
-    file: &SceneFile,
-    folder: &Path,
-    warnings: &mut Vec<String>,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<Scene>, LoadError> {
-    let mut scene = file.scene.clone();
-    for object in &mut scene.objects {
-        object.mesh = absolute_mesh(&object.mesh, folder);
-    }
-    let meshes = scene.objects.iter().map(|object| work_of(&object.mesh));
-    let image = match &scene.background {
-        Background::Image { image, .. } => work_of(&absolute_image(image, folder)),
-        _ => 0,
-    };
-    let work = meshes.sum::<u64>() + image;
-    for image in scene.material_textures_mut().flat_map(Textures::images_mut) {
-        *image = absolute_image(image, folder);
-    }
-    let textures = scene.texture_names();
-    let textures = textures.iter().map(|image| work_of(image));
-    progress.set_total(work + textures.sum::<u64>());
-    if load_meshes(&mut scene, file, folder, warnings, cancel, progress)?.is_none() {
-        return Ok(None);
-    }
-    let whole = load_background(&mut scene, folder, warnings, cancel, progress)
-        .map_err(|error| file.error_at("background.image", error.to_string()))?;
-    if let (true, Background::Image { image, .. }) = (whole, &scene.background) {
-        warnings.extend(outside_warning(image, folder));
-    }
-    let whole = whole && load_textures(file, &mut scene, folder, warnings, cancel, progress)?;
-    Ok(whole.then_some(scene))
-}
-
-/// Loads the meshes of all objects, each file once; `None` when cancelled.
-fn load_meshes(
-    scene: &mut Scene,
-    file: &SceneFile,
-    folder: &Path,
-    warnings: &mut Vec<String>,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<()>, LoadError> {
-    // The objects of each file, in the order of the first.
-    let mut files: Vec<(String, Vec<usize>)> = Vec::new();
-    let mut numbers = HashMap::new();
-    for (index, object) in scene.objects.iter().enumerate() {
-        let (name, _) = file_and_part(&object.mesh);
-        let number = *numbers.entry(name).or_insert(files.len());
-        if number == files.len() {
-            files.push((name.to_owned(), Vec::new()));
-        }
-        files[number].1.push(index);
-    }
-    for (name, objects) in files {
-        let mut meshes = objects.iter().map(|&index| &scene.objects[index].mesh);
-        if meshes.all(|mesh| scene.meshes.contains_key(mesh)) {
-            progress.advance(work_of(&name) * objects.len() as u64);
-            continue;
-        }
-        let error_at = |index: usize, error: MeshError| {
-            file.error_at(&format!("objects.{index}.mesh"), error.to_string())
-        };
-        let read = match name.strip_prefix(builtin::PREFIX) {
-            Some(name) => builtin::mesh(name, cancel, progress)
-                .map(|file| file.map(|file| MeshSource::Mesh(Box::new(file)))),
-            None => mesh_file::load_source(Path::new(&name), cancel, progress),
-        };
-        let Some(read) = read.map_err(|error| error_at(objects[0], error))? else {
-            return Ok(None);
-        };
-        warnings.extend(outside_warning(&name, folder));
-        warnings.extend(
-            read.warnings()
-                .iter()
-                .map(|warning| format!("{name}: {warning}")),
-        );
-        let mut whole = None;
-        let mut parts = read.taker();
-        for &index in &objects {
-            if cancel.is_cancelled() {
-                return Ok(None);
-            }
-            let mesh = scene.objects[index].mesh.clone();
-            if scene.meshes.contains_key(&mesh) {
-                continue;
-            }
-            match file_and_part(&mesh) {
-                (_, None) => whole = Some((index, mesh)),
-                (name, Some(part)) => {
-                    let taken = parts.take(name, part);
-                    let taken = taken.map_err(|error| error_at(index, error))?;
-                    scene.meshes.insert(mesh, taken);
-                }
-            }
-        }
-        if let Some((index, mesh)) = whole {
-            let file = read.into_whole(&name);
-            let file = file.map_err(|error| error_at(index, error))?;
-            scene.meshes.insert(mesh, Arc::new(file.mesh));
-        }
-        progress.advance(work_of(&name) * (objects.len() as u64 - 1));
-    }
-    Ok(Some(()))
-}
-
-/// Loads all images of materials, which are named from the root; `folder`: that of the scene file. False when cancelled.
-fn load_textures(
-    file: &SceneFile,
-    scene: &mut Scene,
-    folder: &Path,
-    warnings: &mut Vec<String>,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<bool, LoadError> {
-    let mut loader = TextureLoader::default();
-    for image in scene.texture_names() {
-        if scene.textures.contains_key(&image) {
-            progress.advance(work_of(&image));
-            continue;
-        }
-        let loaded = loader
-            .load(&image, work_of(&image), cancel, progress)
-            .map_err(|error| {
-                let key = key_of_texture(scene, &image);
-                file.error_at(&key.unwrap_or_default(), error.to_string())
-            })?;
-        let Some(loaded) = loaded else {
-            return Ok(false);
-        };
-        warnings.extend(outside_warning(&image, folder));
-        warnings.extend(texture_warnings(&image, &loaded));
-        scene.textures.insert(image, Arc::new(loaded.image));
-    }
-    Ok(true)
-}
-
-/// The first key of the scene file that names the texture `image`.
-fn key_of_texture(scene: &Scene, image: &str) -> Option<String> {
-    scene.materials.iter().find_map(|(name, material)| {
-        let textures = material.textures()?;
-        let keys = [
-            ("diffuse_image", &textures.diffuse_image),
-            ("normal_image", &textures.normal_image),
-        ];
-        let key = keys.iter().find(|(_, name)| name.as_deref() == Some(image));
-        key.map(|(key, _)| format!("materials.{name}.{key}"))
-    })
-}
-
-/// What is said when a scene file in `folder` has a mesh or image read from outside of the folder that holds `folder`. Scenes
-/// and meshes in folders side by side are how people keep them; what lies further away the author of the file need not know.
-/// Links are followed: the path may look harmless.
-fn outside_warning(path: &str, folder: &Path) -> Option<String> {
-    if path.starts_with(builtin::PREFIX) {
-        return None;
-    }
-    let is_here = folder.as_os_str().is_empty();
-    let folder = std::fs::canonicalize(if is_here { Path::new(".") } else { folder }).ok()?;
-    // Everything lies in the root.
-    let is_folder = |folder: &&Path| folder.parent().is_some();
-    let around = folder.parent().filter(is_folder).unwrap_or(&folder);
-    let (file, _) = file_and_part(path);
-    let real = std::fs::canonicalize(file).unwrap_or_else(|_| file.into());
-    let outside = !real.starts_with(around);
-    outside.then(|| {
-        format!(
-            "{path}: the scene file reads this from outside of {}",
-            around.display()
-        )
-    })
-}
-
-/// Loads the image of the background, if that is one and not loaded yet, relative to `folder`; false when cancelled.
-fn load_background(
-    scene: &mut Scene,
-    folder: &Path,
-    warnings: &mut Vec<String>,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<bool, RadianceError> {
-    let Background::Image { image, .. } = &mut scene.background else {
-        return Ok(true);
-    };
-    *image = absolute_image(image, folder);
-    if scene.images.contains_key(image) {
-        return Ok(true);
-    }
-    let Some(loaded) = load_radiance(Path::new(image), cancel, progress)? else {
-        return Ok(false);
-    };
-    warnings.extend(image_warnings(image, &loaded));
-    scene.images.insert(image.clone(), Arc::new(loaded.map));
-    Ok(true)
-}
-
-fn read_mesh(
-    mesh: &str,
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Result<Option<MeshFile>, MeshError> {
-    match mesh.strip_prefix(builtin::PREFIX) {
-        Some(name) => builtin::mesh(name, cancel, progress),
-        None => mesh_file::load_mesh(Path::new(mesh), cancel, progress),
-    }
-}
-
-/// The work of loading a mesh, in the unit of its progress: every byte is read once and understood once.
-pub(super) fn work_of(mesh: &str) -> u64 {
-    let (mesh, _) = file_and_part(mesh);
-    match mesh.strip_prefix(builtin::PREFIX) {
-        Some(name) => builtin::bytes(name).map_or(0, |bytes| bytes.len() as u64),
-        None => std::fs::metadata(mesh).map_or(0, |metadata| 2 * metadata.len()),
-    }
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ mod radiance_file;
 mod ray_file;
 mod remarks;
 mod render_description;
+mod save;
 pub mod scene_file;
 mod scene_paths;
 mod shorten;
@@ -48,9 +49,8 @@ pub use image_file::{
     write_render,
 };
 pub use load::{
-    LoadError, LoadedScene, SaveError, demo_scene, image_warnings, load_image, load_mesh,
-    load_scene, load_scenes, mesh_warnings, override_scene, reload_scene, save_scene,
-    texture_warnings,
+    LoadError, LoadedScene, demo_scene, image_warnings, load_image, load_mesh, load_scene,
+    load_scenes, mesh_warnings, override_scene, reload_scene, texture_warnings,
 };
 pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};
@@ -68,6 +68,7 @@ pub use radiance_file::{
 pub use ray_file::{RayFileError, load_rays, save_rays};
 pub use remarks::Remarks;
 pub use render_description::{describe_render, difference};
+pub use save::{SaveError, save_scene};
 pub use scene_paths::{
     RENDER_EXTENSIONS, absolute_image, absolute_mesh, is_image_file, is_render_file, is_scene_file,
 };

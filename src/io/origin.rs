@@ -9,7 +9,7 @@ use exr::meta::attribute::{AttributeValue, Text};
 use png::text_metadata::ITXtChunk;
 use serde::{Deserialize, Serialize};
 
-use super::load::portable_text;
+use super::save::portable_text;
 use super::whole_file::open_file;
 use crate::render::ErrorEstimate;
 use crate::scene::Scene;

@@ -1,4 +1,5 @@
 use super::*;
+use crate::io::save_scene;
 use crate::scene::Texels;
 
 #[test]

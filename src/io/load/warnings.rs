@@ -1,0 +1,65 @@
+//! What loaded files leave to say to the user.
+
+use std::path::Path;
+
+use crate::io::builtin;
+use crate::io::mesh_file::MeshFile;
+use crate::io::part_name::file_and_part;
+use crate::io::radiance_file::RadianceFile;
+use crate::io::texture_file::TextureFile;
+
+/// What a loaded mesh file leaves to say to the user; `name` is what the user calls it.
+#[must_use]
+pub fn mesh_warnings(name: &str, file: &MeshFile) -> Vec<String> {
+    file.warnings
+        .iter()
+        .map(|warning| format!("{name}: {warning}"))
+        .collect()
+}
+
+/// What an image file loaded as a background leaves to say to the user; `name` is what the user calls it.
+#[must_use]
+pub fn image_warnings(name: &str, file: &RadianceFile) -> Vec<String> {
+    let (width, height) = (file.map.width(), file.map.height());
+    let stretched = format!(
+        "the image is {width}×{height}; one that shows all directions is twice as wide as high, so it is stretched"
+    );
+    let is_stretched = u64::from(width) != 2 * u64::from(height);
+    file.warnings
+        .iter()
+        .chain(is_stretched.then_some(&stretched))
+        .map(|warning| format!("{name}: {warning}"))
+        .collect()
+}
+
+/// What the file of a texture leaves to say to the user; `name` is what the user calls it.
+#[must_use]
+pub fn texture_warnings(name: &str, file: &TextureFile) -> Vec<String> {
+    file.warnings
+        .iter()
+        .map(|warning| format!("{name}: {warning}"))
+        .collect()
+}
+
+/// What is said when a scene file in `folder` has a mesh or image read from outside of the folder that holds `folder`. Scenes
+/// and meshes in folders side by side are how people keep them; what lies further away the author of the file need not know.
+/// Links are followed: the path may look harmless.
+pub fn outside_warning(path: &str, folder: &Path) -> Option<String> {
+    if path.starts_with(builtin::PREFIX) {
+        return None;
+    }
+    let is_here = folder.as_os_str().is_empty();
+    let folder = std::fs::canonicalize(if is_here { Path::new(".") } else { folder }).ok()?;
+    // Everything lies in the root.
+    let is_folder = |folder: &&Path| folder.parent().is_some();
+    let around = folder.parent().filter(is_folder).unwrap_or(&folder);
+    let (file, _) = file_and_part(path);
+    let real = std::fs::canonicalize(file).unwrap_or_else(|_| file.into());
+    let outside = !real.starts_with(around);
+    outside.then(|| {
+        format!(
+            "{path}: the scene file reads this from outside of {}",
+            around.display()
+        )
+    })
+}
