@@ -3,6 +3,7 @@
 
 mod keys;
 mod records;
+mod spelling;
 mod tree;
 
 use std::fmt;
@@ -10,7 +11,8 @@ use std::fmt;
 use super::part_name;
 use super::shorten::shortened;
 use crate::scene::Scene;
-use keys::{Keys, nearest};
+use keys::Keys;
+use spelling::nearest;
 use tree::{Node, Place};
 
 /// Something a scene file says that cannot be understood.
