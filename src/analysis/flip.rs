@@ -40,7 +40,8 @@ const XYZ_FROM_RGB: DMat3 = DMat3::from_cols(
 );
 
 /// The mean FLIP error of `a` against `b`, from 0 (they look alike) to 1, when a screen shows both: without exposure or tone curve, values
-/// beyond 1 as 1. NaN where no pixel is finite in both.
+/// beyond 1 as 1. A pixel that is not finite in one of them is left out, and makes no difference to those around it. NaN where no pixel is
+/// finite in both.
 ///
 /// # Errors
 /// When the sizes differ.
@@ -70,7 +71,7 @@ pub fn mean_flip_unless(
                 return None;
             }
             let rows = band * BAND..height.min((band + 1) * BAND);
-            let [of_a, of_b] = [a, b].map(|image| filters.look_at(image, &rows));
+            let [of_a, of_b] = [[a, b], [b, a]].map(|images| filters.look_at(images, &rows));
             let first = rows.start * width;
             let (mut sum, mut count) = (0.0, 0);
             for (index, (a_seen, b_seen)) in of_a.iter().zip(&of_b).enumerate() {
@@ -162,8 +163,8 @@ impl Filters {
         filters
     }
 
-    /// What the eye sees of the pixels of `rows`, row by row.
-    fn look_at(&self, image: &Image, rows: &std::ops::Range<usize>) -> Vec<Seen> {
+    /// What the eye sees of the pixels of `rows`, row by row, when `image` is compared with `other`.
+    fn look_at(&self, [image, other]: [&Image; 2], rows: &std::ops::Range<usize>) -> Vec<Seen> {
         let (width, height) = (image.width as usize, image.height as usize);
         // With rows above and below; beyond the picture its edge goes on.
         let halo = self.halo;
@@ -171,8 +172,9 @@ impl Filters {
         let mut channels = [(); 3].map(|()| Vec::with_capacity(extended * width));
         for row in 0..extended {
             let y = (rows.start + row).saturating_sub(halo).min(height - 1);
-            for &rgb in &image.pixels[y * width..(y + 1) * width] {
-                let opponent = self.opponent(shown(rgb));
+            let row = y * width..(y + 1) * width;
+            for (&rgb, &of_other) in image.pixels[row.clone()].iter().zip(&other.pixels[row]) {
+                let opponent = self.opponent(shown(rgb, of_other));
                 for (channel, value) in channels.iter_mut().zip(opponent.to_array()) {
                     channel.push(value);
                 }
@@ -266,13 +268,12 @@ fn hyab(a: DVec3, b: DVec3) -> f64 {
     difference.x.abs() + difference.y.hypot(difference.z)
 }
 
-/// What a screen shows of a pixel, linear.
-fn shown(rgb: [f32; 3]) -> DVec3 {
-    if is_finite(rgb) {
-        DVec3::from_array(rgb.map(f64::from)).clamp(DVec3::ZERO, DVec3::ONE)
-    } else {
-        DVec3::ZERO
-    }
+/// What a screen shows of a pixel, linear. One that is not finite is shown as that of the other picture, so that it does not make what the
+/// eye sees around it differ.
+fn shown(rgb: [f32; 3], of_other: [f32; 3]) -> DVec3 {
+    let finite = [rgb, of_other].into_iter().find(|&rgb| is_finite(rgb));
+    let rgb = DVec3::from_array(finite.unwrap_or_default().map(f64::from));
+    rgb.clamp(DVec3::ZERO, DVec3::ONE)
 }
 
 fn whole(radius: f64) -> usize {
@@ -409,7 +410,8 @@ mod tests {
         let sample = |image: &Image, x: i64, y: i64| {
             let x = usize::try_from(x.clamp(0, 36)).unwrap();
             let y = usize::try_from(y.clamp(0, 40)).unwrap();
-            filters.opponent(shown(image.pixels[y * 37 + x]))
+            let rgb = image.pixels[y * 37 + x];
+            filters.opponent(shown(rgb, rgb))
         };
         let look = |image: &Image, x: i64, y: i64| {
             let offsets = || (-10..=10_i64).flat_map(|v| (-10..=10_i64).map(move |u| (u, v)));
@@ -478,10 +480,32 @@ mod tests {
             rgb[0] = if rgb[0] >= 1.0 { 50.0 } else { rgb[0] };
         }
         assert_eq!(mean_flip(&ramp, &brighter), Ok(0.0));
-        brighter.pixels[7] = [f32::NAN; 3];
-        assert!(mean_flip(&ramp, &brighter).unwrap().is_finite());
         let nothing = image(2, 2, |_, _| [f32::INFINITY; 3]);
         assert!(mean_flip(&nothing, &nothing).unwrap().is_nan());
         assert!(mean_flip(&ramp, &nothing).is_err());
+    }
+
+    /// The pictures differ farther from the bad pixels than any filter reaches: these only make one part of the mean fewer.
+    #[test]
+    fn pixels_that_are_not_finite_make_no_difference_around_them() {
+        let halo = u32::try_from(Filters::new(PIXELS_PER_DEGREE).halo).unwrap();
+        let width = 20 + 2 * halo;
+        let even = image(width, 40, |_, _| [0.5, 0.2, 0.1]);
+        let other = image(width, 40, |x, y| {
+            [0.5, 0.2, if x == 0 && y < 9 { 0.8 } else { 0.1 }]
+        });
+        let whole = mean_flip(&even, &other).unwrap();
+        assert!(whole > 0.0);
+        let count = even.pixels.len();
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let [mut a, mut b] = [even.clone(), other.clone()];
+            a.pixels[35 * width as usize - 3][1] = bad;
+            b.pixels[10 * width as usize - 1][2] = bad;
+            let expected = whole * count as f64 / (count - 2) as f64;
+            for found in [mean_flip(&a, &b), mean_flip(&b, &a)].map(Result::unwrap) {
+                assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+            }
+            assert_eq!(mean_flip(&a, &even), Ok(0.0));
+        }
     }
 }

@@ -141,7 +141,7 @@ fn facts(
         warnings.extend(of_file.map(|warning| format!("{name}: {warning}")));
         if count > 0 {
             warnings.push(format!(
-                "{name}: {count} of {} pixels hold a value that is infinite or not a number; they are left out",
+                "{name}: {count} of {} pixels hold a value that is infinite or not a number; only the counts of differing pixels have them",
                 file.image.pixels.len()
             ));
         }

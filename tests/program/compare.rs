@@ -199,8 +199,11 @@ fn values_that_are_not_finite_are_counted_and_warned_about() {
     assert_eq!(facts["compared_pixels"], 6);
     assert_eq!(facts["rmse"], 0.0);
     assert_eq!(facts["identical"], false);
-    let warning =
-        "nan.exr: 2 of 8 pixels hold a value that is infinite or not a number; they are left out";
+    assert_eq!(
+        (&facts["flip"], &facts["differing_pixels"]),
+        (&0.0.into(), &2.into())
+    );
+    let warning = "nan.exr: 2 of 8 pixels hold a value that is infinite or not a number; only the counts of differing pixels have them";
     assert_eq!(facts["warnings"], json!([warning]));
     let marked = image::open(folder.path().join("d.png")).expect("is a picture");
     assert_eq!(marked.into_rgb8().get_pixel(3, 0).0, [255, 0, 255]);
