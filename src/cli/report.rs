@@ -155,6 +155,9 @@ fn describe(study: &Study, folder: &Path) -> Result<()> {
                 variant.name, honesty.intervals_held, honesty.intervals
             ))?;
         }
+        if let Some(doubt) = summary.doubt() {
+            super::warn(&format!("{}: {doubt}", variant.name));
+        }
         if summary.clamped.samples > 0 {
             super::warn(&format!(
                 "{}: render.clamp took {} of the light away, an error that no estimate knows and no sample cures",

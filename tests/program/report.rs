@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use raymini::geometry::shapes;
-use raymini::io::{off, write_image};
+use raymini::io::{off, read_image, write_image};
 use raymini::render::Image;
 use raymini::scene::{Display, Output as Storage};
 use serde_json::{Value, json};
@@ -223,6 +223,55 @@ fn a_reference_comes_from_another_estimator_or_from_a_file() {
     assert_eq!(given["reference"]["file"], "one.exr");
     assert_eq!(given["reference"]["rmse"], Value::Null);
     assert!(number(&given["points"][0]["true_rmse"]) > 0.0);
+}
+
+/// The mean squares of independent renders go down as their samples go up, so that 4 samples are the worse from more than 4 on; whatever
+/// made the reference, the renders tell.
+#[test]
+fn a_reference_that_is_worse_than_the_renders_is_told() {
+    let folder = folder();
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args([
+            "render",
+            "shadow.toml",
+            "--spp",
+            "4",
+            "--seed",
+            "9",
+            "-o",
+            "told.exr",
+        ])
+        .output()
+        .expect("starts");
+    assert!(output.status.success());
+    let bad = read_image(&folder.path().join("told.exr")).expect("is right");
+    let (display, storage) = (Display::default(), Storage::default());
+    let silent = folder.path().join("silent.exr");
+    write_image(&bad.image, &[], &display, &storage, &silent).expect("is written");
+    for (file, is_known) in [("told.exr", true), ("silent.exr", false)] {
+        let few = [
+            "shadow.toml",
+            "--seeds",
+            "2",
+            "--spp",
+            "256",
+            "--reference",
+            file,
+        ];
+        let output = report(folder.path(), &[&few[..], &["-o", "out"]].concat());
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        let said = "warning: as the scene says: from ";
+        assert!(complaint.contains(said), "{file}: {complaint}");
+        assert!(text(folder.path(), "report.md").contains("samples per pixel on, more than half"));
+        let facts: Value = serde_json::from_str(&text(folder.path(), "report.json")).expect("JSON");
+        let from = number(&facts["reference_outweighs_from"]);
+        assert!((4.0..=64.0).contains(&from), "{file}: {from}");
+        assert_eq!(facts["reference"]["rmse"].is_number(), is_known);
+    }
+    let good = ["shadow.toml", "--seeds", "2", "--spp", "16"];
+    let facts = succeed(folder.path(), &good);
+    assert_eq!(facts["reference_outweighs_from"], Value::Null);
 }
 
 /// A sharp lobe under a wide disk: aimed at, the disk is rarely met where the lobe is bright, so that aiming alone is no

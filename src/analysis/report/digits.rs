@@ -21,6 +21,15 @@ pub fn percent(part: f64) -> String {
     format!("{} %", three_digits(100.0 * part))
 }
 
+/// Samples of a pixel: a whole number where it is one.
+pub(super) fn samples(samples: f64) -> String {
+    if samples.fract() == 0.0 {
+        format!("{samples:.0}")
+    } else {
+        format!("{samples:.1}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -36,7 +36,7 @@ struct ReferenceFacts<'a> {
     render_seconds: Option<f64>,
     file: Option<&'a str>,
     radiance: Option<[f32; 3]>,
-    /// Its own error: null where it is not known.
+    /// Its own error: null where it is not known. What a file tells comes without an interval.
     rmse: Option<f64>,
     rmse_interval: Option<[f64; 2]>,
     relmse: Option<f64>,
@@ -56,6 +56,8 @@ struct VariantFacts<'a> {
     noise_slope: Option<f64>,
     /// Null where there is no estimate from 16 samples on.
     honesty: Option<Honesty>,
+    /// Samples from which on most of what is measured is not the renders' noise; null where it always is.
+    reference_outweighs_from: Option<f64>,
     efficiency: Efficiency,
     time_to: BTreeMap<String, Option<TimeTo>>,
     non_finite_samples: u64,
@@ -127,15 +129,15 @@ impl<'a> ReferenceFacts<'a> {
             render_seconds: None,
             file: None,
             radiance: None,
-            rmse: reference.rmse().map(|rmse| rmse.value),
+            rmse: reference.known_errors().map(|[rmse, _]| rmse),
             rmse_interval: reference.rmse().map(ends),
-            relmse: reference.relmse().map(|relmse| relmse.value),
+            relmse: reference.known_errors().map(|[_, relmse]| relmse),
             relmse_interval: reference.relmse().map(ends),
             non_finite_samples: None,
         };
         match &reference.origin {
             Origin::Exact { radiance } => facts.radiance = Some(*radiance),
-            Origin::File { name } => {
+            Origin::File { name, error: _ } => {
                 facts.kind = "file";
                 facts.file = Some(name);
             }
@@ -173,6 +175,7 @@ impl<'a> VariantFacts<'a> {
             slope: summary.slope,
             noise_slope: summary.noise_slope,
             honesty: summary.honesty,
+            reference_outweighs_from: summary.reference_outweighs_from,
             efficiency: summary.efficiency,
             time_to: times
                 .map(|(noise, time)| (format!("{noise:.2}"), time))
@@ -236,6 +239,7 @@ mod tests {
         assert_eq!(report["reference"]["rmse"], 0.0);
         assert_eq!(report["points"][0]["estimated_rmse"], Value::Null);
         assert_eq!(report["points"][3]["seconds_with_build"], 8.5);
+        assert_eq!(report["reference_outweighs_from"], Value::Null);
         assert_eq!(report["time_to"]["0.10"]["predicted"], false);
         assert_eq!(report["time_to"]["0.03"]["predicted"], true);
         let variant = report["variants"][0].as_object().expect("an object");
@@ -257,5 +261,15 @@ mod tests {
         assert_eq!(reference["kind"], "rendered");
         assert_eq!(reference["relmse"], 0.04);
         assert_eq!(reference["light_sampling"], Value::Null);
+        study.reference = test_data::file_reference(Some(0.25));
+        let report = value(&study);
+        assert_eq!(report["reference"]["rmse"], 0.25);
+        assert_eq!(report["reference"]["relmse"], 0.25);
+        assert_eq!(report["reference"]["relmse_interval"], Value::Null);
+        assert_eq!(report["reference_outweighs_from"], 1.0);
+        assert_eq!(
+            report["points"][0]["true_relmse"],
+            report["points"][0]["measured_relmse"]
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! The report as a page to read.
 
-use super::digits::{percent, three_digits};
+use super::digits::{percent, samples, three_digits};
 use super::fit::TimeTo;
 use super::reference::Origin;
 use super::study::{Study, Variant};
@@ -25,6 +25,11 @@ pub fn to_markdown(study: &Study) -> String {
     parts.push("![Noise against render time](report.svg)".to_owned());
     if let Some((variant, summary)) = variants.first() {
         parts.push(in_short(study, variant, summary));
+    }
+    for (variant, summary) in &variants {
+        if let Some(doubt) = summary.doubt() {
+            parts.push(format!("**{}**: {doubt}.", code(variant, &variants)));
+        }
     }
     parts.push(how_to_read(study));
     parts.push("## Summary".to_owned());
@@ -191,15 +196,6 @@ fn time(time: Option<TimeTo>) -> String {
     }
 }
 
-/// A whole number where it is one.
-fn samples(samples: f64) -> String {
-    if samples.fract() == 0.0 {
-        format!("{samples:.0}")
-    } else {
-        format!("{samples:.1}")
-    }
-}
-
 fn points(summary: &Summary) -> String {
     let with_range = |spread: Spread, text: fn(f64) -> String| {
         format!(
@@ -308,7 +304,7 @@ fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
             ));
         }
     }
-    let own = study.reference.relmse().map(|relmse| relmse.value);
+    let own = study.reference.known_errors().map(|[_, relmse]| relmse);
     let shares = variants.iter().filter_map(|(_, summary)| {
         let last = summary.points.last()?;
         Some(own? / last.measured_relmse.median)
@@ -386,6 +382,18 @@ mod tests {
         assert!(page.contains("**Not all renders are done yet.**"), "{page}");
         assert!(page.contains("**Up to 40.0 % of the measured"), "{page}");
         study.reference = test_data::rendered_reference(0.01, 0.0001);
-        assert!(!to_markdown(&study).contains("**Up to"));
+        let page = to_markdown(&study);
+        assert!(
+            !page.contains("**Up to") && !page.contains("half of"),
+            "{page}"
+        );
+        study.reference = test_data::file_reference(Some(0.0025));
+        let page = to_markdown(&study);
+        let expected = "\n\n**as the scene says**: from 8 samples per pixel on, more than half of the mean square";
+        assert!(page.contains(expected), "{page}");
+        assert!(
+            page.contains("before.exr; its own error, estimated: 5.00 % noise, RMSE 0.0250."),
+            "{page}"
+        );
     }
 }

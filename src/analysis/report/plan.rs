@@ -9,7 +9,7 @@ use super::progress::ReportProgress;
 use super::reference::{Origin, Reference};
 use super::study::{Machine, Study, Variant};
 use crate::control::CancelToken;
-use crate::io::{self, LoadedScene, scene_file};
+use crate::io::{self, LoadedScene, WrittenOrigin, scene_file};
 use crate::render::{PictureMemory, RunConfig};
 use crate::scene::{LightSampling, Mode, RenderSettings, Scene, SceneError};
 
@@ -327,9 +327,14 @@ fn read_reference(
             picture,
         });
     }
+    let told = WrittenOrigin::of_file(path).unwrap_or_default().error;
+    let is_error = |value: f64| value.is_finite() && value >= 0.0;
     Ok(Reference {
         image,
-        origin: Origin::File { name },
+        origin: Origin::File {
+            name,
+            error: told.filter(|told| is_error(told.rmse) && is_error(told.relmse)),
+        },
     })
 }
 

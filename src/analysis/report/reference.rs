@@ -6,6 +6,7 @@ use crate::render::{
 use crate::scene::{Choice, LightSampling, Mode, Scene, SceneError, Stop};
 
 use super::digits::{percent, three_digits};
+use crate::io::WrittenError;
 
 /// What renders are measured against.
 #[derive(Clone, Debug)]
@@ -24,10 +25,12 @@ pub enum Origin {
         /// Red, green, blue.
         radiance: [f32; 3],
     },
-    /// A picture made before; how wrong it is is not known.
+    /// A picture made before. Whether it shares random numbers with what is measured against it is not known.
     File {
         /// As it was named.
         name: String,
+        /// How wrong it is, where the file tells.
+        error: Option<WrittenError>,
     },
     /// Made by this program, independently of what is measured against it.
     Rendered {
@@ -110,13 +113,13 @@ impl Reference {
         }
     }
 
-    /// Root mean square of its own error; `None` where it is not known.
+    /// Root mean square of its own error; `None` where it is not known, or may not be independent of what is measured.
     #[must_use]
     pub fn rmse(&self) -> Option<Interval> {
         self.own(|error| error.rmse)
     }
 
-    /// Mean of its own squared relative error; `None` where it is not known.
+    /// Mean of its own squared relative error; `None` as above.
     #[must_use]
     pub fn relmse(&self) -> Option<Interval> {
         self.own(|error| error.relmse)
@@ -134,6 +137,26 @@ impl Reference {
         }
     }
 
+    /// Its own [`Self::rmse`] and [`Self::relmse`], independent of what is measured or not; `None` where they are not known.
+    pub(super) fn known_errors(&self) -> Option<[f64; 2]> {
+        match &self.origin {
+            Origin::File { error, .. } => error.map(|error| [error.rmse, error.relmse]),
+            _ => Some([self.rmse()?.value, self.relmse()?.value]),
+        }
+    }
+
+    /// Whether more than half of the mean square relative error `measured` against it is not that of the renders. `most` is what
+    /// theirs may be at most, where they can tell.
+    ///
+    /// What a file does not tell of its own error shows in what is measured: mean squares add, and that of the renders is known.
+    pub(super) fn outweighs(&self, measured: f64, most: Option<f64>) -> bool {
+        let is_file = matches!(self.origin, Origin::File { .. });
+        let is_known = self
+            .known_errors()
+            .is_some_and(|[_, own]| own > measured / 2.0);
+        is_known || is_file && most.is_some_and(|most| most < measured / 2.0)
+    }
+
     /// What it is, in a line.
     #[must_use]
     pub fn describe(&self) -> String {
@@ -142,7 +165,7 @@ impl Reference {
                 let [r, g, b] = radiance;
                 format!("the exact answer, radiance {r}, {g}, {b} in every pixel")
             }
-            Origin::File { name } => format!("{name}, whose own error is not known"),
+            Origin::File { name, .. } => format!("{name}; {}", self.describe_error()),
             Origin::Rendered {
                 seed,
                 samples_per_pixel,
@@ -161,13 +184,50 @@ impl Reference {
     }
 
     fn describe_error(&self) -> String {
-        match (self.rmse(), self.relmse()) {
-            (Some(rmse), Some(relmse)) => format!(
+        match self.known_errors() {
+            Some([rmse, relmse]) => format!(
                 "its own error, estimated: {} noise, RMSE {}",
-                percent(relmse.sqrt().value),
-                three_digits(rmse.value)
+                percent(relmse.sqrt()),
+                three_digits(rmse)
             ),
-            _ => "its own error is not known".to_owned(),
+            None => "its own error is not known".to_owned(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::report::test_data;
+
+    /// More than half of the mean square must be known to be the reference's.
+    #[test]
+    fn a_reference_outweighs_renders_that_are_better() {
+        let silent = test_data::file_reference(None);
+        let telling = test_data::file_reference(Some(0.03));
+        let rendered = test_data::rendered_reference(0.1, 0.03);
+        let exact = Reference::exact([1.0; 3], 2, 1);
+        for (reference, measured, most, expected) in [
+            (&silent, 0.04, None, false),
+            (&silent, 0.04, Some(0.03), false),
+            (&silent, 0.04, Some(0.01), true),
+            (&silent, f64::NAN, Some(0.01), false),
+            (&telling, 0.05, None, true),
+            (&telling, 0.07, None, false),
+            (&telling, 0.07, Some(0.01), true),
+            (&rendered, 0.05, None, true),
+            // What renders say too little of is no reason to doubt a reference that is known.
+            (&rendered, 0.07, Some(0.01), false),
+            (&exact, 0.04, Some(0.01), false),
+        ] {
+            let found = reference.outweighs(measured, most);
+            assert_eq!(
+                found,
+                expected,
+                "{} {measured} {most:?}",
+                reference.describe()
+            );
+        }
+        assert_eq!(telling.relmse(), None, "it may not be independent");
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::digits::samples;
 use super::fit::{TimeTo, log_slope, time_to};
 use super::reference::Reference;
 use super::study::Variant;
@@ -30,6 +31,9 @@ pub struct Summary {
     pub efficiency: Efficiency,
     /// How well the renders know their own error; `None` where none says from 16 samples on.
     pub honesty: Option<Honesty>,
+    /// Samples from which on, to the last point, more than half of the measured mean square is not the renders': it is the error of
+    /// the reference, or a difference that no sample cures. `None` where the last point is not like that.
+    pub reference_outweighs_from: Option<f64>,
     /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
     /// Samples that were infinite or not a number, of all trials.
@@ -144,6 +148,7 @@ impl Summary {
             slope: log_slope(&curve(|point| point.true_rmse.median, SLOPE_FROM)),
             noise_slope,
             honesty: honesty(&points, trials.len()),
+            reference_outweighs_from: reference_outweighs_from(&points, reference),
             efficiency: efficiency(trials, moments, reference),
             time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, noise_slope)),
             non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
@@ -162,6 +167,20 @@ impl Summary {
             },
             points,
         })
+    }
+}
+
+impl Summary {
+    /// Why the errors are not those of the renders, where that is so.
+    #[must_use]
+    pub fn doubt(&self) -> Option<String> {
+        let from = self.reference_outweighs_from?;
+        let plural = if from == 1.0 { "" } else { "s" };
+        Some(format!(
+            "from {} sample{plural} per pixel on, more than half of the mean square that is measured is not the noise of the renders: it is \
+            the reference's own error, or a difference that no sample cures",
+            samples(from)
+        ))
     }
 }
 
@@ -243,6 +262,16 @@ fn honesty(points: &[SummaryPoint], trials: usize) -> Option<Honesty> {
     })
 }
 
+fn reference_outweighs_from(points: &[SummaryPoint], reference: &Reference) -> Option<f64> {
+    let outweighed = points.iter().rev().take_while(|point| {
+        let most = point
+            .estimated
+            .map(|estimated| estimated.relmse_interval[1]);
+        reference.outweighs(point.measured_relmse.median, most)
+    });
+    outweighed.last().map(|point| point.samples_per_pixel)
+}
+
 /// Efficiency at the last of `moments`.
 fn efficiency(trials: &[Trial], moments: usize, reference: &Reference) -> Efficiency {
     let of = |seconds: fn(&Measurement) -> f64| {
@@ -314,6 +343,34 @@ mod tests {
         let [least, most] = honesty.estimated_over_true;
         assert!((least - 0.5).abs() < 1e-9 && (most - 1.1).abs() < 1e-9);
         assert_eq!((honesty.intervals_held, honesty.intervals), (3, 6));
+    }
+
+    /// The noise of the data after 1, 2, 4 and 8 samples has the squares 0.16, 0.04, 0.01 and 0.0025. A reference with as much as the
+    /// render of 4 samples makes half of what is measured there, and more of it after 8.
+    #[test]
+    fn the_reference_outweighs_the_renders_from_some_samples_on() {
+        let mut study = test_data::study();
+        let from = |study: &Study| summary_of(study).reference_outweighs_from;
+        assert_eq!(from(&study), None, "exact");
+        study.reference = test_data::file_reference(None);
+        assert_eq!(
+            from(&study),
+            None,
+            "all that is measured is what the renders say"
+        );
+        for own in [0.01, 0.011] {
+            let mut study = study.clone();
+            let of_trials = study.variants[0].trials.iter_mut();
+            for measurement in of_trials.flat_map(|trial| &mut trial.measurements) {
+                measurement.measured.relmse += own;
+            }
+            // The interval of an estimate reaches a quarter above it, and must be below half of what is measured.
+            assert_eq!(from(&study), Some(8.0), "{own}");
+            study.reference = test_data::file_reference(Some(own));
+            assert_eq!(from(&study), Some(if own > 0.01 { 4.0 } else { 8.0 }));
+            study.reference = test_data::rendered_reference(0.1, own);
+            assert_eq!(from(&study), Some(if own > 0.01 { 4.0 } else { 8.0 }));
+        }
     }
 
     fn summary_of(study: &Study) -> Summary {

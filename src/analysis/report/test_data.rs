@@ -4,6 +4,7 @@ use super::reference::{Origin, Reference};
 use super::study::{Machine, Study, Variant};
 use super::trial::{Measurement, Trial};
 use crate::analysis::SquaredErrors;
+use crate::io::WrittenError;
 use crate::render::{ErrorEstimate, Interval, RenderStats};
 use crate::scene::Scene;
 
@@ -67,6 +68,21 @@ pub fn rendered_reference(rmse: f64, relmse: f64) -> Reference {
             render_seconds: 128.0,
             error: Some(estimate(128.0, rmse * rmse, relmse)),
             non_finite_samples: 0,
+        },
+        ..Reference::exact([1.0; 3], 2, 1)
+    }
+}
+
+/// A picture of two pixels from a file, which tells this error of its own or none.
+pub fn file_reference(relmse: Option<f64>) -> Reference {
+    Reference {
+        origin: Origin::File {
+            name: "before.exr".to_owned(),
+            error: relmse.map(|relmse| WrittenError {
+                rmse: 0.5 * relmse.sqrt(),
+                relmse,
+                samples_per_pixel: 128.0,
+            }),
         },
         ..Reference::exact([1.0; 3], 2, 1)
     }
