@@ -7,11 +7,16 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::SceneFileError;
-use super::spelling::{counterpart, is_near, nearest};
+use super::spelling::{counterpart, distance, is_near, nearest};
 use super::tree::{Entry, Node, Value};
 use crate::io::shorten::shortened;
 
 pub use values::Allowed;
+
+/// The most keys that a message names all of.
+const MOST_LISTED: usize = 10;
+/// How many of more it names.
+const NEAREST: usize = 3;
 
 /// The keys of one table, being read or written.
 pub struct Keys<'a> {
@@ -275,14 +280,20 @@ impl<'a> Keys<'a> {
             let key = shortened(&entry.key);
             let counterpart = counterpart(&entry.key).filter(|name| known.contains(name));
             let nearest = nearest(&entry.key, known.iter().copied());
-            let message = match (counterpart, nearest) {
-                (Some(name), _) => format!("unknown key `{key}`; here it is called `{name}`"),
+            let instead = match (counterpart, nearest) {
+                (Some(name), _) => format!("here it is called `{name}`"),
                 (_, Some(nearest)) if is_near(&entry.key, nearest) => {
-                    format!("unknown key `{key}`; the nearest known one is `{nearest}`")
+                    format!("the nearest known one is `{nearest}`")
                 }
-                (_, Some(_)) => format!("unknown key `{key}`; known here: {}", known.join(", ")),
-                (_, None) => format!("unknown key `{key}`; no key is known here"),
+                (_, Some(_)) if known.len() > MOST_LISTED => {
+                    known.sort_by_key(|known| distance(&entry.key, known));
+                    let (nearest, all) = (known[..NEAREST].join(", "), known.len());
+                    format!("the nearest of the {all} known here are {nearest}")
+                }
+                (_, Some(_)) => format!("known here: {}", known.join(", ")),
+                (_, None) => "no key is known here".to_owned(),
             };
+            let message = format!("unknown key `{key}`; {instead}");
             problems.push(SceneFileError::at(name, entry.place, message));
         }
     }

@@ -22,6 +22,8 @@ pub struct SceneFileError {
     pub at: String,
     /// What is wrong and what was expected.
     pub message: String,
+    /// Where `at` is, in a text or among assignments.
+    place: Option<Place>,
 }
 
 impl SceneFileError {
@@ -29,6 +31,15 @@ impl SceneFileError {
         Self {
             at: format!("{name}:{}:{}", place.line, place.column),
             message,
+            place: Some(place),
+        }
+    }
+
+    fn of_assignments(assignments: &[String], message: String) -> Self {
+        Self {
+            at: format!("--set {}", assignments.join(" --set ")),
+            message,
+            place: None,
         }
     }
 }
@@ -93,15 +104,22 @@ pub fn write(scene: &Scene) -> String {
 /// When `scene` holds a value that no scene file can say, such as a number that is not finite.
 pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, SceneFileError> {
     let mut tree = Node::parse(&write(scene), "scene").expect("a written scene can be read");
-    for assignment in assignments {
-        assign(&mut tree, assignment).map_err(|message| SceneFileError {
-            at: format!("--set {assignment}"),
-            message,
+    for (number, assignment) in assignments.iter().enumerate() {
+        let place = Place {
+            line: ASSIGNED,
+            column: number,
+        };
+        assign(&mut tree, assignment, place).map_err(|message| {
+            SceneFileError::of_assignments(std::slice::from_ref(assignment), message)
         })?;
     }
-    let mut changed = read(&tree, "scene").map_err(|problem| SceneFileError {
-        at: format!("--set {}", assignments.join(" --set ")),
-        message: problem.message,
+    let mut changed = read(&tree, "scene").map_err(|problem| {
+        // Where it is what the scene had that does not go with the new values, any of them may be to blame.
+        let blamed = match problem.place {
+            Some(Place { line, column }) if line == ASSIGNED => &assignments[column..=column],
+            _ => assignments,
+        };
+        SceneFileError::of_assignments(blamed, problem.message)
     })?;
     changed.meshes.clone_from(&scene.meshes);
     changed.images.clone_from(&scene.images);
@@ -109,13 +127,26 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
     Ok(changed)
 }
 
-/// Puts one assignment into the tree of a scene.
-fn assign(tree: &mut Node, assignment: &str) -> Result<(), String> {
-    let Some((path, value)) = assignment.split_once('=') else {
+/// The line, which no text has, of what assignments say; their number is the column.
+const ASSIGNED: usize = 0;
+
+/// Puts one assignment into the tree of a scene, as what stands at `place`.
+fn assign(tree: &mut Node, assignment: &str, place: Place) -> Result<(), String> {
+    let parts = assignment.split_once('=');
+    let parts = parts.map(|(path, value)| (path.trim(), value.trim()));
+    let Some((path, value)) = parts.filter(|(path, _)| !path.is_empty()) else {
         return Err("expected KEY=VALUE, such as render.width=800".to_owned());
     };
-    let (path, value) = (path.trim(), value.trim());
-    let node = parse_value(value).ok_or_else(|| format!("{value} is not a TOML value"))?;
+    let mut node = parse_value(value).ok_or_else(|| {
+        let value = shortened(value);
+        format!("\"{value}\" is no value; expected one such as 2.5, true, soft, \"two words\" or [1, 2, 3]")
+    })?;
+    node.put_at(place);
+    if tree.get(path).is_none()
+        && let Some(longer) = tree.path_to(path)
+    {
+        return Err(format!("unknown key `{path}`; there is `{longer}`"));
+    }
     let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     match (table, key) {
         ("background", _) => records::excluded_by(key)

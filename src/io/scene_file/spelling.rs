@@ -22,12 +22,18 @@ pub fn counterpart(key: &str) -> Option<&'static str> {
 
 /// Whether one word may be a misspelling of the other: at most half of its letters differ.
 pub fn is_near(word: &str, other: &str) -> bool {
-    2 * edits(word, other) <= word.chars().count().max(2)
+    2 * distance(word, other) <= word.chars().count().max(2)
 }
 
 /// The candidate that takes the fewest edits to reach.
 pub fn nearest<'n>(word: &str, candidates: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    candidates.min_by_key(|candidate| edits(word, candidate))
+    candidates.min_by_key(|candidate| distance(word, candidate))
+}
+
+/// Edits from a word to another. That only the beginning of the other is meant counts as one.
+pub fn distance(word: &str, other: &str) -> usize {
+    let beginning: String = other.chars().take(word.chars().count()).collect();
+    edits(word, other).min(1 + edits(word, &beginning))
 }
 
 /// Edits from one word to the other, as far as people make words: time and memory are the product of the lengths.

@@ -506,7 +506,11 @@ fn overrides_change_any_key() {
     ]
     .map(str::to_owned);
     assert!(apply_overrides(&scene, &from_above).is_ok());
+}
 
+#[test]
+fn wrong_overrides_are_told_with_what_was_expected() {
+    let scene = parse("[[objects]]\nmesh = \"x\"\n[[lights]]").expect("is right");
     let cases = [
         (
             "render.wdith=3",
@@ -525,13 +529,66 @@ fn overrides_change_any_key() {
             "\"x\" asks for a part of 640, which has none",
         ),
         ("render.width", "expected KEY=VALUE"),
-        ("render.width=[", "[ is not a TOML value"),
-        ("=1", "unknown key ``"),
+        (
+            "render.width=[",
+            "\"[\" is no value; expected one such as 2.5, true",
+        ),
+        ("camera.eye=1,2,3", "\"1,2,3\" is no value; expected"),
+        ("=1", "--set =1: expected KEY=VALUE"),
+        (
+            "spp=1",
+            "--set spp=1: unknown key `spp`; known here: camera, ",
+        ),
+        (
+            "samples_per_pixel=1",
+            "unknown key `samples_per_pixel`; there is `render.samples_per_pixel`",
+        ),
+        ("scale=1", "unknown key `scale`; there is `objects.0.scale`"),
+        (
+            "render.sampels=1",
+            "unknown key `sampels`; the nearest known one is `samples_per_pixel`",
+        ),
+        (
+            "render.qqqq=1",
+            "unknown key `qqqq`; the nearest of the 23 known here are mode, seed, stop",
+        ),
     ];
     for (assignment, expected) in cases {
-        let found = set(assignment).expect_err("is wrong").to_string();
+        let found = apply_overrides(&scene, &[assignment.to_owned()]);
+        let found = found.expect_err("is wrong").to_string();
         assert!(found.contains(expected), "{assignment}: {found}");
     }
+}
+
+/// Of several assignments the wrong one is named; all of them where what is wrong then was there before.
+#[test]
+fn the_assignment_to_blame_is_named() {
+    let scene = parse("").expect("is right");
+    let found_in = |scene: &Scene, assignments: &[&str]| {
+        let assignments: Vec<String> = assignments.iter().map(|&text| text.to_owned()).collect();
+        let error = apply_overrides(scene, &assignments).expect_err("is wrong");
+        error.at
+    };
+    let found = |assignments: &[&str]| found_in(&scene, assignments);
+    let [right, also] = ["render.height=8", "camera.up=[0, 1, 0]"];
+    for wrong in [
+        "render.wdith=3",
+        "render.width=x",
+        "render.width=",
+        "camera.vertical_fov=200",
+        "background={ zenit = [1, 1, 1] }",
+        "materials.clay.diffuse=[1, -1, 1]",
+        "camera.target=[0, -6, 2.5]",
+    ] {
+        for assignments in [[wrong, right, also], [right, also, wrong]] {
+            assert_eq!(found(&assignments), format!("--set {wrong}"));
+        }
+    }
+    let together = ["render.mode=path", "render.phong=classic"];
+    assert_eq!(found(&together), "--set render.phong=classic");
+    let classic = parse("[render]\nphong = \"classic\"").expect("is right");
+    let found = found_in(&classic, &["render.mode=path", right]);
+    assert_eq!(found, "--set render.mode=path --set render.height=8");
 }
 
 #[test]

@@ -107,6 +107,40 @@ impl Node {
         node.place
     }
 
+    /// Says that this value, and all in it, stands at `place`.
+    pub fn put_at(&mut self, place: Place) {
+        self.place = place;
+        match &mut self.value {
+            Value::Table(entries) => {
+                for entry in entries {
+                    entry.place = place;
+                    entry.node.put_at(place);
+                }
+            }
+            Value::Array(items) => items.iter_mut().for_each(|item| item.put_at(place)),
+            _ => {}
+        }
+    }
+
+    /// The dotted path of the first entry called `key` in a table of a table, at any depth.
+    pub fn path_to(&self, key: &str) -> Option<String> {
+        let within = |step: &str, node: &Self| {
+            let rest = match node.get(key) {
+                Some(_) => key.to_owned(),
+                None => node.path_to(key)?,
+            };
+            Some(format!("{step}.{rest}"))
+        };
+        match &self.value {
+            Value::Table(entries) => entries.iter().find_map(|e| within(&e.key, &e.node)),
+            Value::Array(items) => {
+                let mut items = items.iter().enumerate();
+                items.find_map(|(index, item)| within(&index.to_string(), item))
+            }
+            _ => None,
+        }
+    }
+
     /// The value at a dotted `path`.
     fn at_mut(&mut self, path: &str) -> Option<&mut Self> {
         path.split('.')
