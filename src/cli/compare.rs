@@ -24,7 +24,7 @@ pub struct CompareArguments {
     b: PathBuf,
 
     /// Where to write the difference: .png for |A − B|, brightened; .exr for A − B itself
-    #[arg(short, long, value_name = "DIFF")]
+    #[arg(short, long, value_name = "DIFF", allow_hyphen_values = true, value_parser = super::values::output())]
     output: Option<PathBuf>,
 
     /// Print the numbers as JSON

@@ -24,7 +24,7 @@ pub struct ConvertArguments {
     output: PathBuf,
 
     /// Multiply all lengths: 0.001 makes metres of millimetres
-    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = super::values::positive)]
     scale: Option<f64>,
 
     /// Turn the axis that is up: y:z makes Z point where Y did, z:y the other way round
@@ -34,12 +34,6 @@ pub struct ConvertArguments {
     /// Turn triangles that turn the other way round than their neighbours, and closed surfaces that look inwards
     #[arg(long)]
     repair_winding: bool,
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    let factor = text.parse().ok();
-    let factor = factor.filter(|factor: &f64| factor.is_finite() && *factor > 0.0);
-    factor.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 /// The rotation that takes one axis to another and keeps the third.

@@ -9,7 +9,12 @@ use crate::control::Progress;
 use crate::scene::SceneError;
 
 /// Fewer pairs than this have no interval.
-pub(super) const LEAST_PAIRS: u16 = 6;
+const LEAST_PAIRS: u16 = 6;
+
+/// Reads how many pairs there are to be.
+pub(super) fn pairs(text: &str) -> Result<u16, String> {
+    super::values::whole(LEAST_PAIRS..=1000)(text)
+}
 
 /// What was measured, by pairs of small renders.
 #[derive(Debug, Serialize)]

@@ -19,6 +19,7 @@ mod report;
 mod signals;
 mod stats;
 mod trace;
+mod values;
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, Write};

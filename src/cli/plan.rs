@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
 use clap::Args;
-use clap::builder::RangedI64ValueParser;
 use serde::Serialize;
 
 use super::contributions::MeasuredContributions;
-use super::costs::{LEAST_PAIRS, MeasuredCosts};
+use super::costs::MeasuredCosts;
+use super::values;
 use crate::analysis::contributions::LONGER_SIDE;
 use crate::analysis::cost::Trial;
 use crate::analysis::pilot::estimate_time;
@@ -34,7 +34,7 @@ pub struct PlanArguments {
     scene: Option<PathBuf>,
 
     /// Picture size in pixels
-    #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
     size: Option<(u32, u32)>,
 
     /// What a pixel holds
@@ -42,7 +42,7 @@ pub struct PlanArguments {
     mode: Option<String>,
 
     /// Samples per pixel
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::samples)]
     spp: Option<u32>,
 
     /// Change any key of the scene, e.g. render.shadows=off; may be given several times
@@ -52,7 +52,7 @@ pub struct PlanArguments {
     /// Measure what each effect costs and what leaving out saves by so many pairs of small renders, 6 to 1000, with intervals, in
     /// place of a rough estimate
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
-          value_parser = pairs_parser())]
+          value_parser = super::costs::pairs)]
     measure: Option<u16>,
 
     /// Write what each effect and each light brings into this folder: the picture with it minus the picture without, small and of the
@@ -62,13 +62,13 @@ pub struct PlanArguments {
 
     /// Pixels of these pictures along their longer side
     #[arg(long, value_name = "PIXELS", default_value_t = LONGER_SIDE, requires = "contributions",
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(RenderSettings::MAX_SIDE)))]
+          allow_hyphen_values = true, value_parser = values::whole(1..=RenderSettings::MAX_SIDE))]
     contribution_side: u32,
 
     /// Show of all that is left out that it is, in the built-in demo, changed to what each case takes: counted, and done for nothing by
     /// so many pairs of small renders, 6 to 1000; as a table in Markdown, in some minutes
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
-          value_parser = pairs_parser(),
+          value_parser = super::costs::pairs,
           conflicts_with_all = ["scene", "size", "mode", "spp", "assignments", "measure", "contributions"])]
     proofs: Option<u16>,
 
@@ -203,11 +203,6 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     written.map_or(Ok(()), |(contributions, folder)| {
         super::say(&contributions.describe(folder))
     })
-}
-
-/// Reads a number of pairs to measure.
-pub(super) fn pairs_parser() -> RangedI64ValueParser<u16> {
-    clap::value_parser!(u16).range(i64::from(LEAST_PAIRS)..=1000)
 }
 
 impl PlanArguments {

@@ -12,7 +12,7 @@ use super::checkpoint::{CheckpointArguments, CheckpointFile, is_same_file};
 use super::costs::MeasuredCosts;
 use super::stats::{self, Stats};
 use super::trace::TraceArguments;
-use super::{Signals, outcome, progress_bar};
+use super::{Signals, outcome, progress_bar, values};
 use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, Origin};
@@ -30,11 +30,12 @@ pub struct RenderArguments {
     scene: Option<PathBuf>,
 
     /// Where to write the picture: .png, or .exr for the radiance itself
-    #[arg(short, long, value_name = "FILE", required_unless_present = "pixel")]
+    #[arg(short, long, value_name = "FILE", required_unless_present = "pixel",
+          allow_hyphen_values = true, value_parser = values::output())]
     output: Option<PathBuf>,
 
     /// Picture size in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
     size: Option<(u32, u32)>,
 
     /// What a pixel holds
@@ -42,27 +43,27 @@ pub struct RenderArguments {
     mode: Option<String>,
 
     /// Samples per pixel
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::samples)]
     spp: Option<u32>,
 
     /// Stop after so many seconds of rendering
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse_positive)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::positive)]
     seconds: Option<f64>,
 
     /// Stop when the estimated noise (root of the relative mean square error) is down to E, e.g. 0.03
-    #[arg(long, value_name = "E", allow_hyphen_values = true, value_parser = parse_positive)]
+    #[arg(long, value_name = "E", allow_hyphen_values = true, value_parser = values::positive)]
     noise: Option<f64>,
 
     /// Start of the random numbers
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::whole(0..=RenderSettings::MAX_SEED))]
     seed: Option<u64>,
 
     /// Threads to use; one per core when left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u16>,
 
     /// Render and write this part of the picture only
-    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_region)]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = values::region)]
     region: Option<Region>,
 
     /// Change any key of the scene, e.g. render.shadows=off; may be given several times
@@ -70,12 +71,12 @@ pub struct RenderArguments {
     assignments: Vec<String>,
 
     /// Write times, counts and the picture's hash to this file as JSON
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true, value_parser = values::output())]
     stats: Option<PathBuf>,
 
     /// Measure afterwards what each effect of the render cost and what leaving out saved, by so many pairs of small renders, 6 to 1000
     #[arg(long, value_name = "PAIRS", num_args = 0..=1, require_equals = true, default_missing_value = "20",
-          value_parser = super::plan::pairs_parser())]
+          value_parser = super::costs::pairs)]
     costs: Option<u16>,
 
     #[command(flatten)]
@@ -433,67 +434,4 @@ fn render_bands(prepared: &PreparedScene, bands: &Bands, run: &RunConfig) -> Opt
         current.1.clone()
     };
     progress_bar::show(how_far, || bands.render(prepared, run, begin))
-}
-
-pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let sides = text
-        .split_once(['x', 'X', '×'])
-        .and_then(|(width, height)| {
-            let side = |text: &str| {
-                let side = text.trim().parse().ok();
-                side.filter(|side| (1..=RenderSettings::MAX_SIDE).contains(side))
-            };
-            Some((side(width)?, side(height)?))
-        });
-    let most = RenderSettings::MAX_SIDE;
-    sides.ok_or_else(|| format!("expected width and height, each up to {most}, such as 640x480"))
-}
-
-fn parse_positive(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok();
-    number
-        .filter(|number: &f64| number.is_finite() && *number > 0.0)
-        .ok_or_else(|| "expected a number above 0".to_owned())
-}
-
-fn parse_region(text: &str) -> Result<Region, String> {
-    let numbers: Option<Vec<u32>> = text
-        .split(',')
-        .map(|number| number.trim().parse().ok())
-        .collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region {
-            x,
-            y,
-            width,
-            height,
-        }),
-        _ => Err("expected left, top, width, height in pixels, such as 0,0,320,240".to_owned()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_and_regions_are_understood_or_refused() {
-        assert_eq!(parse_size("640x480"), Ok((640, 480)));
-        assert_eq!(parse_size("1X2"), Ok((1, 2)));
-        for wrong in ["640", "0x3", "-1x3", "ax3", "3x", ""] {
-            assert!(parse_size(wrong).is_err(), "{wrong}");
-        }
-        assert_eq!(
-            parse_region("1, 2,3,4"),
-            Ok(Region {
-                x: 1,
-                y: 2,
-                width: 3,
-                height: 4
-            })
-        );
-        for wrong in ["1,2,3", "1,2,0,4", "1,2,3,4,5", "a,2,3,4"] {
-            assert!(parse_region(wrong).is_err(), "{wrong}");
-        }
-    }
 }

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 use clap::Args;
 
+use super::values;
 use crate::analysis::report::{
     ReferenceOptions, ReportError, ReportOptions, ReportPlan, ReportProgress, Study, Summary,
     parse_radiance, percent, three_digits,
 };
 use crate::control::CancelToken;
 use crate::render::RunConfig;
-use crate::scene::RenderSettings;
 
 /// What `raymini report` takes.
 #[derive(Debug, Args)]
@@ -21,20 +21,15 @@ pub struct ReportArguments {
     scene: Option<PathBuf>,
 
     /// Folder to write report.json, report.csv, report.svg and report.md to
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", allow_hyphen_values = true, value_parser = values::output())]
     output: PathBuf,
 
     /// Picture size in pixels; the scene's when left out
-    #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
     size: Option<(u32, u32)>,
 
     /// Samples per pixel at the last point; the scene's when left out, but at least 16
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u32)
-            .range(i64::from(*ReportOptions::SAMPLES.start())..=i64::from(*ReportOptions::SAMPLES.end()))
-    )]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::whole(ReportOptions::SAMPLES))]
     spp: Option<u32>,
 
     /// Renders of each variant: with the scene's seed, the one after it, and so on
@@ -42,13 +37,13 @@ pub struct ReportArguments {
         long,
         value_name = "N",
         default_value_t = ReportOptions::DEFAULT_SEEDS,
-        value_parser = clap::value_parser!(u32)
-            .range(i64::from(*ReportOptions::SEEDS.start())..=i64::from(*ReportOptions::SEEDS.end()))
+        allow_hyphen_values = true,
+        value_parser = values::whole(ReportOptions::SEEDS)
     )]
     seeds: u32,
 
     /// Threads to use; one per core when left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u16>,
 
     /// Change any key of the scene, e.g. render.shadows=off; may be given several times
@@ -64,11 +59,11 @@ pub struct ReportArguments {
     reference: Option<PathBuf>,
 
     /// Samples per pixel of the rendered reference; 16 times those of the last point when left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(RenderSettings::MAX_SAMPLES)))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::samples)]
     reference_samples: Option<u32>,
 
     /// Measure against the exact answer: this radiance in every pixel
-    #[arg(long, value_name = "R,G,B", value_parser = parse_radiance, conflicts_with = "reference_samples")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, value_parser = parse_radiance, conflicts_with = "reference_samples")]
     exact: Option<[f32; 3]>,
 }
 

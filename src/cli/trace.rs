@@ -9,7 +9,7 @@ use crate::math::DVec3;
 use crate::render::{
     Met, MetSurface, PreparedScene, RayPurpose, SampleTrace, TracedRay, trace_sample,
 };
-use crate::scene::Scene;
+use crate::scene::{RenderSettings, Scene};
 
 /// What `raymini render` takes to look at one sample.
 #[derive(Debug, Default, Args)]
@@ -18,7 +18,7 @@ pub struct TraceArguments {
     #[arg(
         long,
         value_name = "X,Y",
-        value_parser = parse_pixel,
+        value_parser = super::values::pixel,
         conflicts_with_all = ["output", "stats", "region", "checkpoint", "costs"]
     )]
     pub pixel: Option<(u32, u32)>,
@@ -28,6 +28,8 @@ pub struct TraceArguments {
         long,
         value_name = "N",
         default_value_t = 0,
+        allow_hyphen_values = true,
+        value_parser = super::values::whole(0..=RenderSettings::MAX_SAMPLES - 1),
         requires = "pixel",
         conflicts_with = "output"
     )]
@@ -121,25 +123,4 @@ impl InWords<'_> {
 /// With all the digits that tell it from its neighbours.
 fn vector(v: DVec3) -> String {
     format!("{:?} {:?} {:?}", v.x, v.y, v.z)
-}
-
-fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
-    let sides = text.split_once(',').and_then(|(x, y)| {
-        let number = |text: &str| text.trim().parse().ok();
-        Some((number(x)?, number(y)?))
-    });
-    sides.ok_or_else(|| "expected column and row of a pixel, such as 320,240".to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pixels_are_understood_or_refused() {
-        assert_eq!(parse_pixel("0, 12"), Ok((0, 12)));
-        for wrong in ["", "1", "1x2", "-1,0", "1,2,3"] {
-            assert!(parse_pixel(wrong).is_err(), "{wrong}");
-        }
-    }
 }

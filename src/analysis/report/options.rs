@@ -77,7 +77,7 @@ impl ReportOptions {
 /// Reads red, green, blue, such as `1,1,1`.
 ///
 /// # Errors
-/// What was expected, where it is anything but three finite numbers.
+/// What was expected, where it is anything but three finite numbers of at least 0.
 pub fn parse_radiance(text: &str) -> Result<[f32; 3], String> {
     let values: Option<Vec<f32>> = text
         .split(',')
@@ -86,11 +86,11 @@ pub fn parse_radiance(text: &str) -> Result<[f32; 3], String> {
                 .trim()
                 .parse()
                 .ok()
-                .filter(|value: &f32| value.is_finite())
+                .filter(|value: &f32| value.is_finite() && *value >= 0.0)
         })
         .collect();
     let values = values.and_then(|values| values.try_into().ok());
-    values.ok_or_else(|| "expected red, green, blue, such as 1,1,1".to_owned())
+    values.ok_or_else(|| "expected red, green, blue, each at least 0, such as 1,1,1".to_owned())
 }
 
 #[cfg(test)]
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn a_radiance_is_three_numbers() {
         assert_eq!(parse_radiance("1, 0.5,2"), Ok([1.0, 0.5, 2.0]));
-        for wrong in ["1", "1,2", "1,2,3,4", "a,1,1", "1,1,inf", ""] {
+        for wrong in ["1", "1,2", "1,2,3,4", "a,1,1", "1,1,inf", "-1,0,0", ""] {
             assert!(parse_radiance(wrong).is_err(), "{wrong}");
         }
     }

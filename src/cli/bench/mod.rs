@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
+use super::values;
 use crate::analysis::bench::{self, MeasureConfig, RayKind, RaySet, Structure};
 use crate::control::CancelToken;
 use crate::io;
@@ -31,15 +32,15 @@ pub struct BenchArguments {
     structures: Vec<String>,
 
     /// Size of the picture that rays are made for, in pixels; the scene's when left out
-    #[arg(long, value_name = "WxH", value_parser = super::render::parse_size)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
     size: Option<(u32, u32)>,
 
     /// Measurements of everything
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, allow_hyphen_values = true, value_parser = values::whole(1..=1000_u16))]
     repeats: u16,
 
     /// Threads where all are used; one per core when left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u16>,
 
     /// Trace the rays of this .npy file (float32, n × 7: origin, direction, end) instead; may be given several times. Names
