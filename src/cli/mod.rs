@@ -29,6 +29,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, anyhow};
 use clap::{Parser, Subcommand};
 
+use crate::analysis::hazards::why_black;
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene};
 
@@ -109,6 +110,17 @@ pub fn tell(text: &str) {
 /// Prints a warning.
 fn warn(text: &str) {
     tell(&format!("warning: {text}"));
+}
+
+/// Warns of what is odd about a scene that was read with `warnings`, before it is rendered.
+fn warn_of_scene(loaded: &LoadedScene) -> Result<()> {
+    for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
+        warn(warning);
+    }
+    if let Some(reason) = why_black(&loaded.scene)? {
+        warn(&format!("the picture is black: {reason}"));
+    }
+    Ok(())
 }
 
 /// Prints a line to the standard output. A reader that has gone away is no error.

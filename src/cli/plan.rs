@@ -148,9 +148,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let cancel = CancelToken::new();
     let mut loaded = super::load(arguments.scene.as_deref())?;
     io::override_scene(&mut loaded, &arguments.all_assignments(), &cancel)?;
-    for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
-        super::warn(warning);
-    }
+    super::warn_of_scene(&loaded)?;
     let scene = &loaded.scene;
     let prepared = PreparedScene::prepare(scene, None, &cancel)?
         .ok_or_else(|| anyhow!("preparing was cancelled"))?;

@@ -169,9 +169,7 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
         return Ok(interrupted_early(signals));
     }
     arguments.check_inputs(&loaded.scene)?;
-    for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
-        super::warn(warning);
-    }
+    super::warn_of_scene(&loaded)?;
     let load_seconds = started.elapsed().as_secs_f64();
     if let Some(pixel) = arguments.trace.pixel {
         let Some(prepared) = prepare(&loaded.scene, &interrupt)? else {

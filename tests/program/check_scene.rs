@@ -683,3 +683,65 @@ fn scenes_that_cannot_be_examined_are_errors() {
         .expect("starts");
     assert_eq!(output.status.code(), Some(1));
 }
+
+#[test]
+fn a_picture_without_light_is_found() {
+    let folder = Folder::new();
+    let ground = "[[objects]]\nmesh = \"ground.off\"\n";
+    let dark = SETTINGS.replace("[0.5, 0.5, 0.5]", "[0, 0, 0]");
+    folder.write("dark.toml", &format!("{dark}{ground}"));
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args(["check", "dark.toml"])
+        .output()
+        .expect("starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let expected = "warning: the picture is black: no light and no object shines, and the background is black\n    Add a light";
+    assert!(text.contains(expected), "{text}");
+    assert_eq!(folder.hazards(ground), [] as [Value; 0]);
+}
+
+/// Paths meet disks; nothing meets a point, or a disk that is not to be seen.
+#[test]
+fn lights_that_no_path_through_glass_or_by_mirrors_meets_are_found() {
+    let folder = Folder::new();
+    let point = "[[lights]]\nposition = [0, 0, 5]\n";
+    let disk = "[[lights]]\nkind = \"disk\"\ncenter = [3, 0, 5]\n";
+    let hidden = format!("{disk}visible = false\n");
+    let scene = |mode: &str, kind: &str, lights: &str| {
+        let ground = "[[objects]]\nmesh = \"ground.off\"\nmaterial = \"m\"\n";
+        let text = format!(
+            "mode = \"{mode}\"\n{ground}translate = [0, 0, 2]\n[materials.m]\nkind = \"{kind}\"\n{lights}"
+        );
+        let found = folder.hazards(&text).into_iter();
+        let unmet: Vec<_> = found
+            .filter(|hazard| hazard["kind"] == "unmet_lights")
+            .collect();
+        assert!(unmet.len() <= 1, "{unmet:#?}");
+        unmet.into_iter().next()
+    };
+    let glass = scene("path", "glass", &format!("{disk}{point}{hidden}")).expect("is found");
+    assert_eq!(
+        (&glass["severity"], &glass["count"]),
+        (&json!("warning"), &json!(2))
+    );
+    assert_eq!(
+        glass["message"],
+        "lights 1, 2 are points or invisible: in mode path no path meets them, so that nothing is lit by them through glass"
+    );
+    let mirror = scene("path", "mirror", point).expect("is found");
+    assert_eq!(mirror["severity"], "note");
+    assert_eq!(
+        mirror["message"],
+        "light 0 is a point or invisible: in mode path no path meets it, so that nothing is lit by it by mirrors"
+    );
+    for (mode, kind, lights) in [
+        ("direct", "glass", point),
+        ("path", "phong", point),
+        ("path", "glass", disk),
+        ("path", "glass", &format!("{point}intensity = [0, 0, 0]\n")),
+        ("path", "glass", ""),
+    ] {
+        assert_eq!(scene(mode, kind, lights), None, "{mode} {kind} {lights}");
+    }
+}

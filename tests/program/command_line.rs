@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use raymini::io::read_image;
+use raymini::render::Image;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -363,6 +365,129 @@ fn wrong_usage_is_exit_code_2() {
     for (arguments, expected) in cases {
         let complaint = fail(folder.path(), 2, arguments);
         assert!(complaint.contains(expected), "{arguments:?}: {complaint}");
+    }
+}
+
+/// Whoever types a number wrong is told which one is right, in the words of this program.
+#[test]
+fn wrong_values_are_answered_by_what_was_expected() {
+    let folder = folder();
+    let samples = "expected a whole number from 1 to 16777216";
+    let threads = "expected a whole number from 1 to 1024";
+    let pairs = "expected a whole number from 6 to 1000";
+    let name = "one that begins with a dash is given as ./-";
+    let cases = [
+        ("render -o x.png", "--spp abc", samples),
+        ("render -o x.png", "--spp -3", samples),
+        ("render -o x.png", "--spp 0", samples),
+        (
+            "render -o x.png",
+            "--seed 1.5",
+            "from 0 to 9223372036854775807",
+        ),
+        ("render -o x.png", "--threads many", threads),
+        ("render -o x.png", "--costs=5", pairs),
+        ("render -o x.png", "--size -8x8", "such as 640x480"),
+        ("render -o x.png", "--stats -s.json", name),
+        ("render", "-o -x.png", name),
+        ("render", "--output --spp", name),
+        ("render --pixel 1,1", "--sample -1", "from 0 to 16777215"),
+        ("plan", "--spp 1e3", samples),
+        ("plan", "--measure=x", pairs),
+        (
+            "plan --contributions d",
+            "--contribution-side 0",
+            "from 1 to 65536",
+        ),
+        ("report -o d", "--spp 15", "from 16 to 16777216"),
+        ("report -o d", "--seeds -1", "from 1 to 1000"),
+        ("report -o d", "--threads -1", threads),
+        (
+            "report -o d",
+            "--exact -1,0,0",
+            "expected red, green, blue, each at least 0",
+        ),
+        ("report -o d", "--reference-samples 0", samples),
+        ("report", "-o -d", name),
+        ("bench", "--repeats 2.5", "from 1 to 1000"),
+        ("bench", "--threads 2000", threads),
+        ("compare a.png b.png", "-o -d.png", name),
+        (
+            "convert a.off b.off",
+            "--scale -1",
+            "expected a number above 0",
+        ),
+    ];
+    for (command, option, expected) in cases {
+        let arguments: Vec<_> = command.split(' ').chain(option.split(' ')).collect();
+        let complaint = fail(folder.path(), 2, &arguments);
+        let found = complaint.contains(expected) && complaint.starts_with("error: invalid value");
+        assert!(found, "{arguments:?}: {complaint}");
+    }
+}
+
+#[test]
+fn a_picture_that_is_certainly_black_is_warned_of() {
+    let folder = folder();
+    let nothing =
+        "warning: the picture is black: no light and no object shines, and the background is black";
+    let unlit = "[[objects]]\nmesh = \"tetra.off\"\n";
+    let lamp = "[[lights]]\nposition = [3, -3, 3]\n";
+    let disk = "[[lights]]\nkind = \"disk\"\ncenter = [0, 0, 4]\n";
+    let sky = "[background]\nradiance = [0, 0, 1e-3]\n";
+    let path = "[render]\nmode = \"path\"\n";
+    let no_bounce = "[render]\nmax_bounces = 0\n";
+    let cases = [
+        (unlit.to_owned(), Some(nothing)),
+        (format!("{unlit}{path}"), Some(nothing)),
+        (
+            format!("{unlit}{lamp}intensity = [0, 0, 0]\n"),
+            Some(nothing),
+        ),
+        (
+            format!("{unlit}{lamp}{no_bounce}"),
+            Some(
+                "warning: the picture is black: render.max_bounces is 0, and rays meet nothing that shines",
+            ),
+        ),
+        (
+            lamp.to_owned(),
+            Some(
+                "warning: the picture is black: nothing scatters light, and rays meet nothing that shines",
+            ),
+        ),
+        (format!("{unlit}{lamp}"), None),
+        (format!("{unlit}{disk}{no_bounce}"), None),
+        (
+            format!("{unlit}{disk}visible = false\n{no_bounce}"),
+            Some("render.max_bounces is 0"),
+        ),
+        (format!("{unlit}{sky}"), None),
+        (format!("{unlit}[render]\nmode = \"normals\"\n"), None),
+        (
+            format!("{unlit}material = \"lamp\"\n[materials.lamp]\nkind = \"emitter\"\n"),
+            None,
+        ),
+    ];
+    for (scene, expected) in cases {
+        std::fs::write(folder.path().join("dark.toml"), &scene).expect("is written");
+        for command in [
+            &["render", "dark.toml", "-o", "dark.exr"][..],
+            &["plan", "dark.toml"],
+        ] {
+            let small = ["--size", "8x8", "--spp", "1"];
+            let output = raymini(folder.path(), &[command, &small].concat());
+            assert!(output.status.success(), "{scene}");
+            let complaint = String::from_utf8_lossy(&output.stderr);
+            match expected {
+                Some(expected) => assert!(complaint.contains(expected), "{scene}: {complaint}"),
+                None => assert!(!complaint.contains("black"), "{scene}: {complaint}"),
+            }
+        }
+        let picture = read_image(&folder.path().join("dark.exr")).expect("is right");
+        if expected.is_some() {
+            assert_eq!(picture.image, Image::black(8, 8), "{scene}");
+        }
     }
 }
 

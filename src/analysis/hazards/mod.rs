@@ -9,6 +9,7 @@
 //! pilot meets.
 
 mod coincident;
+mod dark;
 mod disk_reach;
 mod edges;
 mod energy;
@@ -28,6 +29,7 @@ use crate::control::CancelToken;
 use crate::geometry::Welded;
 use crate::render::PreparedScene;
 use crate::scene::{Scene, SceneError};
+pub use dark::why_black;
 use mesh_use::MeshUse;
 
 /// Something that may spoil a picture.
@@ -97,6 +99,10 @@ pub enum HazardKind {
     ZeroNormals,
     /// A material that reflects more light than arrives. The figure is the largest share that is reflected.
     EnergyCreating,
+    /// A picture that no light arrives in.
+    BlackPicture,
+    /// Lights that no ray meets, where glass or mirrors would send it to them.
+    UnmetLights,
     /// A disk light that faces pass through.
     LightCut,
     /// A light that faces touch or nearly touch. The figure is the distance, over the radius where there is one.
@@ -229,6 +235,7 @@ fn examine_description(
     };
     hazards.extend(found);
     hazards.extend(materials::examine(scene));
+    hazards.extend(dark::examine(scene)?);
     let found = lights::examine(scene, frame, cancel)?;
     Ok(found.map(|found| {
         hazards.extend(found);
