@@ -47,8 +47,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// What can be rendered but is hardly meant: materials that reflect more light than arrives, where light bounces, and textures on
-    /// meshes that do not say how they lie there.
+    /// What can be rendered but is hardly meant: materials that reflect more light than arrives, where light bounces, textures on meshes
+    /// that do not say how they lie there, and steps between copies that there are not.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let sentence = |(name, _): (&str, f64)| {
@@ -57,7 +57,20 @@ impl Scene {
             )
         };
         let creators = self.energy_creators().map(sentence);
-        creators.chain(self.lost_textures()).collect()
+        let idle = self.idle_steps();
+        creators.chain(self.lost_textures()).chain(idle).collect()
+    }
+
+    /// Grids of copies that have a step and one place.
+    fn idle_steps(&self) -> impl Iterator<Item = String> {
+        let is_idle =
+            |object: &&Object| object.copies.total() == 1 && object.copies.step != DVec3::ZERO;
+        self.objects.iter().filter(is_idle).map(|object| {
+            let name = &object.name;
+            format!(
+                "copies.step of object \"{name}\" moves nothing, as copies.count asks for no more than one; translate moves it"
+            )
+        })
     }
 
     /// What of materials does not show on objects, as their meshes lack what it takes.

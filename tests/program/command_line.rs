@@ -492,6 +492,21 @@ fn a_picture_that_is_certainly_black_is_warned_of() {
 }
 
 #[test]
+fn a_step_between_no_copies_is_warned_of() {
+    let folder = folder();
+    let scene = |copies: &str| {
+        let text = format!("[[objects]]\nmesh = \"tetra.off\"\ncopies = {{ {copies} }}\n");
+        std::fs::write(folder.path().join("copies.toml"), text).expect("is written");
+        succeed(folder.path(), &["info", "copies.toml"])
+    };
+    let warning = "copies.step of object \"tetra\" moves nothing";
+    assert!(scene("step = [1, 0, 0]").contains(warning));
+    for right in ["count = [2, 1, 1], step = [1, 0, 0]", "count = [1, 1, 1]"] {
+        assert!(!scene(right).contains("moves nothing"), "{right}");
+    }
+}
+
+#[test]
 fn a_failed_write_leaves_no_temporary_file() {
     let folder = folder();
     let target = folder.path().join("folder.png");
