@@ -1,5 +1,6 @@
 //! Files of meshes as what they bring into a scene: objects with their materials, lights and a camera where the format has them.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -199,23 +200,23 @@ pub fn of_gltf(path: &Path, gltf: &Gltf) -> Model {
     }
     resolve_images(&mut scene, path, &mut warnings);
     let bounds = scene.bounds();
+    // Meshes that differ in their material alone have the same vertices and faces in the file.
+    let mut known = HashSet::new();
+    let meshes = scene.meshes.values();
+    let meshes: Vec<_> = meshes
+        .filter(|mesh| known.insert(Arc::as_ptr(mesh)))
+        .collect();
+    let vertices = meshes.iter().map(|mesh| mesh.positions.len() as u64);
+    let triangles = meshes.iter().map(|mesh| mesh.triangles.len() as u64);
     Model {
         camera: gltf.camera,
         up: UpAxis::Y,
         facts: ModelFacts {
             format: GLTF,
-            vertices: scene
-                .meshes
-                .values()
-                .map(|mesh| mesh.positions.len() as u64)
-                .sum(),
+            vertices: vertices.sum(),
             faces: gltf.faces,
             polygons: 0,
-            triangles: scene
-                .meshes
-                .values()
-                .map(|mesh| mesh.triangles.len() as u64)
-                .sum(),
+            triangles: triangles.sum(),
             dropped: gltf.dropped,
             nodes: Some(gltf.nodes),
             bounds,

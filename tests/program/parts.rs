@@ -393,3 +393,39 @@ fn info_tells_what_vertices_carry() {
 
 const TEXTURED: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n";
+
+/// Meshes that differ in their material have one list of vertices: what the file holds once is counted once.
+#[test]
+fn faces_that_meshes_share_are_counted_once() {
+    let triangle =
+        "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let primitive = |material: u32| {
+        format!(
+            r#"{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }}, "material": {material} }}] }}"#
+        )
+    };
+    let text = format!(
+        r#"{{ "asset": {{ "version": "2.0" }},
+        "buffers": [{{ "byteLength": 36, "uri": "{triangle}" }}],
+        "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
+        "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }}],
+        "materials": [{{ "name": "red" }}, {{ "name": "blue" }}],
+        "meshes": [{}, {}],
+        "nodes": [{{ "mesh": 0 }}, {{ "mesh": 1, "translation": [2, 0, 0] }}, {{ "mesh": 1, "translation": [4, 0, 0] }}],
+        "scenes": [{{ "nodes": [0, 1, 2] }}] }}"#,
+        primitive(0),
+        primitive(1)
+    );
+    let folder = folder(&[("shared.gltf", &text)]);
+    let (is_right, said, complaint) = raymini(&folder, &["info", "shared.gltf", "--json"]);
+    assert!(is_right, "{complaint}");
+    let facts: serde_json::Value = serde_json::from_str(&said).expect("is JSON");
+    for (key, expected) in [
+        ("vertices", 3),
+        ("faces", 1),
+        ("triangles", 1),
+        ("shown_triangles", 3),
+    ] {
+        assert_eq!(facts[key], expected, "{key}");
+    }
+}
