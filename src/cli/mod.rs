@@ -16,6 +16,7 @@ mod progress_bar;
 mod proofs;
 mod render;
 mod report;
+mod scene_arguments;
 mod signals;
 mod stats;
 mod trace;

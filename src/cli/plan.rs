@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::contributions::MeasuredContributions;
 use super::costs::MeasuredCosts;
+use super::scene_arguments::{SceneArguments, assigned};
 use super::values;
 use crate::analysis::contributions::LONGER_SIDE;
 use crate::analysis::cost::Trial;
 use crate::analysis::pilot::estimate_time;
 use crate::control::CancelToken;
-use crate::io;
 use crate::render::{
     Decision, Feature, Interval, PictureMemory, PreparedScene, RunConfig, Used, Work, even_passes,
     reasons,
@@ -29,13 +29,8 @@ const LOOKS: u32 = 24;
 /// What `raymini plan` takes.
 #[derive(Debug, Args)]
 pub struct PlanArguments {
-    /// A scene file (.toml) or a mesh; the built-in demo when left out
-    #[arg(value_name = "SCENE")]
-    scene: Option<PathBuf>,
-
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
-    size: Option<(u32, u32)>,
+    #[command(flatten)]
+    scene: SceneArguments,
 
     /// What a pixel holds
     #[arg(long, value_parser = Mode::ALL.iter().map(|(_, name)| *name).collect::<Vec<_>>())]
@@ -44,10 +39,6 @@ pub struct PlanArguments {
     /// Samples per pixel
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::samples)]
     spp: Option<u32>,
-
-    /// Change any key of the scene, e.g. render.shadows=off; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    assignments: Vec<String>,
 
     /// Measure what each effect costs and what leaving out saves by so many pairs of small renders, 6 to 1000, with intervals, in
     /// place of a rough estimate
@@ -146,8 +137,12 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         return super::proofs::run(pairs, arguments.json);
     }
     let cancel = CancelToken::new();
-    let mut loaded = super::load(arguments.scene.as_deref())?;
-    io::override_scene(&mut loaded, &arguments.all_assignments(), &cancel)?;
+    let changes = [
+        assigned("mode", arguments.mode.as_ref()),
+        assigned("samples_per_pixel", arguments.spp),
+    ];
+    let loaded = arguments.scene.load(changes, &cancel)?;
+    let loaded = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
     super::warn_of_scene(&loaded)?;
     let scene = &loaded.scene;
     let prepared = PreparedScene::prepare(scene, None, &cancel)?
@@ -201,23 +196,6 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     written.map_or(Ok(()), |(contributions, folder)| {
         super::say(&contributions.describe(folder))
     })
-}
-
-impl PlanArguments {
-    /// Every change to the scene's keys that the flags ask for.
-    fn all_assignments(&self) -> Vec<String> {
-        let mut all = self.assignments.clone();
-        if let Some((width, height)) = self.size {
-            all.push(format!("render.width={width}"));
-            all.push(format!("render.height={height}"));
-        }
-        all.extend(self.mode.iter().map(|mode| format!("render.mode={mode}")));
-        all.extend(
-            self.spp
-                .map(|spp| format!("render.samples_per_pixel={spp}")),
-        );
-        all
-    }
 }
 
 impl PerSample {

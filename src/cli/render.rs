@@ -10,12 +10,13 @@ use clap::Args;
 
 use super::checkpoint::{CheckpointArguments, CheckpointFile, is_same_file};
 use super::costs::MeasuredCosts;
+use super::scene_arguments::{SceneArguments, assigned};
 use super::stats::{self, Stats};
 use super::trace::TraceArguments;
 use super::{Signals, outcome, progress_bar, values};
 use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, Origin};
+use crate::io::{self, LoadedScene, Origin};
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
     RenderOutcome, RenderProgress, RunConfig, Used, Watch, render_watched, resume,
@@ -23,20 +24,15 @@ use crate::render::{
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
 /// What `raymini render` takes.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct RenderArguments {
-    /// A scene file (.toml) or a mesh; the built-in demo when left out
-    #[arg(value_name = "SCENE")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
 
     /// Where to write the picture: .png, or .exr for the radiance itself
     #[arg(short, long, value_name = "FILE", required_unless_present = "pixel",
           allow_hyphen_values = true, value_parser = values::output())]
     output: Option<PathBuf>,
-
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
-    size: Option<(u32, u32)>,
 
     /// What a pixel holds
     #[arg(long, value_parser = Mode::ALL.iter().map(|(_, name)| *name).collect::<Vec<_>>())]
@@ -65,10 +61,6 @@ pub struct RenderArguments {
     /// Render and write this part of the picture only
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = values::region)]
     region: Option<Region>,
-
-    /// Change any key of the scene, e.g. render.shadows=off; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    assignments: Vec<String>,
 
     /// Write times, counts and the picture's hash to this file as JSON
     #[arg(long, value_name = "FILE", allow_hyphen_values = true, value_parser = values::output())]
@@ -110,7 +102,7 @@ impl RenderArguments {
         let names = scene.meshes.keys().map(|name| io::file_and_part(name).0);
         let images = scene.images.keys().chain(scene.textures.keys());
         let names = names.chain(images.map(String::as_str)).map(Path::new);
-        let own = self.scene.as_deref();
+        let own = self.scene.path();
         let is_read = |path: &Path| names.clone().any(|name| is_same_file(name, path));
         let is_scene = |path: &Path| own.is_some_and(|own| is_same_file(own, path));
         let is_picture = own.is_some_and(io::is_render_file);
@@ -127,31 +119,16 @@ impl RenderArguments {
         Ok(())
     }
 
-    /// Every change to the scene's keys that the flags ask for.
-    fn assignments(&self) -> Vec<String> {
-        let mut assignments = self.assignments.clone();
-        if let Some((width, height)) = self.size {
-            assignments.push(format!("render.width={width}"));
-            assignments.push(format!("render.height={height}"));
-        }
-        assignments.extend(self.mode.iter().map(|mode| format!("render.mode={mode}")));
-        assignments.extend(
-            self.spp
-                .iter()
-                .map(|spp| format!("render.samples_per_pixel={spp}")),
-        );
-        assignments.extend(
-            self.seconds
-                .iter()
-                .map(|seconds| format!("render.stop.seconds={seconds:?}")),
-        );
-        assignments.extend(
-            self.noise
-                .iter()
-                .map(|noise| format!("render.stop.noise={noise:?}")),
-        );
-        assignments.extend(self.seed.iter().map(|seed| format!("render.seed={seed}")));
-        assignments
+    /// The scene with every change that the flags ask for; `None` when cancelled.
+    fn load(&self, cancel: &CancelToken) -> Result<Option<LoadedScene>> {
+        let changes = [
+            assigned("mode", self.mode.as_ref()),
+            assigned("samples_per_pixel", self.spp),
+            assigned("stop.seconds", self.seconds),
+            assigned("stop.noise", self.noise),
+            assigned("seed", self.seed),
+        ];
+        self.scene.load(changes, cancel)
     }
 }
 
@@ -161,13 +138,9 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
     }
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
-    let Some(mut loaded) = super::load_unless(&interrupt, arguments.scene.as_deref())? else {
+    let Some(loaded) = arguments.load(&interrupt)? else {
         return Ok(interrupted_early(signals));
     };
-    io::override_scene(&mut loaded, &arguments.assignments(), &interrupt)?;
-    if interrupt.is_cancelled() {
-        return Ok(interrupted_early(signals));
-    }
     arguments.check_inputs(&loaded.scene)?;
     super::warn_of_scene(&loaded)?;
     let load_seconds = started.elapsed().as_secs_f64();
@@ -189,23 +162,7 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
 /// What kept the picture from being rendered or written.
 pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result<ExitCode> {
     io::check_image_path(output)?;
-    let arguments = RenderArguments {
-        scene: None,
-        output: None,
-        size: None,
-        mode: None,
-        spp: None,
-        seconds: None,
-        noise: None,
-        seed: None,
-        threads: None,
-        region: None,
-        assignments: Vec::new(),
-        stats: None,
-        costs: None,
-        checkpoint: CheckpointArguments::default(),
-        trace: TraceArguments::default(),
-    };
+    let arguments = RenderArguments::default();
     render_scene(scene, output, &arguments, 0.0, signals)
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 use clap::Args;
 
+use super::scene_arguments::SceneArguments;
 use super::values;
 use crate::analysis::report::{
     ReferenceOptions, ReportError, ReportOptions, ReportPlan, ReportProgress, Study, Summary,
@@ -16,17 +17,12 @@ use crate::render::RunConfig;
 /// What `raymini report` takes.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// A scene file (.toml) or a mesh; the built-in demo when left out
-    #[arg(value_name = "SCENE")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
 
     /// Folder to write report.json, report.csv, report.svg and report.md to
     #[arg(short, long, value_name = "DIR", allow_hyphen_values = true, value_parser = values::output())]
     output: PathBuf,
-
-    /// Picture size in pixels; the scene's when left out
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
-    size: Option<(u32, u32)>,
 
     /// Samples per pixel at the last point; the scene's when left out, but at least 16
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::whole(ReportOptions::SAMPLES))]
@@ -45,10 +41,6 @@ pub struct ReportArguments {
     /// Threads to use; one per core when left out
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u16>,
-
-    /// Change any key of the scene, e.g. render.shadows=off; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    assignments: Vec<String>,
 
     /// Lay the curve of a variant over that of the scene, e.g. render.shadows=hard; may be given several times
     #[arg(long = "compare", value_name = "KEY=VALUE[;KEY=VALUE...]")]
@@ -70,10 +62,10 @@ pub struct ReportArguments {
 impl ReportArguments {
     fn options(&self) -> ReportOptions {
         ReportOptions {
-            size: self.size,
+            size: self.scene.size,
             samples: self.spp,
             seeds: self.seeds,
-            assignments: self.assignments.clone(),
+            assignments: self.scene.assignments.clone(),
             comparisons: self.comparisons.clone(),
             reference: match (&self.reference, self.exact) {
                 (Some(path), _) => ReferenceOptions::File(path.clone()),
@@ -87,11 +79,8 @@ impl ReportArguments {
 }
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
-    let loaded = super::load(arguments.scene.as_deref())?;
-    let name = arguments
-        .scene
-        .as_ref()
-        .map_or_else(|| "demo".to_owned(), |path| path.display().to_string());
+    let loaded = super::load(arguments.scene.path())?;
+    let name = arguments.scene.name();
     let plan = ReportPlan::new(name, loaded, &arguments.options(), &CancelToken::new())
         .map_err(with_option)?;
     for warning in &plan.warnings {

@@ -650,7 +650,7 @@ fn bench_refuses_what_it_cannot_measure() {
         "away.toml",
         b"[camera]\neye = [0, -9, 0]\ntarget = [0, -99, 0]\n[[objects]]\nmesh = \"tetra.off\"\n",
     );
-    let cases: [(&[&str], i32, &str); 7] = [
+    let cases: [(&[&str], i32, &str); 8] = [
         (
             &["scene.toml", "--rays", "other.npy"],
             1,
@@ -662,6 +662,11 @@ fn bench_refuses_what_it_cannot_measure() {
             "no.npy: there is no such file",
         ),
         (&["empty.toml"], 1, "no triangles"),
+        (
+            &["scene.toml", "--set", "objects.0.scale=0"],
+            1,
+            "--set objects.0.scale=0: `objects.0.scale` is 0; expected",
+        ),
         (&["away.toml"], 1, "no ray of the picture"),
         (&["scene.toml", "--structure", "octree"], 2, "kd-tree"),
         (&["scene.toml", "--repeats", "0"], 2, "--repeats"),

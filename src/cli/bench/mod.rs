@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
+use super::scene_arguments::SceneArguments;
 use super::values;
 use crate::analysis::bench::{self, MeasureConfig, RayKind, RaySet, Structure};
 use crate::control::CancelToken;
@@ -23,17 +24,12 @@ const FEW_TRIANGLES: u32 = 64;
 /// What `raymini bench` takes.
 #[derive(Debug, Args)]
 pub struct BenchArguments {
-    /// A scene file (.toml) or a mesh; the built-in demo when left out
-    #[arg(value_name = "SCENE")]
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
 
     /// Measure this structure; may be given several times. Both trees when left out, and brute force over a few triangles
     #[arg(long = "structure", value_name = "NAME", value_parser = structure_names())]
     structures: Vec<String>,
-
-    /// Size of the picture that rays are made for, in pixels; the scene's when left out
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
-    size: Option<(u32, u32)>,
 
     /// Measurements of everything
     #[arg(long, value_name = "N", default_value_t = 5, allow_hyphen_values = true, value_parser = values::whole(1..=1000_u16))]
@@ -54,7 +50,7 @@ pub struct BenchArguments {
 
     /// Measure the window in place of the structures: its frames while all cores render, how soon a cancelled render ends, and how soon
     /// an edit shows with Live on. It opens for about a minute
-    #[arg(long, conflicts_with_all = ["structures", "size", "threads", "rays", "write"])]
+    #[arg(long, conflicts_with_all = ["structures", "size", "assignments", "threads", "rays", "write"])]
     window: bool,
 
     /// Print the numbers as JSON
@@ -77,7 +73,7 @@ impl BenchArguments {
     /// What is to be measured of the window, where that is asked for.
     pub(super) fn of_window(&self) -> Option<WindowBench> {
         self.window.then(|| WindowBench {
-            scene: self.scene.clone(),
+            scene: self.scene.path().map(Path::to_owned),
             repeats: self.repeats,
             json: self.json,
         })
@@ -90,14 +86,8 @@ fn structure_names() -> Vec<&'static str> {
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     let cancel = CancelToken::new();
-    let mut loaded = super::load(arguments.scene.as_deref())?;
-    if let Some((width, height)) = arguments.size {
-        let size = [
-            format!("render.width={width}"),
-            format!("render.height={height}"),
-        ];
-        io::override_scene(&mut loaded, &size, &cancel)?;
-    }
+    let loaded = arguments.scene.load([], &cancel)?;
+    let loaded = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
     for warning in loaded.warnings.iter().chain(&loaded.scene.warnings()) {
         super::warn(warning);
     }
@@ -133,10 +123,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
         threads: run.thread_count(),
     };
     let reports = bench::measure(assembly, &structures, &sets, config)?;
-    let name = arguments
-        .scene
-        .as_ref()
-        .map_or_else(|| "demo".to_owned(), |path| path.display().to_string());
+    let name = arguments.scene.name();
     let facts = BenchFacts::new(name, assembly.triangle_count(), config, &sets, &reports);
     if arguments.json {
         super::say(
