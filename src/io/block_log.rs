@@ -47,6 +47,9 @@ impl BlockLog {
 }
 
 /// The record of a block.
+///
+/// # Panics
+/// When it takes 4 GiB, as no tile does.
 #[must_use]
 pub fn block_record(block: &Block<'_>) -> Vec<u8> {
     let bytes = postcard::to_stdvec(block).expect("memory takes all");

@@ -41,10 +41,8 @@ impl BlockStore for Store<'_> {
 }
 
 /// A log of a render that is called `name`.
-fn log(path: &Path, name: &str) -> Option<Mutex<BlockLog>> {
-    Some(Mutex::new(
-        BlockLog::create(path, name).expect("is written"),
-    ))
+fn log(path: &Path, name: &str) -> Mutex<BlockLog> {
+    Mutex::new(BlockLog::create(path, name).expect("is written"))
 }
 
 /// Renders on two threads from the beginning, with what `store` knows, until so many tiles are done. Returns the rays that were traced too.
@@ -89,7 +87,7 @@ fn no_sample_that_was_kept_is_taken_again() {
         let prepared = case.prepared();
         let (whole, _) = render(&case, &prepared, &Store::default(), usize::MAX);
         let first = Store {
-            log: log(&path, case.name),
+            log: Some(log(&path, case.name)),
             ..Store::default()
         };
         let (part, traced_before) = render(&case, &prepared, &first, 19);
@@ -122,7 +120,7 @@ fn blocks_that_are_missing_are_sampled_again() {
         let prepared = case.prepared();
         let keeps = |number: usize| number % 5 < 2;
         let first = Store {
-            log: log(&path, case.name),
+            log: Some(log(&path, case.name)),
             keeps: Some(&keeps),
             ..Store::default()
         };
@@ -148,7 +146,7 @@ fn blocks_of_other_samples_are_not_taken() {
     let mut shorter = cases().swap_remove(0);
     shorter.scene.render.samples_per_pixel = 10;
     let first = Store {
-        log: log(&path, "shorter"),
+        log: Some(log(&path, "shorter")),
         ..Store::default()
     };
     render(&shorter, &shorter.prepared(), &first, usize::MAX);
@@ -177,7 +175,7 @@ fn time_goes_on_where_it_was() {
     case.scene.render.stop.seconds = Some(0.4);
     let prepared = case.prepared();
     let first = Store {
-        log: log(&path, "timed"),
+        log: Some(log(&path, "timed")),
         ..Store::default()
     };
     render(&case, &prepared, &first, usize::MAX);
@@ -203,7 +201,7 @@ fn damaged_logs_give_what_is_whole() {
     let path = folder.path().join("blocks");
     let case = cases().swap_remove(0);
     let store = Store {
-        log: log(&path, "ball"),
+        log: Some(log(&path, "ball")),
         ..Store::default()
     };
     render(&case, &case.prepared(), &store, 9);

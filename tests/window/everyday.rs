@@ -1024,6 +1024,40 @@ fn a_report_is_the_commands_of_the_scene_as_it_is() {
     assert!(window.says("4 renders, after one of 256 samples"));
 }
 
+/// However quickly they follow on one another, clicks on Pause and Resume are two; the second one on what takes the place of Render is none.
+#[test]
+fn quick_clicks_mean_the_button_that_was_aimed_at() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 100_000);
+    let place = window.rect("Render").center();
+    let click = |window: &mut Window| {
+        for pressed in [true, false] {
+            window.harness.event(Event::PointerButton {
+                pos: place,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        window.harness.step();
+    };
+    window.harness.event(Event::PointerMoved(place));
+    window.harness.step();
+    click(&mut window);
+    click(&mut window);
+    window.harness.run_steps(3);
+    let picture = |window: &Window| {
+        let picture = window.app().picture().expect("one was asked for");
+        (picture.is_running(), picture.is_paused())
+    };
+    assert_eq!(picture(&window), (true, false));
+    for is_paused in [true, false, true, false] {
+        window.click(if is_paused { "Pause" } else { "Resume" });
+        assert_eq!(picture(&window), (true, is_paused));
+    }
+}
+
 /// A report stops a render, refuses others, lets the scene be edited, and stops at once when told to.
 #[test]
 fn a_report_has_the_processor_to_itself_until_it_is_cancelled() {

@@ -235,8 +235,8 @@ impl Drop for KeptRender {
 /// The folder of the render in that of a session that began last and was kept.
 pub(super) fn newest_render(session: &Path) -> Option<PathBuf> {
     let folders = numbered(session, PREFIX).into_iter();
-    let kept = folders.filter(|(_, folder)| scene_of_render(folder).is_file());
-    kept.last().map(|(_, folder)| folder)
+    let mut kept = folders.filter(|(_, folder)| scene_of_render(folder).is_file());
+    kept.next_back().map(|(_, folder)| folder)
 }
 
 /// What lies in `folder` under names that are `prefix` and a number, by number.

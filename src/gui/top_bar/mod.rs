@@ -430,9 +430,18 @@ fn bar_button_ui(
             _ => command.tooltip(ui.ctx()),
         })
         .on_disabled_hover_text(state.why_not(command));
-    // The second click of two on Render does not mean what has taken its place.
-    if response.clicked() && !response.double_clicked() {
-        asked.push(command);
+    if response.clicked() {
+        let clicked = egui::Id::unique("command of the bar that was clicked last");
+        let before = ui.data_mut(|data| {
+            let before = data.get_temp(clicked);
+            data.insert_temp(clicked, command);
+            before
+        });
+        // The second click of two on Render does not mean what has taken its place.
+        let is_one_of_many = response.double_clicked() || response.triple_clicked();
+        if !is_one_of_many || before == Some(command) {
+            asked.push(command);
+        }
     }
     response
 }

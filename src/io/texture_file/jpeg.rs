@@ -103,7 +103,7 @@ impl Frame {
         let components = header.get(6..).unwrap_or_default().chunks_exact(3);
         let mut factors = components.map(|component| [component[1] >> 4, component[1] & 15]);
         let finest = factors.next().ok_or("its frame has no components")?;
-        let is_even = |finest: u8, factor: u8| factor > 0 && finest % factor == 0;
+        let is_even = |finest: u8, factor: u8| factor > 0 && finest.is_multiple_of(factor);
         let are_even = |factors: [u8; 2]| (0..2).all(|axis| is_even(finest[axis], factors[axis]));
         if finest.iter().any(|factor| !(1..=4).contains(factor)) || !factors.all(are_even) {
             return Err("its components are sampled in a way that cannot be read".to_owned());
