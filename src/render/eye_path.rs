@@ -37,9 +37,13 @@ pub struct EyePath<'a, K: Kernel> {
     pub gathered: Gathered<K::Parts>,
 }
 
+#[expect(
+    clippy::inline_always,
+    reason = "a single call that takes the path would keep all of it in memory, where it is followed in registers: 3 % of the time"
+)]
 impl<'a, K: Kernel> EyePath<'a, K> {
     /// The path that begins with `camera_ray`, which makes that `hit`.
-    #[inline]
+    #[inline(always)]
     pub fn new(scene: &'a PreparedScene, camera_ray: CameraRay, hit: Option<Hit>) -> Self {
         let texturing = K::Texturing::from_eye(scene, &camera_ray);
         let CameraRay { ray, start } = camera_ray;
@@ -58,21 +62,21 @@ impl<'a, K: Kernel> EyePath<'a, K> {
     }
 
     /// What it meets, lights included.
-    #[inline]
+    #[inline(always)]
     pub fn seen(&self) -> Seen<'a> {
         self.scene.seen(&self.ray, self.hit)
     }
 
     /// Adds the background's `radiance`, which it meets. `weight`: that of MIS for light met by chance, 1 where no surface could have
     /// aimed at it instead.
-    #[inline]
+    #[inline(always)]
     pub fn meet_background(&mut self, radiance: Vec3, weight: f32) {
         let radiance = self.throughput * radiance * weight;
         self.gathered.add_background(self.beginning, radiance);
     }
 
     /// Adds the light of a disk that it meets; `weight` as for [`Self::meet_background`].
-    #[inline]
+    #[inline(always)]
     pub fn meet_disk(&mut self, met: &DiskHit<'_>, weight: f32) {
         let ray = &self.ray;
         let passed = self
@@ -83,14 +87,14 @@ impl<'a, K: Kernel> EyePath<'a, K> {
     }
 
     /// Adds the `radiance` of an emitter that it meets; `weight` as for [`Self::meet_background`].
-    #[inline]
+    #[inline(always)]
     pub fn meet_emitter(&mut self, radiance: Vec3, weight: f32) {
         let radiance = self.throughput * radiance * weight;
         self.gathered.add_light(self.beginning, radiance);
     }
 
     /// Leaves out what is absorbed on the way to `point`, which it meets.
-    #[inline]
+    #[inline(always)]
     pub fn absorb(&mut self, point: &SurfacePoint) {
         if self.scene.absorbs() {
             self.throughput *= self.media.transmittance_from(self.scene, point, self.start);
@@ -98,7 +102,7 @@ impl<'a, K: Kernel> EyePath<'a, K> {
     }
 
     /// Ends it where no bounce is left for the surface of this `material` that it meets; whether that is so.
-    #[inline]
+    #[inline(always)]
     pub fn end_if_spent(&mut self, material: &PreparedMaterial) -> bool {
         let is_spent = self.bounce == self.scene.settings().max_bounces;
         if is_spent {
@@ -109,7 +113,7 @@ impl<'a, K: Kernel> EyePath<'a, K> {
     }
 
     /// Turns to where a mirror or glass sends light on from `point`.
-    #[inline]
+    #[inline(always)]
     pub fn deflect(
         &mut self,
         specular: &Specular,
@@ -130,7 +134,7 @@ impl<'a, K: Kernel> EyePath<'a, K> {
     }
 
     /// Traces [`Self::ray`], which has left a surface; `false` where the path ends instead. The last ray is there for what shines alone.
-    #[inline]
+    #[inline(always)]
     pub fn go_on(&mut self, tally: &mut K::Tally) -> bool {
         let scene = self.scene;
         self.bounce += 1;
