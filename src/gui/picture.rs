@@ -71,6 +71,8 @@ pub struct Picture {
     pub is_preparing: bool,
     /// From the click to the first tile, or the coarse picture, on its way to the screen.
     pub first_tile: Option<Duration>,
+    /// Why every pixel is black, where that is certain.
+    pub why_black: Option<String>,
     /// Where its render waits until the first look is drawn.
     pub first_look: FirstLook,
     hold: Hold,
@@ -109,6 +111,7 @@ impl Picture {
             is_replaced: false,
             is_preparing: false,
             first_tile: None,
+            why_black: None,
             first_look: FirstLook::default(),
             hold: Hold::default(),
             passed_over: None,

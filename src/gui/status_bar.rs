@@ -100,33 +100,13 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
         };
         warnings.push(hint.to_owned());
     }
+    if let Some(reason) = &picture.why_black {
+        warnings.push(format!("the picture is black: {reason}"));
+    }
     match &picture.outcome {
         Outcome::Running => {
             progress_ui(ui, picture.progress.samples.fraction());
-            let samples = counted(render.samples_per_pixel as usize, "sample", "samples");
-            let most = if render.stop == Stop::default() {
-                ""
-            } else {
-                "up to "
-            };
-            let what = if picture.is_paused() {
-                "Paused:"
-            } else {
-                "Rendering"
-            };
-            parts.push(format!("{what} {size}, {most}{samples}"));
-            if let Some(share) = picture.goes_on_from() {
-                let done = (share * 100.0).floor();
-                parts.push(format!("interrupted at {done} %, goes on"));
-            }
-            parts.push(duration(picture.elapsed()));
-            if let Some(remaining) = picture.remaining() {
-                parts.push(format!("{} left", duration(remaining)));
-            }
-            if let Some(point) = picture.errors().last() {
-                parts.push(format!("noise {}", noise_in_words(point.error.noise())));
-            }
-            parts.push(format!("{:.2} Mrays/s", picture.mrays_per_second()));
+            parts.extend(running_parts(picture, &size));
         }
         Outcome::Finished { hash, stats } => {
             if !news.is_empty() {
@@ -185,6 +165,37 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
         ui.label(RichText::new("·").weak());
     }
     line_ui(ui, &parts.join("  ·  "));
+}
+
+/// How far a running render is.
+fn running_parts(picture: &Picture, size: &str) -> Vec<String> {
+    let render = &picture.scene.render;
+    let mut parts = Vec::new();
+    let samples = counted(render.samples_per_pixel as usize, "sample", "samples");
+    let most = if render.stop == Stop::default() {
+        ""
+    } else {
+        "up to "
+    };
+    let what = if picture.is_paused() {
+        "Paused:"
+    } else {
+        "Rendering"
+    };
+    parts.push(format!("{what} {size}, {most}{samples}"));
+    if let Some(share) = picture.goes_on_from() {
+        let done = (share * 100.0).floor();
+        parts.push(format!("interrupted at {done} %, goes on"));
+    }
+    parts.push(duration(picture.elapsed()));
+    if let Some(remaining) = picture.remaining() {
+        parts.push(format!("{} left", duration(remaining)));
+    }
+    if let Some(point) = picture.errors().last() {
+        parts.push(format!("noise {}", noise_in_words(point.error.noise())));
+    }
+    parts.push(format!("{:.2} Mrays/s", picture.mrays_per_second()));
+    parts
 }
 
 fn short_hash(hash: &str) -> String {

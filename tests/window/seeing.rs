@@ -248,3 +248,23 @@ fn the_histogram_follows_the_exposure() {
         }
     }
 }
+
+#[test]
+fn a_picture_without_light_says_why_it_is_black() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    assert!(!window.says("the picture is black"));
+    window
+        .harness
+        .state_mut()
+        .document_mut()
+        .scene
+        .lights
+        .clear();
+    window.harness.run_steps(2);
+    window.render();
+    assert!(window.says("the picture is black: no light and no object shines"));
+    let image = window.app().picture().unwrap().buffer.image();
+    assert!(image.pixels.iter().all(|rgb| *rgb == [0.0; 3]));
+}

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::{App, PreparedState, WaitingRender};
+use crate::analysis::hazards::why_black;
 use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::error_plot::name_of_render;
@@ -228,6 +229,7 @@ impl App {
         }
         picture.number = self.render_count + 1;
         picture.is_preparing = preparation.is_some();
+        picture.why_black = why_black(&scene).ok().flatten();
         if goes_on {
             // What was edited beside it before, it goes on beside.
             picture.pass_over(&self.document.scene, self.wanted_part());

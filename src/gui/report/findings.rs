@@ -143,15 +143,15 @@ impl Findings {
             });
     }
 
-    /// Samples that no picture should have.
+    /// Samples that no picture should have, and errors that are not those of the renders.
     fn faults(&self) -> impl Iterator<Item = String> {
-        let faulty = self
-            .variants
-            .iter()
-            .filter(|(_, s)| s.non_finite_samples > 0);
-        faulty.map(|(name, summary)| {
+        self.variants.iter().flat_map(|(name, summary)| {
             let count = summary.non_finite_samples;
-            format!("{name}: {count} samples were infinite or not a number")
+            let fault = format!("{count} samples were infinite or not a number");
+            let faults = (count > 0).then_some(fault).into_iter();
+            faults
+                .chain(summary.doubt())
+                .map(move |fault| format!("{name}: {fault}"))
         })
     }
 }
