@@ -27,6 +27,11 @@ const MOST_BLOCK_SHARE: f64 = 0.02;
 /// What blocks may take beyond their share, so that those of a render's first seconds are kept.
 const BLOCK_CREDIT: Duration = Duration::from_millis(200);
 
+/// Bytes of blocks that are written in any case, and in every second of a render beside: the last seconds of one that takes hours are not
+/// worth wearing out a disk.
+const FREE_BLOCK_BYTES: f64 = 1e9;
+const BLOCK_BYTES_PER_SECOND: f64 = 4e6;
+
 /// What is thought to be copied, packed and written in a second, until it is known how long the first takes: 240 MB were measured.
 const BYTES_PER_SECOND: f64 = 200e6;
 
@@ -44,8 +49,9 @@ pub struct RenderKeeper<'a> {
     description: OnceLock<String>,
     threads: usize,
     started: Instant,
-    /// Nanoseconds that keeping blocks took.
+    /// Nanoseconds that keeping blocks took, and their bytes.
     spent: AtomicU64,
+    written: AtomicU64,
     /// The blocks that were there when the render went on.
     known: OnceLock<LoggedBlocks>,
     /// Whether it was told that one cannot be kept.
@@ -85,6 +91,7 @@ impl<'a> RenderKeeper<'a> {
             threads,
             started: Instant::now(),
             spent: AtomicU64::new(0),
+            written: AtomicU64::new(0),
             known: OnceLock::new(),
             is_told: AtomicBool::new(false),
         };
@@ -161,11 +168,14 @@ impl<'a> RenderKeeper<'a> {
         })
     }
 
-    /// Whether blocks have taken all the time by now that they may.
+    /// Whether blocks have taken all the time by now that they may, or all the room.
     fn is_spent(&self) -> bool {
-        let share = self.started.elapsed().as_secs_f64() * self.threads as f64 * MOST_BLOCK_SHARE;
+        let seconds = self.started.elapsed().as_secs_f64();
+        let share = seconds * self.threads as f64 * MOST_BLOCK_SHARE;
         let spent = Duration::from_nanos(self.spent.load(Ordering::Relaxed));
+        let room = FREE_BLOCK_BYTES + seconds * BLOCK_BYTES_PER_SECOND;
         spent.as_secs_f64() > share + BLOCK_CREDIT.as_secs_f64()
+            || self.written.load(Ordering::Relaxed) as f64 > room
     }
 
     fn tell(&self, reason: String) {
@@ -188,6 +198,8 @@ impl BlockStore for RenderKeeper<'_> {
         }
         let taken = u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.spent.fetch_add(taken, Ordering::Relaxed);
+        self.written
+            .fetch_add(record.len() as u64, Ordering::Relaxed);
     }
 
     fn recall(&self, pass: u32, tile: u32) -> Option<Block<'static>> {
