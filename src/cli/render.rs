@@ -16,7 +16,7 @@ use super::trace::TraceArguments;
 use super::{Signals, outcome, progress_bar, values};
 use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, LoadedScene, Origin};
+use crate::io::{self, LoadedScene, Origin, WrittenError};
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
     RenderOutcome, RenderProgress, RunConfig, Used, Watch, render_watched, resume,
@@ -319,7 +319,7 @@ fn write_picture(
     let RenderOutcome { image, layers, .. } = outcome;
     let origin = Origin {
         scene,
-        error: outcome.stats.error.as_ref(),
+        error: outcome.stats.error.as_ref().map(WrittenError::from),
     };
     let Err(error) = io::write_render(image, layers, &origin, output) else {
         return Ok((output.to_owned(), None));

@@ -49,6 +49,9 @@ pub struct RenderKeeper<'a> {
     description: OnceLock<String>,
     threads: usize,
     started: Instant,
+    /// Whether the first log of blocks is being begun, and is there.
+    is_beginning: AtomicBool,
+    has_log: AtomicBool,
     /// Nanoseconds that keeping blocks took, and their bytes.
     spent: AtomicU64,
     written: AtomicU64,
@@ -90,6 +93,8 @@ impl<'a> RenderKeeper<'a> {
             description: OnceLock::new(),
             threads,
             started: Instant::now(),
+            is_beginning: AtomicBool::new(false),
+            has_log: AtomicBool::new(false),
             spent: AtomicU64::new(0),
             written: AtomicU64::new(0),
             known: OnceLock::new(),
@@ -120,10 +125,10 @@ impl<'a> RenderKeeper<'a> {
         // Small numbers take up to a quarter more in the file than in memory.
         let most = 2 * self.memory.bytes() + description.len() as u64 + MOST_OTHER_BYTES;
         let region = self.kept.about().region;
-        let checkpoint = self.kept.checkpoint(description, most)?;
-        let is_begun = checkpoint.is_some();
-        let checkpoint =
-            checkpoint.unwrap_or_else(|| Checkpoint::before(prepared, region, self.layers));
+        let checkpoint = self
+            .kept
+            .checkpoint(description, most)?
+            .unwrap_or_else(|| Checkpoint::before(prepared, region, self.layers));
         if !checkpoint.fits(prepared, region, self.layers) {
             return Err("its parts do not fit the render".to_owned());
         }
@@ -143,9 +148,6 @@ impl<'a> RenderKeeper<'a> {
             samples += more;
             seconds = end.max(seconds);
         }
-        if !is_begun && samples == 0 {
-            return Err("what is left of it is of another render, or damaged".to_owned());
-        }
         Ok(Start {
             share_done: checkpoint.share_done(samples),
             seconds,
@@ -156,9 +158,21 @@ impl<'a> RenderKeeper<'a> {
     /// Keeps `checkpoint`. That it cannot be is told once.
     pub fn keep(&self, checkpoint: &Checkpoint) {
         let scene = &self.request.scene;
-        if let Err(error) = self.kept.keep(scene, self.description(), checkpoint) {
+        let known = self.known.get().map_or(&[][..], LoggedBlocks::headers);
+        let mut known = known.iter();
+        let needs_old = known.any(|block| checkpoint.lacks(block.pass, block.tile));
+        let kept = self
+            .kept
+            .keep(scene, self.description(), checkpoint, needs_old);
+        if let Err(error) = kept {
             self.tell(error);
         }
+    }
+
+    /// Begins a log of blocks. That it cannot be is not told: of a checkpoint it will be.
+    fn begin_log(&self) {
+        let begun = self.kept.begin_log(&self.request.scene, self.description());
+        self.has_log.store(begun.is_ok(), Ordering::Relaxed);
     }
 
     fn description(&self) -> &str {
@@ -170,7 +184,8 @@ impl<'a> RenderKeeper<'a> {
 
     /// Whether blocks have taken all the time by now that they may, or all the room.
     fn is_spent(&self) -> bool {
-        let seconds = self.started.elapsed().as_secs_f64();
+        let seconds = self.request.throttle.time_since(self.started);
+        let seconds = seconds.as_secs_f64();
         let share = seconds * self.threads as f64 * MOST_BLOCK_SHARE;
         let spent = Duration::from_nanos(self.spent.load(Ordering::Relaxed));
         let room = FREE_BLOCK_BYTES + seconds * BLOCK_BYTES_PER_SECOND;
@@ -186,16 +201,22 @@ impl<'a> RenderKeeper<'a> {
 }
 
 impl BlockStore for RenderKeeper<'_> {
+    fn begin_anew(&self) {
+        self.is_beginning.store(true, Ordering::Relaxed);
+        self.begin_log();
+    }
+
     fn keep(&self, block: &Block<'_>) {
-        if self.is_spent() || self.is_told.load(Ordering::Relaxed) {
+        // To describe a scene of large meshes takes time, for which the other threads do not wait.
+        if !self.is_beginning.swap(true, Ordering::Relaxed) {
+            self.begin_log();
+        }
+        if self.is_spent() || !self.has_log.load(Ordering::Relaxed) {
             return;
         }
         let started = Instant::now();
         let record = block_record(block);
-        let scene = &self.request.scene;
-        if let Err(error) = self.kept.keep_block(scene, self.description(), &record) {
-            self.tell(error);
-        }
+        self.kept.log_block(&record);
         let taken = u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.spent.fetch_add(taken, Ordering::Relaxed);
         self.written

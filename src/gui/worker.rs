@@ -32,12 +32,12 @@ use crate::analysis::cost::{Costs, Trial};
 use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::{CancelToken, Progress, Throttle};
-use crate::io::{self, LoadedScene};
+use crate::io::{self, LoadedScene, WrittenError};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
-    self, BlockStore, Checkpoint, CoarsePicture, ErrorEstimate, Image, Layer, OnCoarse, OnRound,
-    PictureMemory, PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress,
-    Round, RunConfig, Sketch, SketchStore, TilePixels, Watch,
+    self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, OnCoarse, OnRound, PictureMemory,
+    PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, Round,
+    RunConfig, Sketch, SketchStore, TilePixels, Watch,
 };
 use crate::scene::{Object, Scene, SceneError};
 
@@ -360,6 +360,10 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let prepared = prepared.with_primary_hits(&request.primary_hits);
     let layers = run.layers_of(&prepared);
     let keeper = RenderKeeper::new(job, request, layers, memory, run.thread_count());
+    if request.goes_on && keeper.is_none() {
+        let reason = "there is not the memory to go on from what was kept";
+        return job.send(Event::RenderLost(reason.to_owned()));
+    }
     let start = keeper.as_ref().filter(|_| request.goes_on);
     let start = match start.map(|keeper| keeper.start(&prepared)).transpose() {
         Ok(start) => start,
@@ -540,7 +544,7 @@ pub fn save_scene(job: &Job<Event>, scene: Scene, file: usize, path: PathBuf) {
 pub fn save_picture(
     buffer: &PictureBuffer,
     scene: &Scene,
-    error: Option<&ErrorEstimate>,
+    error: Option<WrittenError>,
     path: &Path,
 ) -> Result<(), String> {
     let origin = io::Origin { scene, error };

@@ -28,7 +28,7 @@ pub struct Origin<'a> {
     /// What was rendered.
     pub scene: &'a Scene,
     /// How wrong it was then, where that is known.
-    pub error: Option<&'a ErrorEstimate>,
+    pub error: Option<WrittenError>,
 }
 
 /// How wrong a picture is.
@@ -50,6 +50,16 @@ impl WrittenError {
     }
 }
 
+impl From<&ErrorEstimate> for WrittenError {
+    fn from(error: &ErrorEstimate) -> Self {
+        Self {
+            rmse: error.rmse.value,
+            relmse: error.relmse.value,
+            samples_per_pixel: error.samples_per_pixel,
+        }
+    }
+}
+
 /// What a picture's file tells of its origin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenOrigin {
@@ -66,14 +76,11 @@ pub(super) struct OriginTexts(Vec<(&'static str, String)>);
 impl Origin<'_> {
     /// What to write into a file at `path`.
     pub(super) fn texts(&self, path: &Path) -> OriginTexts {
-        let error = self.error.map(|error| WrittenError {
-            rmse: error.rmse.value,
-            relmse: error.relmse.value,
-            samples_per_pixel: error.samples_per_pixel,
-        });
         // What cannot be said in the file is no reason to have no picture.
         let scene = portable_text(self.scene, path).ok();
-        let error = error.and_then(|error| serde_json::to_string(&error).ok());
+        let error = self
+            .error
+            .and_then(|error| serde_json::to_string(&error).ok());
         let scene = scene.map(|text| (SCENE_KEYWORD, text));
         let error = error.map(|text| (ERROR_KEYWORD, text));
         OriginTexts(scene.into_iter().chain(error).collect())
@@ -206,7 +213,7 @@ mod tests {
         };
         let origin = Origin {
             scene: &scene,
-            error: Some(&error),
+            error: Some((&error).into()),
         };
         let plain = folder.path().join("scene.toml");
         save_scene(&scene, &plain).expect("saved");

@@ -13,6 +13,9 @@ use super::tile_samples::{PixelSamples, SampleCounts, TileBlock};
 
 /// Keeps blocks of one render, and knows those that were kept before.
 pub trait BlockStore: Sync {
+    /// Is told before a checkpoint is taken: the blocks that were kept so far are in it, or in one before.
+    fn begin_anew(&self);
+
     /// Keeps `block`, or leaves it. Called by the thread that took its samples.
     fn keep(&self, block: &Block<'_>);
 

@@ -21,7 +21,7 @@ use super::layers::Layer;
 use super::plan::Feature;
 use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
-use super::run::{Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
+use super::run::{CheckpointKeeper, Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
 use super::texturing::{Textured, Untextured};
 use super::tile_samples::{TileBlock, sample_tile};
 use super::tiles::{Region, TilePixels};
@@ -176,7 +176,7 @@ impl<'a> Renderer<'a> {
     /// Has a checkpoint kept of all tiles that are done, however recent the last one is.
     fn keep_last_checkpoint(&self) {
         if let Some(keeper) = self.watch.checkpoints {
-            (keeper.keep)(self.checkpoint());
+            self.take_checkpoint(keeper);
         }
     }
 
@@ -523,12 +523,20 @@ impl<'a> Renderer<'a> {
         let rest = Duration::try_from_secs_f64(last.took.as_secs_f64() / share);
         if last.at.elapsed() >= keeper.every.max(rest.unwrap_or(Duration::MAX)) {
             let began = Instant::now();
-            (keeper.keep)(self.checkpoint());
+            self.take_checkpoint(keeper);
             *last = LastKept {
                 at: Instant::now(),
                 took: began.elapsed(),
             };
         }
+    }
+
+    /// Has a checkpoint kept of what is there now.
+    fn take_checkpoint(&self, keeper: CheckpointKeeper<'_>) {
+        if let Some(store) = self.watch.blocks {
+            store.begin_anew();
+        }
+        (keeper.keep)(self.checkpoint());
     }
 
     /// The render as it is now.

@@ -5,6 +5,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use raymini::gui::picture::Picture;
 use raymini::gui::top_bar::View;
+use raymini::io::WrittenOrigin;
 use raymini::render::display::encode_8;
 use raymini::scene::Shadows;
 
@@ -238,6 +239,11 @@ fn a_saved_picture_opens_with_its_scene() {
     assert_eq!(facts.hash(), Some(hash.as_str()), "the very pixels");
     assert!(facts.noise.is_some_and(|noise| noise > 0.0));
     assert!(window.app().picture().is_none(), "nothing is rendered");
+    // Saved again, it still tells how wrong it is.
+    let again = save(&mut window, "again.exr");
+    let [first, second] = [&linear, &again].map(|path| WrittenOrigin::of_file(path).unwrap().error);
+    assert!(first.is_some());
+    assert_eq!(first, second);
 
     // It is one to compare with, as any other.
     window.render();

@@ -80,14 +80,15 @@ impl App {
         let buffer = Arc::clone(&picture.buffer);
         let mut scene = picture.scene.clone();
         scene.output = self.document.scene.output;
-        let error = picture.errors().last().map(|point| point.error);
-        let is_whole = matches!(
-            picture.outcome,
-            Outcome::Finished { .. } | Outcome::Opened { .. }
-        );
+        let last = picture.errors().last();
+        let (is_whole, error) = match picture.outcome {
+            Outcome::Opened { error, .. } => (true, error),
+            Outcome::Finished { .. } => (true, last.map(|point| (&point.error).into())),
+            _ => (false, last.map(|point| (&point.error).into())),
+        };
         self.messages.news("Saving the picture…");
         self.jobs.start(Lane::SavePicture, move |job| {
-            let result = worker::save_picture(&buffer, &scene, error.as_ref(), &path);
+            let result = worker::save_picture(&buffer, &scene, error, &path);
             job.send(Event::PictureSaved {
                 path,
                 is_whole,

@@ -64,9 +64,12 @@ pub struct KeptRender {
 /// The logs of blocks.
 #[derive(Debug, Default)]
 struct Logs {
-    /// The one that grows, and its number.
+    /// The one that grows; `None` before the first, and where none can be written.
     current: Option<BlockLog>,
+    /// Its number.
     number: usize,
+    /// The number of the first that this process writes: those before it are of one that was killed.
+    first_own: usize,
     /// Whether the scene is on disk, which comes before all else.
     has_scene: bool,
 }
@@ -97,17 +100,20 @@ impl KeptRender {
         let in_words = |error| format!("{}: {error}", folder.display());
         self.session
             .write_render(|| fs::rename(folder, &self.folder).map_err(in_words))?;
-        let newest = self.log_files().last().map(|(number, _)| number + 1);
+        let newest = self.log_files().last().map(|(number, _)| *number);
+        let first_own = newest.map_or(0, |newest| newest.saturating_add(1));
         *self.logs() = Logs {
             current: None,
-            number: newest.unwrap_or_default(),
+            number: first_own,
+            first_own,
             has_scene: true,
         };
         Ok(())
     }
 
     /// Keeps `checkpoint` of a render of `scene` in place of the last one, whole or not at all. `description`: see
-    /// [`describe_render`](crate::io::describe_render).
+    /// [`describe_render`](crate::io::describe_render). The logs before the one that grows go; those of a process that was killed stay where
+    /// `needs_old`.
     ///
     /// # Errors
     /// In words.
@@ -116,60 +122,63 @@ impl KeptRender {
         scene: &Scene,
         description: &str,
         checkpoint: &Checkpoint,
+        needs_old: bool,
     ) -> Result<(), String> {
-        // Tiles that are done from now on are not in the checkpoint.
-        let first_after = {
+        let superseded = {
             let mut logs = self.logs();
-            logs.number += 1;
-            self.begin_log(&mut logs, scene, description)?;
-            logs.number
+            self.session
+                .write_render(|| self.keep_scene_once(&mut logs, scene))?;
+            let first = if needs_old { logs.first_own } else { 0 };
+            first..logs.number
         };
         self.session.write_render(|| {
             let path = self.folder.join(CHECKPOINT);
             save_checkpoint(&path, description, checkpoint)
                 .map_err(|error| format!("{}: {error}", path.display()))?;
             let files = self.log_files().into_iter();
-            for (_, superseded) in files.filter(|(number, _)| *number < first_after) {
+            for (_, file) in files.filter(|(number, _)| superseded.contains(number)) {
                 // One that stays is of use to nobody, and goes with the folder.
-                let _ = fs::remove_file(superseded);
+                let _ = fs::remove_file(file);
             }
             Ok(())
         })
     }
 
-    /// Keeps a block of a render of `scene`, given as a [record](crate::io::block_record), beside the last checkpoint.
+    /// Begins a log of blocks of a render of `scene`, after those that are there, unless the session is over.
     ///
     /// # Errors
-    /// In words.
-    pub fn keep_block(
-        &self,
-        scene: &Scene,
-        description: &str,
-        record: &[u8],
-    ) -> Result<(), String> {
+    /// In words. Nothing is logged then.
+    pub fn begin_log(&self, scene: &Scene, description: &str) -> Result<(), String> {
         let mut logs = self.logs();
-        if logs.current.is_none() {
-            self.begin_log(&mut logs, scene, description)?;
-        }
-        let appended = logs.current.as_mut().map(|log| log.append(record));
-        appended
-            .unwrap_or(Ok(()))
-            .map_err(|error| format!("{}: {error}", self.log_file(logs.number).display()))
-    }
-
-    /// Begins the log that is next by number, unless the session is over.
-    fn begin_log(&self, logs: &mut Logs, scene: &Scene, description: &str) -> Result<(), String> {
+        logs.current = None;
+        logs.number += 1;
         self.session.write_render(|| {
-            if !logs.has_scene {
-                self.keep_scene(scene)?;
-                logs.has_scene = true;
-            }
+            self.keep_scene_once(&mut logs, scene)?;
             let path = self.log_file(logs.number);
             let log = BlockLog::create(&path, description)
                 .map_err(|error| format!("{}: {error}", path.display()))?;
             logs.current = Some(log);
             Ok(())
         })
+    }
+
+    /// Adds a block, given as a [record](crate::io::block_record), to the log that was begun last, if there is one. Where that fails, the log
+    /// goes, to leave its room to others; the next checkpoint makes good for it.
+    pub fn log_block(&self, record: &[u8]) {
+        let mut logs = self.logs();
+        let appended = logs.current.as_mut().map(|log| log.append(record));
+        if let Some(Err(_)) = appended {
+            logs.current = None;
+            let _ = fs::remove_file(self.log_file(logs.number));
+        }
+    }
+
+    fn keep_scene_once(&self, logs: &mut Logs, scene: &Scene) -> Result<(), String> {
+        if !logs.has_scene {
+            self.keep_scene(scene)?;
+            logs.has_scene = true;
+        }
+        Ok(())
     }
 
     /// Writes what belongs to all that is kept.
@@ -251,4 +260,63 @@ fn numbered(folder: &Path, prefix: &str) -> Vec<(usize, PathBuf)> {
         .collect();
     found.sort_unstable();
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Begun, begin};
+    use super::*;
+    use crate::control::CancelToken;
+    use crate::io::demo_scene;
+    use crate::render::PreparedScene;
+
+    /// What is in the folder of a render, but for the scene.
+    fn names(kept: &KeptRender) -> Vec<String> {
+        let entries = fs::read_dir(&kept.folder).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<_> = names
+            .filter(|name| name != ABOUT && name != SCENE)
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn logs_go_with_the_checkpoint_that_has_what_is_in_them() {
+        let data = tempfile::tempdir().unwrap();
+        let Begun { session, .. } = begin(data.path()).unwrap();
+        let session = Arc::new(session);
+        let mut scene = demo_scene();
+        (scene.render.width, scene.render.height) = (4, 3);
+        let region = Region::full(4, 3);
+        let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+        let checkpoint = Checkpoint::before(&prepared.unwrap().unwrap(), region, &[]);
+        let about = RenderAbout {
+            name: "demo".to_owned(),
+            path: None,
+            region,
+        };
+        let killed = session.place_render(about.clone());
+        let keep = |kept: &KeptRender, needs_old| {
+            kept.begin_log(&scene, "demo").unwrap();
+            kept.keep(&scene, "demo", &checkpoint, needs_old).unwrap();
+        };
+        killed.log_block(b"before there is a log");
+        killed.begin_log(&scene, "demo").unwrap();
+        assert_eq!(names(&killed), ["blocks-1"]);
+        keep(&killed, false);
+        assert_eq!(names(&killed), ["blocks-2", "checkpoint"]);
+
+        // Who goes on needs the logs of before until all in them is taken.
+        let kept = session.place_render(about);
+        kept.take(&killed.folder).unwrap();
+        keep(&kept, true);
+        keep(&kept, true);
+        assert_eq!(names(&kept), ["blocks-2", "blocks-5", "checkpoint"]);
+        keep(&kept, false);
+        assert_eq!(names(&kept), ["blocks-6", "checkpoint"]);
+        let folder = kept.folder.clone();
+        drop(kept);
+        assert!(!folder.exists());
+    }
 }

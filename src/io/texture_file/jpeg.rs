@@ -92,6 +92,8 @@ impl Frame {
                 // Tables and arithmetic coding have numbers among those of frames.
                 0xc0..=0xcf if ![0xc4, 0xc8, 0xcc].contains(&marker) => return Self::of(part),
                 0xda => return Err("its frame has no header".to_owned()),
+                // Of an APP0 of this length the decoder takes one byte more, and then finds another header than this.
+                0xe0 if length == 6 => return Err("its APP0 part has no identifier".to_owned()),
                 _ => rest = &after[length..],
             }
         }

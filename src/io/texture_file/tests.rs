@@ -153,6 +153,13 @@ fn components_that_are_sampled_oddly_are_refused() {
         let padded = [before, &frame(0xc0, 8, 8, &[0x11, 0x21])].concat();
         read(&jpeg_of(&padded)).expect_err("odd");
     }
+    let short = [
+        &[0xff, 0xe0, 0, 6, 1, 2, 3, 4][..],
+        &frame(0xc0, 8, 8, &[0x11]),
+    ]
+    .concat();
+    let error = read(&jpeg_of(&short)).expect_err("no identifier");
+    assert!(error.contains("APP0"), "{error}");
     let cut = read(&jpeg_of_one_block()[..80]).expect_err("cut off");
     assert!(cut.contains("it ends before"), "{cut}");
     let scan = jpeg_of(&[]);
