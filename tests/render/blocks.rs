@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use crate::resume::{Case, assert_same, cases};
 use raymini::io::{BlockLog, LoggedBlocks, block_record};
 use raymini::render::{
-    Block, BlockHeader, BlockStore, Checkpoint, Ending, PreparedScene, Region, RenderOutcome,
-    RenderProgress, RunConfig, TilePixels, Watch, resume,
+    Block, BlockStore, Checkpoint, Ending, PreparedScene, Region, RenderOutcome, RenderProgress,
+    Watch, resume,
 };
 
 /// Which blocks there are to take, and what becomes of the others.
@@ -18,6 +18,8 @@ struct Store<'a> {
     /// Whether a block is kept; all are, where it is not said.
     keeps: Option<&'a (dyn Fn(usize) -> bool + Sync)>,
     log: Option<Mutex<BlockLog>>,
+    /// What each pass is said to have taken, by two threads, where that is not what it took.
+    seconds_per_pass: Option<f64>,
     offered: AtomicUsize,
     recalled: AtomicUsize,
 }
@@ -36,7 +38,11 @@ impl BlockStore for Store<'_> {
     }
 
     fn recall(&self, pass: u32, tile: u32) -> Option<Block<'static>> {
-        let block = self.known.find(pass, tile)?;
+        let mut block = self.known.find(pass, tile)?;
+        if let Some(seconds) = self.seconds_per_pass {
+            block.header.seconds = f64::from(pass + 1) * seconds;
+            block.header.cpu_seconds = 2.0 * block.header.seconds;
+        }
         self.recalled.fetch_add(1, Ordering::Relaxed);
         Some(block)
     }
@@ -54,29 +60,20 @@ fn render(
     store: &Store<'_>,
     tiles: usize,
 ) -> (RenderOutcome, u64) {
-    let run = RunConfig {
-        threads: 2,
-        layers: case.layers,
-        ..RunConfig::default()
-    };
-    let done = AtomicUsize::new(0);
-    let on_tile = |_: &TilePixels<'_>| {
-        if done.fetch_add(1, Ordering::Relaxed) + 1 == tiles {
-            run.interrupt.cancel();
-        }
-    };
-    let watch = Watch {
-        on_tile: Some(&on_tile),
-        blocks: Some(store),
-        ..Watch::default()
-    };
     let settings = prepared.settings();
     let region = case
         .region
         .unwrap_or(Region::full(settings.width, settings.height));
-    let start = Checkpoint::before(prepared, region, run.layers_of(prepared));
     let progress = RenderProgress::default();
-    let outcome = resume(prepared, start, &run, &progress, watch).expect("nobody cancels");
+    let outcome = case.for_tiles(2, tiles, |run, watch| {
+        let start = Checkpoint::before(prepared, region, run.layers_of(prepared));
+        let watch = Watch {
+            blocks: Some(store),
+            ..watch
+        };
+        resume(prepared, start, run, &progress, watch)
+    });
+    let outcome = outcome.expect("nobody cancels");
     (outcome, progress.rays())
 }
 
@@ -167,39 +164,32 @@ fn blocks_of_other_samples_are_not_taken() {
     assert_eq!(passes, 3, "of 8, 12 and 16 samples on");
 }
 
-/// Who stops by the clock counts the time of samples that are not taken again.
+/// Who stops by the clock counts the time of samples that are not taken again: here passes that are said to have taken a thousand seconds
+/// each, as nobody waits for.
 #[test]
 fn time_goes_on_where_it_was() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("blocks");
     let mut case = cases().swap_remove(0);
-    case.scene.render.samples_per_pixel = 1 << 20;
-    case.scene.render.stop.seconds = Some(0.4);
-    let prepared = case.prepared();
     let first = Store {
         log: Some(log(&path, "timed")),
         ..Store::default()
     };
-    render(&case, &prepared, &first, usize::MAX);
-    let known = LoggedBlocks::read(&[path], "timed");
-    let latest = |time: fn(&BlockHeader) -> f64| {
-        let times = known.headers().iter().map(time);
-        times.fold(0.0, f64::max)
-    };
-    let (last, last_cpu) = (
-        latest(|header| header.seconds),
-        latest(|header| header.cpu_seconds),
-    );
-    assert!(last > 0.2, "{last} s");
+    render(&case, &case.prepared(), &first, usize::MAX);
+
+    case.scene.render.stop.seconds = Some(2500.0);
     let again = Store {
-        known,
+        known: LoggedBlocks::read(&[path], "timed"),
+        seconds_per_pass: Some(1000.0),
         ..Store::default()
     };
-    let (outcome, _) = render(&case, &prepared, &again, usize::MAX);
-    assert_eq!(outcome.stats.ending, Ending::Time);
-    let seconds = outcome.stats.render_seconds;
-    assert!(seconds >= last, "{seconds} s after {last} s");
-    assert!(outcome.stats.cpu_seconds >= last_cpu && last_cpu > 0.0);
+    let (outcome, traced) = render(&case, &case.prepared(), &again, usize::MAX);
+    // After two passes of one sample, the time left is not enough for another.
+    let stats = outcome.stats;
+    assert_eq!((stats.ending, stats.passes), (Ending::Time, 2));
+    assert_eq!((stats.sample_range, traced), ([2, 2], 0));
+    assert!((2000.0..2500.0).contains(&stats.render_seconds));
+    assert!((4000.0..4500.0).contains(&stats.cpu_seconds));
 }
 
 /// Files that were cut off, damaged, or are of another render give what is whole of theirs, and no more.

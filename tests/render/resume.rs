@@ -121,6 +121,32 @@ impl Case {
         every: Duration,
         keep: &(dyn Fn(Checkpoint) + Sync),
     ) -> RenderOutcome {
+        let checkpoints = Some(CheckpointKeeper {
+            every,
+            most_share: f64::INFINITY,
+            keep,
+        });
+        let progress = RenderProgress::default();
+        let outcome = self.for_tiles(threads, tiles, |run, watch| {
+            let watch = Watch {
+                checkpoints,
+                ..watch
+            };
+            match start {
+                Some(start) => resume(prepared, start, run, &progress, watch),
+                None => render_watched(prepared, self.region, run, &progress, watch),
+            }
+        });
+        outcome.expect("nobody cancels")
+    }
+
+    /// Has `render` run on so many threads, and interrupts it when `tiles` tiles are done.
+    pub fn for_tiles<T>(
+        &self,
+        threads: usize,
+        tiles: usize,
+        render: impl FnOnce(&RunConfig, Watch<'_>) -> T,
+    ) -> T {
         let run = RunConfig {
             threads,
             layers: self.layers,
@@ -134,19 +160,9 @@ impl Case {
         };
         let watch = Watch {
             on_tile: Some(&on_tile),
-            checkpoints: Some(CheckpointKeeper {
-                every,
-                most_share: f64::INFINITY,
-                keep,
-            }),
             ..Watch::default()
         };
-        let progress = RenderProgress::default();
-        let outcome = match start {
-            Some(start) => resume(prepared, start, &run, &progress, watch),
-            None => render_watched(prepared, self.region, &run, &progress, watch),
-        };
-        outcome.expect("nobody cancels")
+        render(&run, watch)
     }
 
     /// Renders the rest at once.
