@@ -106,11 +106,7 @@ fn a_picture_is_compared_with_an_image_file() {
     let mut window = Window::open(&files.path("room.toml"));
     window.render();
     let exr = files.path("reference.exr");
-    window.press(Modifiers::COMMAND, Key::E);
-    window.enter_path(&exr);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.save_picture(&exr);
     window.press(Modifiers::SHIFT, Key::C);
     window.enter_path(&exr);
     measured(&mut window);

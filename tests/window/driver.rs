@@ -195,6 +195,19 @@ impl Window {
         });
     }
 
+    /// Saves the picture on the screen by shortcut and a typed path.
+    pub fn save_picture(&mut self, path: &Path) {
+        self.press(Modifiers::COMMAND, Key::E);
+        self.enter_path(path);
+        self.until_saved(path);
+    }
+
+    /// Until the window tells that it has saved what was to go to `path`.
+    pub fn until_saved(&mut self, path: &Path) {
+        let news = format!("Saved {}", path.display());
+        self.until("it is saved", |app| app.messages().last_news() == news);
+    }
+
     /// Clicks a control where it is, which must be in sight.
     pub fn click(&mut self, name: &str) {
         let control = self.harness.get_by_label(name);

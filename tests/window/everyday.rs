@@ -74,11 +74,7 @@ fn open_orbit_render_cancel_save_reopen() {
 
     // It is saved by shortcut and a typed path, and holds what the window shows.
     let png = files.path("out.png");
-    window.press(Modifiers::COMMAND, Key::E);
-    window.enter_path(&png);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.save_picture(&png);
     let saved = image::open(&png).unwrap().to_rgb8();
     assert_eq!(saved.dimensions(), (160, 120));
 
@@ -236,11 +232,7 @@ fn display_settings_need_no_new_render() {
     assert_eq!(window.scene().display.tone_curve, ToneCurve::Aces);
     assert_eq!(window.hash(), hash);
     let png = files.path("aces.png");
-    window.press(Modifiers::COMMAND, Key::E);
-    window.enter_path(&png);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.save_picture(&png);
     let saved = image::open(&png).unwrap().to_rgb8();
     let prepared = PreparedScene::prepare(window.scene(), None, &CancelToken::new());
     let outcome = render(
@@ -1276,11 +1268,7 @@ fn the_error_of_each_pixel_is_shown_and_saved() {
     assert!(again.first_tile.is_some());
 
     let exr = files.path("layers.exr");
-    window.press(Modifiers::COMMAND, Key::E);
-    window.enter_path(&exr);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.save_picture(&exr);
     let file = exr::meta::MetaData::read_from_file(&exr, false).unwrap();
     let channels = &file.headers[0].channels.list;
     assert!(

@@ -175,11 +175,7 @@ fn a_region_has_the_pixels_of_the_whole_picture() {
 
     // Saving writes the region.
     let png = files.path("region.png");
-    window.press(Modifiers::COMMAND, Key::E);
-    window.enter_path(&png);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.save_picture(&png);
     assert_eq!(image::open(&png).unwrap().to_rgb8().dimensions(), (60, 60));
 
     // It keeps what it shows at another size, can be typed, and is cleared.

@@ -68,9 +68,7 @@ fn renders_are_looked_at_again_and_saved() {
     let png = files.path("first.png");
     window.click("Save shown picture");
     window.enter_path(&png);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.until_saved(&png);
     let picture: &Picture = window.app().picture_on_screen().unwrap();
     let display = picture.scene.display;
     let pixels = picture.buffer.image().pixels;
@@ -213,12 +211,7 @@ fn a_saved_picture_opens_with_its_scene() {
     let hash = window.hash();
     let save = |window: &mut Window, name: &str| {
         let path = files.path(name);
-        window.press(Modifiers::COMMAND, Key::E);
-        window.enter_path(&path);
-        window.until("the picture is saved", |app| {
-            let news = app.messages().last_news();
-            news.starts_with("Saved") && news.ends_with(name)
-        });
+        window.save_picture(&path);
         path
     };
     let linear = save(&mut window, "plain.exr");

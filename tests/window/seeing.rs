@@ -212,11 +212,7 @@ fn channels_are_seen_alone_and_as_false_colours() {
     window.render();
     assert_eq!(pixel(&mut window), colours);
     let saved = files.path("seen.png");
-    window.press(Modifiers::COMMAND, Key::E);
-    window.enter_path(&saved);
-    window.until("the picture is saved", |app| {
-        app.messages().last_news().starts_with("Saved")
-    });
+    window.save_picture(&saved);
     let png = image::open(&saved).unwrap().to_rgb8();
     assert!(png.pixels().any(|p| p.0 == told), "as it always was");
 }
