@@ -8,6 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use super::values;
 use crate::io::{check_writable, describe_render, load_checkpoint, save_checkpoint};
 use crate::render::{Checkpoint, PictureMemory, PreparedScene, Region, RunConfig};
 use crate::scene::Scene;
@@ -19,7 +20,7 @@ const MOST_OTHER_BYTES: u64 = 1 << 24;
 #[derive(Debug, Default, Args)]
 pub struct CheckpointArguments {
     /// Keep what the render has reached in this file, now and then and when interrupted; the file goes when the picture is written
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true, value_parser = values::output())]
     checkpoint: Option<PathBuf>,
 
     /// Go on from the checkpoint: the picture has the same bits as if it had never been interrupted
@@ -32,6 +33,7 @@ pub struct CheckpointArguments {
         value_name = "SECONDS",
         default_value = "60",
         requires = "checkpoint",
+        allow_hyphen_values = true,
         value_parser = parse_seconds
     )]
     checkpoint_every: Duration,

@@ -48,7 +48,7 @@ pub struct PlanArguments {
 
     /// Write what each effect and each light brings into this folder: the picture with it minus the picture without, small and of the
     /// same samples, in colours and as it is, with its figures as JSON
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", allow_hyphen_values = true, value_parser = values::output())]
     contributions: Option<PathBuf>,
 
     /// Pixels of these pictures along their longer side

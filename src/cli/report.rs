@@ -47,7 +47,8 @@ pub struct ReportArguments {
     comparisons: Vec<String>,
 
     /// Measure against this picture (.exr, .png, .hdr); one is rendered when left out
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_samples", "exact"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_samples", "exact"],
+          allow_hyphen_values = true, value_parser = values::input())]
     reference: Option<PathBuf>,
 
     /// Samples per pixel of the rendered reference; 16 times those of the last point when left out

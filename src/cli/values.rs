@@ -83,13 +83,23 @@ pub fn pixel(text: &str) -> Result<(u32, u32), String> {
     sides.ok_or_else(|| "expected column and row of a pixel, such as 320,240".to_owned())
 }
 
-/// Takes the name of something to write. One that begins with a dash is more likely the next option, where the name was forgotten.
+/// Takes the name of something to write.
 pub fn output() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
+    path("something to write")
+}
+
+/// Takes the name of a file to read.
+pub fn input() -> impl TypedValueParser<Value = PathBuf> {
+    path("a file to read")
+}
+
+/// Takes the name of `what`. One that begins with a dash is more likely the next option, where the name was forgotten.
+fn path(what: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(move |path| {
         if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
             let name = path.display();
             return Err(format!(
-                "expected the name of something to write; one that begins with a dash is given as ./{name}"
+                "expected the name of {what}; one that begins with a dash is given as ./{name}"
             ));
         }
         Ok(path)

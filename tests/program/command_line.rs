@@ -392,6 +392,12 @@ fn wrong_values_are_answered_by_what_was_expected() {
         ("render", "-o -x.png", name),
         ("render", "--output --spp", name),
         ("render --pixel 1,1", "--sample -1", "from 0 to 16777215"),
+        ("render -o x.png", "--checkpoint -c", name),
+        (
+            "render -o x.png --checkpoint c",
+            "--checkpoint-every -1",
+            "expected a number of seconds",
+        ),
         ("plan", "--spp 1e3", samples),
         ("plan", "--measure=x", pairs),
         (
@@ -409,8 +415,12 @@ fn wrong_values_are_answered_by_what_was_expected() {
         ),
         ("report -o d", "--reference-samples 0", samples),
         ("report", "-o -d", name),
+        ("report -o d", "--reference -r.exr", name),
+        ("plan", "--contributions -d", name),
         ("bench", "--repeats 2.5", "from 1 to 1000"),
         ("bench", "--threads 2000", threads),
+        ("bench", "--rays -a.npy", name),
+        ("bench", "--write -d", name),
         ("compare a.png b.png", "-o -d.png", name),
         (
             "convert a.off b.off",

@@ -41,11 +41,11 @@ pub struct BenchArguments {
 
     /// Trace the rays of this .npy file (float32, n × 7: origin, direction, end) instead; may be given several times. Names
     /// that end in _shadow.npy ask for any hit, others for the nearest
-    #[arg(long = "rays", value_name = "FILE")]
+    #[arg(long = "rays", value_name = "FILE", allow_hyphen_values = true, value_parser = values::input())]
     rays: Vec<PathBuf>,
 
     /// Write the rays as .npy files and the triangles as mesh.ply to this folder, for other programs
-    #[arg(long, value_name = "DIR", conflicts_with = "rays")]
+    #[arg(long, value_name = "DIR", conflicts_with = "rays", allow_hyphen_values = true, value_parser = values::output())]
     write: Option<PathBuf>,
 
     /// Measure the window in place of the structures: its frames while all cores render, how soon a cancelled render ends, and how soon
