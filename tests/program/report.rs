@@ -263,6 +263,7 @@ fn a_reference_that_is_worse_than_the_renders_is_told() {
         let complaint = String::from_utf8_lossy(&output.stderr);
         let said = "warning: as the scene says: from ";
         assert!(complaint.contains(said), "{file}: {complaint}");
+        assert!(!complaint.contains("rendered with seed"), "{complaint}");
         assert!(text(folder.path(), "report.md").contains("samples per pixel on, more than half"));
         let facts: Value = serde_json::from_str(&text(folder.path(), "report.json")).expect("JSON");
         let from = number(&facts["reference_outweighs_from"]);
@@ -272,6 +273,20 @@ fn a_reference_that_is_worse_than_the_renders_is_told() {
     let good = ["shadow.toml", "--seeds", "2", "--spp", "16"];
     let facts = succeed(folder.path(), &good);
     assert_eq!(facts["reference_outweighs_from"], Value::Null);
+
+    // What shares its random numbers with a reference looks better than it is.
+    for (seed, is_shared) in [("8", true), ("9", true), ("7", false), ("10", false)] {
+        let set = format!("render.seed={seed}");
+        let few = ["--seeds", "2", "--spp", "8", "--reference", "told.exr"];
+        let others = ["--set", &set, "-o", "out"];
+        let output = report(
+            folder.path(),
+            &[&["shadow.toml"], &few[..], &others].concat(),
+        );
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        let said = "warning: told.exr: rendered with seed 9, as one of the renders";
+        assert_eq!(complaint.contains(said), is_shared, "{seed}: {complaint}");
+    }
 }
 
 /// A sharp lobe under a wide disk: aimed at, the disk is rarely met where the lobe is bright, so that aiming alone is no

@@ -86,7 +86,17 @@ impl ReportPlan {
         let RenderSettings { width, height, .. } = loaded.scene.render;
         let reference = match &options.reference {
             ReferenceOptions::File(path) => {
-                Wanted::Given(read_reference(path, (width, height), &mut warnings)?)
+                let (reference, own_warnings) = read_reference(path, (width, height))?;
+                warnings.extend(own_warnings);
+                let mut renders = variants.iter().flat_map(|v| seeds_of(v, options.seeds));
+                if let Some(seed) = seed_of_picture(path).filter(|&own| renders.any(|s| s == own)) {
+                    warnings.push(format!(
+                        "{}: rendered with seed {seed}, as one of the renders that are measured against it, whose error comes out too \
+                         small: choose another with --set render.seed=N",
+                        path.display()
+                    ));
+                }
+                Wanted::Given(reference)
             }
             ReferenceOptions::Exact(radiance) => {
                 Wanted::Given(Reference::exact(*radiance, width, height))
@@ -295,10 +305,15 @@ fn samples(variant: &Variant) -> f64 {
     f64::from(variant.scene.render.samples_per_pixel)
 }
 
+/// The seeds that a variant is rendered with, so many.
+fn seeds_of(variant: &Variant, count: u32) -> impl Iterator<Item = u64> {
+    (0..count).map(|number| variant.seed(number))
+}
+
 /// The first seed after those of the scene that no variant is rendered with.
 fn free_seed(variants: &[Variant], seeds: u32) -> u64 {
     let is_used = |seed| {
-        let mut used = variants.iter().flat_map(|v| (0..seeds).map(|n| v.seed(n)));
+        let mut used = variants.iter().flat_map(|v| seeds_of(v, seeds));
         used.any(|used| used == seed)
     };
     let mut after = (seeds..=u32::MAX).map(|number| variants[0].seed(number));
@@ -306,14 +321,25 @@ fn free_seed(variants: &[Variant], seeds: u32) -> u64 {
     free.expect("there are more seeds than renders")
 }
 
+/// The seed that the picture at `path` was rendered with, where the file tells.
+fn seed_of_picture(path: &Path) -> Option<u64> {
+    let text = WrittenOrigin::of_file(path).ok()?.scene?;
+    let scene: toml::Table = text.parse().ok()?;
+    match scene.get("render").and_then(|render| render.get("seed")) {
+        Some(seed) => seed.as_integer()?.try_into().ok(),
+        None => Some(RenderSettings::default().seed),
+    }
+}
+
+/// The picture at `path`, and what looks wrong with it.
 fn read_reference(
     path: &Path,
     picture: (u32, u32),
-    warnings: &mut Vec<String>,
-) -> Result<Reference, ReportError> {
+) -> Result<(Reference, Vec<String>), ReportError> {
     let file = io::read_image(path)?;
     let name = path.display().to_string();
-    warnings.extend(file.warnings.iter().map(|w| format!("{name}: {w}")));
+    let in_file = file.warnings.iter();
+    let mut warnings: Vec<String> = in_file.map(|w| format!("{name}: {w}")).collect();
     if file.format == "PNG" {
         warnings.push(format!(
             "{name}: a PNG holds what a screen shows: exposure, tone curve, the end at 1 and rounding are in it"
@@ -329,13 +355,11 @@ fn read_reference(
     }
     let told = WrittenOrigin::of_file(path).unwrap_or_default().error;
     let is_error = |value: f64| value.is_finite() && value >= 0.0;
-    Ok(Reference {
-        image,
-        origin: Origin::File {
-            name,
-            error: told.filter(|told| is_error(told.rmse) && is_error(told.relmse)),
-        },
-    })
+    let origin = Origin::File {
+        name,
+        error: told.filter(|told| is_error(told.rmse) && is_error(told.relmse)),
+    };
+    Ok((Reference { image, origin }, warnings))
 }
 
 #[cfg(test)]
