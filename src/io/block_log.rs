@@ -74,12 +74,12 @@ pub struct LoggedBlocks {
     headers: Vec<BlockHeader>,
 }
 
-/// Where the bytes of a block are.
+/// Where the record of a block is.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     file: usize,
     start: u64,
-    length: usize,
+    end: u64,
 }
 
 impl LoggedBlocks {
@@ -103,17 +103,17 @@ impl LoggedBlocks {
         &self.headers
     }
 
-    /// The block of a tile in a pass, if it is there.
+    /// The block of a tile in a pass, if it is there, and still whole: days may have gone by since the file was looked through.
     #[must_use]
     pub fn find(&self, pass: u32, tile: u32) -> Option<Block<'static>> {
         let place = self.places.get(&(pass, tile))?;
         let file = self.files[place.file].lock();
         let mut file = file.unwrap_or_else(PoisonError::into_inner);
         file.seek(SeekFrom::Start(place.start)).ok()?;
-        let mut bytes = vec![0; place.length];
-        file.read_exact(&mut bytes).ok()?;
+        let (mut bytes, mut end) = (Vec::new(), place.start);
+        let is_whole = read_record(&mut *file, place.end, &mut end, &mut bytes).ok()?;
         drop(file);
-        postcard::from_bytes(&bytes).ok()
+        is_whole.then(|| postcard::from_bytes(&bytes).ok())?
     }
 
     fn take_in(&mut self, file: File, description: &str) -> io::Result<()> {
@@ -126,15 +126,17 @@ impl LoggedBlocks {
         let is_known = first_line == FIRST_LINE
             && read_record(&mut reader, size, &mut end, &mut bytes)?
             && bytes == description.as_bytes();
+        let mut start = end;
         while is_known && read_record(&mut reader, size, &mut end, &mut bytes)? {
             let Ok((header, _)) = postcard::take_from_bytes::<BlockHeader>(&bytes) else {
                 break;
             };
             let place = Place {
                 file: self.files.len(),
-                start: end - bytes.len() as u64,
-                length: bytes.len(),
+                start,
+                end,
             };
+            start = end;
             let known = self.places.insert((header.pass, header.tile), place);
             if known.is_none() {
                 self.headers.push(header);
@@ -145,8 +147,8 @@ impl LoggedBlocks {
     }
 }
 
-/// Reads the record that begins `end` bytes into a file of `size` bytes; `end` is where the next one begins then. Returns whether it is
-/// whole.
+/// Reads the record that begins `end` bytes into a file of which `size` bytes are looked at; `end` is where the next one begins then. Returns
+/// whether it is whole.
 fn read_record(
     reader: &mut impl Read,
     size: u64,

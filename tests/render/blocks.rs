@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use crate::resume::{Case, assert_same, cases};
 use raymini::io::{BlockLog, LoggedBlocks, block_record};
 use raymini::render::{
-    Block, BlockStore, Checkpoint, Ending, PreparedScene, Region, RenderOutcome, RenderProgress,
-    Watch, resume,
+    Block, BlockHeader, BlockStore, Checkpoint, Ending, PreparedScene, Region, RenderOutcome,
+    RenderProgress, Watch, resume,
 };
 
 /// Which blocks there are to take, and what becomes of the others.
@@ -225,6 +225,15 @@ fn damaged_logs_give_what_is_whole() {
         assert!(found.headers().len() < all.len(), "{share}");
         assert_eq!(*found.headers(), all[..found.headers().len()], "{share}");
     }
+    // One that was whole when it was looked through.
+    std::fs::write(&path, &bytes).expect("is written");
+    let found = read("ball");
+    let mut changed = bytes.clone();
+    *changed.last_mut().expect("is not empty") ^= 0x10;
+    std::fs::write(&path, &changed).expect("is written");
+    let (last, others) = all.split_last().expect("there are some");
+    let is_there = |header: &BlockHeader| found.find(header.pass, header.tile).is_some();
+    assert!(!is_there(last) && others.iter().all(is_there));
     // Lengths that reach beyond the end, and files that are none.
     for (start, end) in [(17, 21), (0, 4)] {
         let mut changed = bytes.clone();
