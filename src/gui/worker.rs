@@ -106,12 +106,15 @@ pub fn load_scene(
     if let ([path], Ok(loaded)) = (&paths[..], &mut result)
         && io::is_render_file(path)
     {
-        match OpenedPicture::read(path, &loaded.scene, largest_texture) {
+        match OpenedPicture::read(path, &loaded.scene, largest_texture, &job.cancel) {
             Ok(found) => picture = found,
             Err(error) => loaded
                 .warnings
                 .push(format!("the picture itself is not shown: {error}")),
         }
+        let without = picture.as_ref().and_then(|p| p.without_layers.as_ref());
+        let said = without.map(|why| format!("the layers of the picture are not shown: {why}"));
+        loaded.warnings.extend(said);
     }
     let result = result.map(Box::new);
     job.send(Event::SceneLoaded {

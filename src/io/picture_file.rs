@@ -6,11 +6,13 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use super::radiance_file::{RawImage, no_memory, read_values, refuse_size, too_short};
+use super::radiance_file::{
+    RawImage, Reading, no_memory, read_named_values, read_values, refuse_size, too_short,
+};
 use super::whole_file::read_file;
 use crate::control::{CancelToken, Progress};
 use crate::math::color::linear_from_srgb;
-use crate::render::Image;
+use crate::render::{Image, Layer};
 
 /// The formats that have a reader, for messages.
 pub const PICTURE_FORMATS: &str = "PNG (.png), OpenEXR (.exr) and Radiance HDR (.hdr)";
@@ -44,16 +46,62 @@ pub struct PictureError {
 /// When the file cannot be read, is of a format without reader, is malformed or ends early, or holds a size that cannot be
 /// held.
 pub fn read_image(path: &Path) -> Result<PictureFile, PictureError> {
-    read(path).map_err(|reason| PictureError {
-        name: path.display().to_string(),
-        reason,
+    let read = read_image_unless(path, &CancelToken::new(), &Progress::new());
+    read.map(|file| file.expect("nobody cancels"))
+}
+
+/// [`read_image`], unless it is cancelled, which is `None`. `progress` advances by bytes, each once when it is read and once when it is
+/// understood; setting its total is the caller's.
+///
+/// # Errors
+/// Those of [`read_image`].
+pub fn read_image_unless(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<PictureFile>, PictureError> {
+    read(path, cancel, progress, |bytes| {
+        parse(bytes, cancel, progress)
     })
 }
 
-fn read(path: &Path) -> Result<PictureFile, String> {
-    let (cancel, progress) = (CancelToken::new(), Progress::new());
-    let bytes = read_file(path, "a picture", &cancel, &progress)?;
-    parse(&bytes.expect("nobody cancels"))
+/// The layers in the picture at `path`, as [`write_image`](super::write_image) writes them: the radiance itself. Formats that hold none have
+/// none. `None` when cancelled; `progress` advances like that of [`read_image_unless`].
+///
+/// # Errors
+/// Those of [`read_image`].
+pub fn read_layers(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Vec<(Layer, Image)>>, PictureError> {
+    read(path, cancel, progress, |bytes| {
+        if is_png(bytes) {
+            return Ok(Some(Vec::new()));
+        }
+        let names = Layer::ALL.map(Layer::name);
+        let images = read_named_values(bytes, &names, cancel, progress)?;
+        let layer = |(place, image): (usize, RawImage)| (Layer::ALL[place], image.into());
+        Ok(images.map(|images| images.into_iter().map(layer).collect()))
+    })
+}
+
+/// What `understand` makes of the file at `path`; errors name it.
+fn read<T>(
+    path: &Path,
+    cancel: &CancelToken,
+    progress: &Progress,
+    understand: impl FnOnce(&[u8]) -> Reading<T>,
+) -> Result<Option<T>, PictureError> {
+    let bytes = read_file(path, "a picture", cancel, progress);
+    let read = bytes.and_then(|bytes| match bytes {
+        Some(bytes) => understand(&bytes),
+        None => Ok(None),
+    });
+    read.map_err(|reason| PictureError {
+        name: path.display().to_string(),
+        reason,
+    })
 }
 
 /// The picture in `bytes`, which are those of a whole file; `name` stands for the path in messages.
@@ -61,32 +109,44 @@ fn read(path: &Path) -> Result<PictureFile, String> {
 /// # Errors
 /// Those of [`read_image`] that are about the content.
 pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError> {
-    parse(bytes).map_err(|reason| PictureError {
+    let parsed = parse(bytes, &CancelToken::new(), &Progress::new());
+    let parsed = parsed.map(|file| file.expect("nobody cancels"));
+    parsed.map_err(|reason| PictureError {
         name: name.to_owned(),
         reason,
     })
 }
 
+fn is_png(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG")
+}
+
 /// The picture in `bytes`, which are those of a whole file.
-fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
-    let is_png = bytes.starts_with(b"\x89PNG");
-    let (format, raw) = if is_png {
+fn parse(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<PictureFile> {
+    let values = if is_png(bytes) {
         let linear = |code, most| linear_from_srgb(code as f32 / most as f32);
-        ("PNG", read_png(bytes, linear)?)
+        let raw = read_png(bytes, linear)?;
+        progress.advance(bytes.len() as u64);
+        Some(("PNG", raw))
     } else {
-        let (cancel, progress) = (CancelToken::new(), Progress::new());
-        read_values(bytes, PICTURE_FORMATS, &cancel, &progress)?.expect("nobody cancels")
+        read_values(bytes, PICTURE_FORMATS, cancel, progress)?
     };
-    Ok(PictureFile {
-        image: Image {
+    Ok(values.map(|(format, mut raw)| PictureFile {
+        warnings: std::mem::take(&mut raw.warnings),
+        image: raw.into(),
+        format,
+        is_linear: !is_png(bytes),
+    }))
+}
+
+impl From<RawImage> for Image {
+    fn from(raw: RawImage) -> Self {
+        Self {
             width: raw.width,
             height: raw.height,
             pixels: raw.pixels,
-        },
-        format,
-        is_linear: !is_png,
-        warnings: raw.warnings,
-    })
+        }
+    }
 }
 
 /// Most bytes that one byte of a PNG's compressed data can stand for.

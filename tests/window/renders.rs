@@ -3,9 +3,11 @@
 use crate::driver::{Files, Window, library_hash, set_samples};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
+use raymini::control::{CancelToken, Progress};
 use raymini::gui::picture::Picture;
 use raymini::gui::top_bar::View;
-use raymini::io::WrittenOrigin;
+use raymini::io::{WrittenOrigin, read_layers};
+use raymini::render::Layer;
 use raymini::render::display::encode_8;
 use raymini::scene::Shadows;
 
@@ -209,6 +211,8 @@ fn a_saved_picture_opens_with_its_scene() {
     let mut window = Window::open(&files.path("room.toml"));
     window.render();
     let hash = window.hash();
+    let layers = window.app().picture().unwrap().buffer.layer_images();
+    assert!(layers.iter().any(|(layer, _)| *layer == Layer::Error));
     let save = |window: &mut Window, name: &str| {
         let path = files.path(name);
         window.save_picture(&path);
@@ -232,11 +236,22 @@ fn a_saved_picture_opens_with_its_scene() {
     assert_eq!(facts.hash(), Some(hash.as_str()), "the very pixels");
     assert!(facts.noise.is_some_and(|noise| noise > 0.0));
     assert!(window.app().picture().is_none(), "nothing is rendered");
-    // Saved again, it still tells how wrong it is.
+    let opened = window.app().picture_on_screen().unwrap();
+    assert_eq!(opened.buffer.layer_images(), layers);
+    window.operate("Layer");
+    window.operate("Error of each pixel");
+    window.harness.run_steps(5);
+    assert!(window.says("W/m²/sr or more"));
+    // Saved again, it still tells how wrong it is, and all else there was.
     let again = save(&mut window, "again.exr");
     let [first, second] = [&linear, &again].map(|path| WrittenOrigin::of_file(path).unwrap().error);
     assert!(first.is_some());
     assert_eq!(first, second);
+    let progress = Progress::new();
+    let kept = read_layers(&again, &CancelToken::new(), &progress);
+    assert_eq!(kept.unwrap().unwrap(), layers);
+    window.operate("Layer");
+    window.operate("Whole picture");
 
     // It is one to compare with, as any other.
     window.render();

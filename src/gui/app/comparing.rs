@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::App;
+use crate::control::Progress;
 use crate::gui::compare::{self, Comparison, Mode, Side};
 use crate::gui::document::name_of;
 use crate::gui::event::Event;
@@ -70,12 +71,16 @@ impl App {
     pub(super) fn compare_with_file(&mut self, path: PathBuf) {
         let largest = self.largest_texture();
         self.jobs.start(Lane::CompareFile, move |job| {
-            let result = io::read_image(&path).map_err(|error| error.to_string());
-            let result = result.map(|file| {
-                let display = crate::scene::Display::default();
-                let buffer = PictureBuffer::of_image(file.image, display, largest);
-                (Arc::new(buffer), file.warnings)
-            });
+            let read = io::read_image_unless(&path, &job.cancel, &Progress::new());
+            let result = match read {
+                Ok(Some(file)) => {
+                    let display = crate::scene::Display::default();
+                    let buffer = PictureBuffer::of_image(file.image, display, largest);
+                    Ok((Arc::new(buffer), file.warnings))
+                }
+                Ok(None) => return,
+                Err(error) => Err(error.to_string()),
+            };
             job.send(Event::ComparisonRead { path, result });
         });
     }

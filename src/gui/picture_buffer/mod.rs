@@ -14,6 +14,7 @@ use std::sync::{Mutex, PoisonError};
 
 use egui::{ColorImage, Vec2};
 
+use super::error_colors::scale_of;
 use super::look::{Channels, Look};
 use super::part::Part;
 use crate::control::CancelToken;
@@ -136,22 +137,38 @@ impl PictureBuffer {
     /// A picture that is whole, without layers.
     #[must_use]
     pub fn of_image(image: Image, display: Display, largest_texture: u32) -> Self {
+        Self::of_render(image, Vec::new(), display, largest_texture)
+    }
+
+    /// A picture that is whole, with its layers, which are as large.
+    #[must_use]
+    pub fn of_render(
+        image: Image,
+        layers: Vec<(Layer, Image)>,
+        display: Display,
+        largest_texture: u32,
+    ) -> Self {
+        let size = [image.width, image.height];
+        let errors = layers.iter().find(|(layer, _)| *layer == Layer::Error);
+        let error_scale = errors.map(|(_, errors)| scale_of(errors));
+        let (layers, images): (Vec<Layer>, Vec<Image>) = layers.into_iter().unzip();
+        let planes: Vec<Image> = std::iter::once(image).chain(images).collect();
         Self {
             id: PictureId::next(),
-            part: Part::whole([image.width, image.height]),
-            width: image.width,
-            height: image.height,
-            texels: Texels::of([image.width, image.height], largest_texture),
-            layers: Vec::new(),
+            part: Part::whole(size),
+            width: size[0],
+            height: size[1],
+            texels: Texels::of(size, largest_texture),
+            layers,
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
-                count: 1,
-                size: [image.width, image.height],
-                planes: vec![image],
+                count: planes.len(),
+                size,
+                planes,
                 shown: 0,
                 display,
                 channels: Channels::default(),
-                error_scale: None,
+                error_scale,
             }),
         }
     }
@@ -285,7 +302,7 @@ impl PictureBuffer {
     /// Takes in the error of every pixel, where it is kept. What shows it needs [`PictureBuffer::encode_all`].
     pub fn set_error(&self, errors: Image) {
         if let Some(index) = self.layers().iter().position(|&kept| kept == Layer::Error) {
-            let scale = super::error_colors::scale_of(&errors);
+            let scale = scale_of(&errors);
             let mut state = self.lock();
             let before = std::mem::replace(&mut state.planes()[index + 1], errors);
             state.error_scale = Some(scale);

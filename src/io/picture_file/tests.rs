@@ -22,6 +22,11 @@ const LINEAR_10: f32 = 3.035_27e-3;
 const LINEAR_128: f32 = 0.215_860_5;
 const LINEAR_188: f32 = 0.502_886_5;
 
+fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
+    let parsed = super::parse(bytes, &CancelToken::new(), &Progress::new());
+    parsed.map(|file| file.expect("nobody cancels"))
+}
+
 fn assert_near(file: &PictureFile, expected: &[[f32; 3]]) {
     assert_eq!(file.image.pixels.len(), expected.len());
     for (found, expected) in file.image.pixels.iter().zip(expected) {
@@ -241,6 +246,78 @@ fn exr_by_others_is_read_in_every_sample_type_and_naming() {
         none.starts_with("the file has the channels U, V, X; expected"),
         "{none}"
     );
+}
+
+/// A picture of 5 × 4 pixels that no other looks like.
+fn numbered(seed: u8) -> Image {
+    let pixels = (0..20).map(|i| [f32::from(seed), i as f32, -0.125 * i as f32]);
+    Image {
+        width: 5,
+        height: 4,
+        pixels: pixels.collect(),
+    }
+}
+
+#[test]
+fn layers_are_read_as_they_were_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let written = |name: &str, layers: &[(Layer, Image)]| {
+        let path = folder.path().join(name);
+        let (display, output) = (Display::default(), Output::default());
+        write_image(&numbered(0), layers, &display, &output, &path).expect("is written");
+        path
+    };
+    let read = |path: &Path, cancel: &CancelToken| {
+        let progress = Progress::new();
+        let layers = read_layers(path, cancel, &progress).expect("is right");
+        let length = std::fs::metadata(path).expect("exists").len();
+        assert!(layers.is_none() || progress.done() >= length);
+        layers
+    };
+    let layers = [
+        (Layer::Refraction, numbered(1)),
+        (Layer::Emission, numbered(2)),
+        (Layer::Error, numbered(3)),
+    ];
+    let path = written("layers.exr", &layers);
+    let found = read(&path, &CancelToken::new()).expect("nobody cancels");
+    let in_order = [1, 0, 2].map(|place| layers[place].clone());
+    assert_eq!(found, in_order);
+    assert_eq!(read_image(&path).expect("is right").image, numbered(0));
+
+    for plain in [written("plain.exr", &[]), written("plain.png", &layers)] {
+        assert_eq!(read(&plain, &CancelToken::new()), Some(Vec::new()));
+    }
+    let cancelled = CancelToken::new();
+    cancelled.cancel();
+    assert_eq!(read(&path, &cancelled), None);
+    assert_eq!(
+        read_image_unless(&path, &cancelled, &Progress::new()),
+        Ok(None)
+    );
+    let missing = read_layers(Path::new("/nowhere/a.exr"), &cancelled, &Progress::new());
+    assert_eq!(
+        missing.expect_err("is not there").to_string(),
+        "/nowhere/a.exr: there is no such file"
+    );
+}
+
+/// Channels of another program that are called like a layer but are no colours.
+#[test]
+fn what_is_called_like_a_layer_and_has_no_three_colors_is_none() {
+    let names = ["emission.B", "emission.G", "emission.X"];
+    let bytes = plain_exr(names);
+    let names = ["shadow", "emission"];
+    let read = |bytes: &[u8]| {
+        let read = read_named_values(bytes, &names, &CancelToken::new(), &Progress::new());
+        read.expect("is right").expect("nobody cancels")
+    };
+    assert!(read(&bytes).is_empty());
+    let whole = read(&plain_exr(["emission.B", "emission.G", "emission.R"]));
+    let [(1, image)] = &whole[..] else {
+        panic!("{whole:?}");
+    };
+    assert_eq!(image.pixels[0], [-0.25, 7.0, 1.0]);
 }
 
 #[test]

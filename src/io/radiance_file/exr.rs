@@ -29,54 +29,104 @@ const LOOSENESS: u64 = 16;
 
 /// Reads `bytes`; `progress` advances by as many, block by block. Alpha and other channels are not looked at.
 pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RawImage> {
-    let in_words = |error: exr::error::Error| format!("not a whole OpenEXR file: {error}");
-    let reader = block::read(Cursor::new(bytes), false).map_err(in_words)?;
-    let headers = reader.headers();
-    for header in headers {
-        check_claims(header, bytes.len() as u64)?;
-    }
-    let Color {
-        layer,
-        roles,
-        warnings,
-    } = find_color(headers).ok_or_else(|| no_color(headers))?;
-    let meta = reader.meta_data().clone();
-    let header = &meta.headers[layer];
-    let size = header.layer_size;
-    let (width, height) = refuse_size(size.x() as u64, size.y() as u64, bytes.len() as u64)?;
-    let mut pixels = black(width, height)?;
+    let file = File::open(bytes)?;
+    let headers = file.reader.headers();
+    let color = find_color(headers).ok_or_else(|| no_color(headers))?;
+    let images = file.read_images(vec![color], cancel, progress)?;
+    Ok(images.and_then(|mut images| images.pop()))
+}
 
-    let chunks = reader
-        .filter_chunks(false, |_, _, index| {
-            index.layer == layer && index.level.x() == 0 && index.level.y() == 0
-        })
-        .map_err(in_words)?;
-    let count = chunks.expected_chunk_count() as u64;
-    let mut advanced = 0;
-    for (done, chunk) in (1..=count).zip(chunks) {
-        if cancel.is_cancelled() {
-            return Ok(None);
+/// Reads the images whose three channels are called by one of `names`, a dot and the colour; each comes with the place of its name. Names
+/// that are not there are passed over. `progress` advances like that of [`read`].
+pub fn read_named(
+    bytes: &[u8],
+    names: &[&str],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<Vec<(usize, RawImage)>> {
+    let file = File::open(bytes)?;
+    let headers = file.reader.headers();
+    let found = (0..).zip(names);
+    let found = found.filter_map(|(place, name)| Some((place, find_named(headers, name)?)));
+    let (places, colors): (Vec<usize>, Vec<Color>) = found.unzip();
+    let images = file.read_images(colors, cancel, progress)?;
+    Ok(images.map(|images| places.into_iter().zip(images).collect()))
+}
+
+/// A file whose headers claim nothing that its length rules out.
+struct File<'a> {
+    bytes: &'a [u8],
+    reader: block::reader::Reader<Cursor<&'a [u8]>>,
+}
+
+impl<'a> File<'a> {
+    fn open(bytes: &'a [u8]) -> Result<Self, String> {
+        let reader = block::read(Cursor::new(bytes), false).map_err(in_words)?;
+        for header in reader.headers() {
+            check_claims(header, bytes.len() as u64)?;
         }
-        let chunk = chunk.map_err(in_words)?;
-        check_counters(&chunk, header).map_err(in_words)?;
-        let block = UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(in_words)?;
-        take_block(
-            &block,
-            &header.channels,
-            &roles,
-            &mut pixels,
-            width as usize,
-        )?;
-        let share = bytes.len() as u64 * done / count;
-        progress.advance(share - advanced);
-        advanced = share;
+        Ok(Self { bytes, reader })
     }
-    Ok(Some(RawImage {
-        width,
-        height,
-        pixels,
-        warnings,
-    }))
+
+    /// The images of these colours, in one go.
+    fn read_images(
+        self,
+        colors: Vec<Color>,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Reading<Vec<RawImage>> {
+        let length = self.bytes.len() as u64;
+        let meta = self.reader.meta_data().clone();
+        let mut images = Vec::new();
+        for Color {
+            layer,
+            roles,
+            warnings,
+        } in colors
+        {
+            let size = meta.headers[layer].layer_size;
+            let (width, height) = refuse_size(size.x() as u64, size.y() as u64, length)?;
+            let image = RawImage {
+                width,
+                height,
+                pixels: black(width, height)?,
+                warnings,
+            };
+            images.push((layer, roles, image));
+        }
+        let is_wanted = |layer: usize| images.iter().any(|&(of, ..)| of == layer);
+        let chunks = self
+            .reader
+            .filter_chunks(false, |_, _, index| {
+                is_wanted(index.layer) && index.level.x() == 0 && index.level.y() == 0
+            })
+            .map_err(in_words)?;
+        let count = chunks.expected_chunk_count() as u64;
+        let mut advanced = 0;
+        for (done, chunk) in (1..=count).zip(chunks) {
+            if cancel.is_cancelled() {
+                return Ok(None);
+            }
+            let chunk = chunk.map_err(in_words)?;
+            let (layer, header) = (chunk.layer_index, &meta.headers[chunk.layer_index]);
+            check_counters(&chunk, header).map_err(in_words)?;
+            let block =
+                UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(in_words)?;
+            for (of, roles, image) in &mut images {
+                if *of == layer {
+                    take_block(&block, &header.channels, roles, image)?;
+                }
+            }
+            let share = length * done / count;
+            progress.advance(share - advanced);
+            advanced = share;
+        }
+        Ok(Some(images.into_iter().map(|(.., image)| image).collect()))
+    }
+}
+
+fn in_words(error: exr::error::Error) -> String {
+    format!("not a whole OpenEXR file: {error}")
 }
 
 /// Which of red, green and blue a channel is; a luminance is all three.
@@ -129,6 +179,22 @@ fn find_color(headers: &[Header]) -> Option<Color> {
         layer: *layer,
         roles: roles(&headers[*layer], prefix)?,
         warnings,
+    })
+}
+
+/// The first flat layer with three channels of that name; `None` where there is none.
+fn find_named(headers: &[Header], name: &str) -> Option<Color> {
+    let prefix = format!("{name}.");
+    let whole = |header: &Header| {
+        let roles = roles(header, &prefix)?;
+        (!header.deep && missing(&roles).is_empty()).then_some(roles)
+    };
+    let mut headers = headers.iter().enumerate();
+    let (layer, roles) = headers.find_map(|(layer, header)| Some((layer, whole(header)?)))?;
+    Some(Color {
+        layer,
+        roles,
+        warnings: Vec::new(),
     })
 }
 
@@ -315,16 +381,17 @@ fn take_block(
     block: &UncompressedBlock,
     channels: &exr::meta::attribute::ChannelList,
     roles: &Roles,
-    pixels: &mut [[f32; 3]],
-    width: usize,
+    image: &mut RawImage,
 ) -> Result<(), String> {
+    let width = image.width as usize;
     for line in block.lines(channels) {
         let role = roles[line.location.channel];
         if role == [false; 3] {
             continue;
         }
         let start = line.location.position.y() * width + line.location.position.x();
-        let row = pixels
+        let row = image
+            .pixels
             .get_mut(start..start + line.location.sample_count)
             .ok_or("a block of pixels lies outside the image")?;
         let sample_type = channels.list[line.location.channel].sample_type;

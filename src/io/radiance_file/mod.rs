@@ -153,6 +153,20 @@ pub fn read_values(
     Ok(raw.map(|raw| (format, raw)))
 }
 
+/// Of the file whose bytes these are, the images called by one of `names` beside the main one, each with the place of its name, as
+/// [`write_image`](super::write_image) calls layers. Formats but OpenEXR have none.
+pub fn read_named_values(
+    bytes: &[u8],
+    names: &[&str],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<Vec<(usize, RawImage)>> {
+    match recognise(bytes, RADIANCE_FORMATS)? {
+        Format::Exr => exr::read_named(bytes, names, cancel, progress),
+        Format::Hdr => Ok(Some(Vec::new())),
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Exr,

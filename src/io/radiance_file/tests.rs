@@ -1,8 +1,8 @@
 use std::io::Cursor;
 
 use ::exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer,
-    LayerAttributes, LineOrder, Vec2, WritableImage, f16,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage,
+    ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, Vec2, WritableImage, f16,
 };
 
 use super::*;
@@ -162,6 +162,43 @@ fn openexr_with_names_before_the_colours_is_read() {
     }
     let normals = of(&[("N.", ["X", "Y", "Z"])]).expect_err("has no colour");
     assert!(normals.starts_with("the file has the channels N.X, N.Y, N.Z;"));
+}
+
+/// Blocks of pixels that say that they are of the other layer, whose channels are others, and every other byte that is wrong.
+#[test]
+fn a_block_of_another_layer_is_no_block_of_this_one() {
+    let layer = |name: &str, names: &[&str]| {
+        let list = names
+            .iter()
+            .map(|&name| AnyChannel::new(name, FlatSamples::F32(vec![0.5; 8])));
+        Layer::new(
+            (2, 4),
+            LayerAttributes::named(name),
+            Encoding::UNCOMPRESSED,
+            AnyChannels::sort(list.collect()),
+        )
+    };
+    let image = ExrImage::from_layers(
+        ImageAttributes::new(IntegerBounds::from_dimensions((2, 4))),
+        vec![
+            layer("color", &["B", "G", "R"]),
+            layer("more", &["A", "R", "U", "V", "Z"]),
+        ],
+    );
+    let mut file = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut file).expect("is written");
+    let whole = file.into_inner();
+    assert_eq!(parse(&whole).expect("is right").map.pixels(), [[0.5; 3]; 8]);
+    let mut others = 0;
+    for at in 0..whole.len() {
+        for changed in [0, 1] {
+            let mut bytes = whole.clone();
+            bytes[at] = changed;
+            let pixels = parse(&bytes).map(|file| file.map.pixels().to_vec());
+            others += usize::from(pixels.is_ok_and(|pixels| pixels != [[0.5; 3]; 8]));
+        }
+    }
+    assert!(others > 0, "some of it is seen");
 }
 
 /// A picture saved by the program is a background, bit for bit.
