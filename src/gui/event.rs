@@ -160,8 +160,12 @@ pub enum Event {
     PictureSaved {
         /// The file.
         path: PathBuf,
+        /// The number of the render.
+        number: usize,
         /// Whether the picture was finished.
         is_whole: bool,
+        /// Whether nothing more came of its render.
+        is_final: bool,
         /// Nothing, or why not.
         result: Result<(), String>,
     },

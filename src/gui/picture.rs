@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 use super::canvas::Canvas;
 use super::first_look::FirstLook;
 use super::inspector::Samples;
+use super::jobs::drop_elsewhere;
+use super::keeping::KeptRender;
 use super::opened_picture::OpenedPicture;
 use super::part::Part;
 use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
@@ -13,6 +15,10 @@ use crate::control::Throttle;
 use crate::io::WrittenError;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
+
+/// From this time on a render is work that nobody wants to lose: edits do not start it anew, it is remembered, kept on disk until it is
+/// saved, and asked about when the window closes.
+pub const LONG: Duration = Duration::from_secs(30);
 
 /// How a render ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +71,10 @@ pub struct Picture {
     pub progress: RenderProgress,
     /// How it ended.
     pub outcome: Outcome,
-    /// Whether another took its place because the scene was edited while this one was looked at.
-    pub is_replaced: bool,
+    /// Whether another took its place because the scene was edited while this one was looked at, and it is nothing to remember.
+    is_replaced: bool,
+    /// Whether a file has all of it.
+    pub is_saved: bool,
     /// Whether its own job prepares its scene first.
     pub is_preparing: bool,
     /// From the click to the first tile, or the coarse picture, on its way to the screen.
@@ -75,6 +83,8 @@ pub struct Picture {
     pub why_black: Option<String>,
     /// Where its render waits until the first look is drawn.
     pub first_look: FirstLook,
+    /// Where it is on disk, in case the program is killed.
+    kept: Option<Arc<KeptRender>>,
     hold: Hold,
     /// What was edited since it began, and that it is not to be made anew for.
     passed_over: Option<(Scene, Part)>,
@@ -109,10 +119,12 @@ impl Picture {
             progress,
             outcome: Outcome::Running,
             is_replaced: false,
+            is_saved: false,
             is_preparing: false,
             first_tile: None,
             why_black: None,
             first_look: FirstLook::default(),
+            kept: None,
             hold: Hold::default(),
             passed_over: None,
             errors: Vec::new(),
@@ -132,6 +144,7 @@ impl Picture {
         let mut picture = Self::new(number, names, scene, opened.buffer, progress, started);
         picture.first_tile = Some(Duration::ZERO);
         picture.elapsed = Some(Duration::ZERO);
+        picture.is_saved = true;
         picture.outcome = Outcome::Opened {
             hash: opened.hash,
             error: opened.error,
@@ -211,6 +224,51 @@ impl Picture {
         self.elapsed = Some(self.elapsed_here());
         self.outcome = outcome;
         self.hold.0.allow(usize::MAX);
+        if !self.is_long() {
+            self.forget_kept();
+        }
+    }
+
+    /// Takes note of where its render is on disk.
+    pub fn keep_in(&mut self, place: Option<Arc<KeptRender>>) {
+        self.kept = place;
+    }
+
+    /// Removes what is on disk of it, as soon as nobody writes there any more.
+    pub fn forget_kept(&mut self) {
+        if let Some(kept) = self.kept.take() {
+            drop_elsewhere(kept);
+        }
+    }
+
+    /// Takes note that a file has all there will be of it.
+    pub fn set_saved(&mut self) {
+        self.is_saved = true;
+        self.forget_kept();
+    }
+
+    /// Takes note that another takes its place because the scene was edited. Only one that took long is remembered then.
+    pub fn replace(&mut self) {
+        self.is_replaced = !self.is_long();
+    }
+
+    /// Whether another took its place, and it is nothing to remember.
+    #[must_use]
+    pub fn is_replaced(&self) -> bool {
+        self.is_replaced
+    }
+
+    /// Whether it took so long that it is not given up without being asked for.
+    #[must_use]
+    pub fn is_long(&self) -> bool {
+        self.elapsed() >= LONG
+    }
+
+    /// Whether it ended, took long, and is in no file.
+    #[must_use]
+    pub fn is_unsaved_work(&self) -> bool {
+        let has_ended = matches!(self.outcome, Outcome::Finished { .. } | Outcome::Cancelled);
+        has_ended && self.is_long() && !self.is_saved && self.first_tile.is_some()
     }
 
     /// What holds the render back, for the threads that render.

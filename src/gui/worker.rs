@@ -428,6 +428,9 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         }
         None => render::render_watched(&prepared, region, &run, progress, watch),
     };
+    if let Some(kept) = &request.kept {
+        kept.end_log();
+    }
     if let Some(outcome) = outcome {
         finish(job, request, outcome);
     }

@@ -518,7 +518,7 @@ fn dropped_files_open() {
 }
 
 /// Asks the window to close, as the desktop does.
-fn ask_to_close(window: &mut Window) {
+pub fn ask_to_close(window: &mut Window) {
     fn events(window: &mut Window) -> &mut Vec<egui::ViewportEvent> {
         let viewports = &mut window.harness.input_mut().viewports;
         &mut viewports.entry(egui::ViewportId::ROOT).or_default().events
@@ -570,8 +570,8 @@ fn what_comes_from_outside_waits_for_the_question_that_shows() {
     assert!(!is_told_to_close(&window));
 }
 
-/// Commands that the window sent to the desktop in the last frame.
-fn is_told_to_close(window: &Window) -> bool {
+/// Whether the window told the desktop in the last frame to close it.
+pub fn is_told_to_close(window: &Window) -> bool {
     let output = window.harness.output().viewport_output.values();
     let mut commands = output.flat_map(|viewport| &viewport.commands);
     commands.any(|command| *command == egui::ViewportCommand::Close)

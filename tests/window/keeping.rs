@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
+use crate::everyday::{ask_to_close, is_told_to_close};
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::inspector::Samples;
-use raymini::gui::picture::Picture;
+use raymini::gui::picture::{LONG, Picture};
+use raymini::io::{BlockLog, LoggedBlocks, block_record, describe_render};
+use raymini::render::{Layer, Region};
 
 /// A window that keeps its work in `data`.
 fn open(path: &Path, data: &Path) -> Window {
@@ -281,7 +284,7 @@ fn a_render_that_was_killed_goes_on_to_the_same_bits() {
 
     let mut window = open(&room, &killed);
     asks(&mut window);
-    assert!(window.says("before the render of room was done"));
+    assert!(window.says("before the render of room was saved"));
     window.click("Go on");
     window.until("the render goes on", |app| {
         let share = app.picture().and_then(Picture::goes_on_from);
@@ -390,7 +393,7 @@ fn a_render_goes_on_beside_what_was_edited_since() {
 
     let mut window = open(&files.path("pyramid.off"), &killed);
     asks(&mut window);
-    assert!(window.says("A render was interrupted, and goes on."));
+    assert!(window.says("A render was not saved, and goes on where it was."));
     window.click("Restore");
     window.until("it is finished", |app| {
         app.picture().is_some_and(|picture| !picture.is_running())
@@ -398,6 +401,149 @@ fn a_render_goes_on_beside_what_was_edited_since() {
     assert_eq!(window.hash(), library_hash(&rendered));
     assert_eq!(window.scene().lights.len(), 2);
     assert!(window.app().document().is_modified());
+}
+
+/// The folders of renders in the sessions of `data`.
+fn renders(data: &Path) -> Vec<PathBuf> {
+    let entries = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path()).collect::<Vec<_>>()
+    };
+    let sessions = entries(&data.join("sessions"));
+    let folders = sessions.iter().flat_map(|session| entries(session));
+    folders.filter(|folder| folder.is_dir()).collect()
+}
+
+/// Leaves in `killed` what a process leaves that is killed in a render of the scene at `room`, with some blocks of samples that seem to have
+/// taken very long.
+fn leave_long_render(room: &Path, data: &Path, killed: &Path) {
+    let mut window = open(room, data);
+    window.click("Render");
+    let logged = |data: &Path| {
+        let logs = renders(data).into_iter().map(|it| it.join("blocks-1"));
+        let logged = logs.filter_map(|log| std::fs::metadata(log).ok());
+        logged.map(|log| log.len()).sum::<u64>()
+    };
+    window.just_until("blocks are logged", |_| logged(data) > 1 << 16);
+    window.click("Pause");
+    copy_folder(data, killed);
+    window.click("Cancel");
+    wait_until_no_render_is_kept(&mut window, data);
+    drop(window);
+
+    let [folder] = &renders(killed)[..] else {
+        panic!("one render is kept");
+    };
+    let scene = load(&folder.join("scene.toml"));
+    let region = Region::full(scene.render.width, scene.render.height);
+    let description = describe_render(&scene, region, &Layer::all_of(&scene));
+    let path = folder.join("blocks-1");
+    let known = LoggedBlocks::read(std::slice::from_ref(&path), &description);
+    let mut blocks: Vec<_> = known.headers().iter().collect();
+    blocks.truncate(3);
+    let blocks: Vec<_> = blocks
+        .into_iter()
+        .map(|header| known.find(header.pass, header.tile).expect("it is whole"))
+        .collect();
+    assert!(!blocks.is_empty());
+    let mut log = BlockLog::create(&path, &description).unwrap();
+    for mut block in blocks {
+        block.header.seconds = 2.0 * LONG.as_secs_f64();
+        block.header.cpu_seconds = block.header.seconds;
+        log.append(&block_record(&block)).unwrap();
+    }
+    let _ = std::fs::remove_file(folder.join("checkpoint"));
+}
+
+/// A picture that took long is there again when the program is killed after it is done, and nothing loses it without a question.
+#[test]
+fn a_long_render_is_kept_until_its_picture_is_saved() {
+    let files = Files::new();
+    let text = crate::driver::SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 300");
+    let room = files.write("room.toml", &text);
+    let [data, killed, again] = ["data", "killed", "again"].map(|name| files.path(name));
+    leave_long_render(&room, &data, &killed);
+
+    let finish = |data: &Path| {
+        let mut window = open(&room, data);
+        asks(&mut window);
+        window.click("Go on");
+        window.until("it is finished", |app| {
+            app.picture().is_some_and(|picture| !picture.is_running())
+        });
+        assert!(window.app().picture().unwrap().elapsed() >= 2 * LONG);
+        assert_eq!(window.hash(), library_hash(&load(&room)));
+        window
+    };
+    let mut window = finish(&killed);
+    assert_eq!(renders(&killed).len(), 1);
+    copy_folder(&killed, &again);
+
+    // An edit starts no other one, where one runs; and closing asks.
+    ask_to_close(&mut window);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Pictures)));
+    assert!(!is_told_to_close(&window));
+    window.click("Leave open");
+    window.save_picture(&files.path("room.exr"));
+    let deadline = Instant::now() + DEADLINE;
+    while !renders(&killed).is_empty() {
+        assert!(Instant::now() < deadline, "what is saved is still kept");
+        window.harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    ask_to_close(&mut window);
+    assert!(window.app().dialog().is_none());
+    drop(window);
+
+    let mut window = finish(&again);
+    // Another render takes its place on disk; the picture stays under Renders, and is asked about.
+    window.render();
+    assert_eq!(window.app().renders().entries().len(), 1);
+    ask_to_close(&mut window);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Pictures)));
+}
+
+/// An edit starts a render anew that has just begun, and not one that has run for long.
+#[test]
+fn an_edit_does_not_give_up_a_long_render() {
+    let files = Files::new();
+    let text = crate::driver::SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    let room = files.write("room.toml", &text);
+    let [data, killed] = ["data", "killed"].map(|name| files.path(name));
+    leave_long_render(&room, &data, &killed);
+    let mut window = open(&room, &killed);
+    asks(&mut window);
+    window.click("Go on");
+    window.until("it goes on", |app| {
+        app.picture().and_then(Picture::goes_on_from).is_some()
+    });
+    window.operate("Shadows: Soft");
+    window.harness.run_steps(5);
+    let number = |window: &Window| window.app().picture().map(|picture| picture.number);
+    assert_eq!(number(&window), Some(1));
+    assert!(window.says("settings changed: F5 restarts"));
+    assert!(window.app().renders().entries().is_empty());
+
+    // What it has reached is there when another is asked for, which the next edit starts anew.
+    window.press(Modifiers::NONE, Key::F5);
+    let runs_as = |number| {
+        move |app: &raymini::gui::App| {
+            let picture = app.picture();
+            picture.is_some_and(|p| p.is_running() && p.number == number && p.first_tile.is_some())
+        }
+    };
+    window.until("another runs", runs_as(2));
+    assert_eq!(window.app().renders().entries().len(), 1);
+    window.operate("Shadows: Hard");
+    window.until("it starts anew", |app| {
+        app.picture().is_some_and(|picture| {
+            let shadows = picture.scene.render.shadows;
+            picture.is_running() && shadows == raymini::scene::Shadows::Hard
+        })
+    });
+    assert_eq!(window.app().renders().entries().len(), 1);
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
 }
 
 /// A picture that follows every change is soon another.

@@ -45,6 +45,7 @@ impl App {
                 self.decide(ctx, intent, decision);
             }
             Some(Dialog::Running) => self.running_ui(ctx),
+            Some(Dialog::Pictures) => self.pictures_ui(ctx),
             Some(Dialog::Import(mut import)) => {
                 let decision = import.decide_ui(ctx, &self.document.scene);
                 self.decide_about_import(import, decision);
@@ -69,18 +70,6 @@ impl App {
                     self.dialog = Some(Dialog::Path(field));
                 }
             },
-        }
-    }
-
-    /// Asks about what runs, as long as it does.
-    fn running_ui(&mut self, ctx: &egui::Context) {
-        let Some((what, share)) = self.running_work() else {
-            return self.close(ctx);
-        };
-        match question::running_ui(ctx, what, share) {
-            Some(true) => self.close(ctx),
-            Some(false) => {}
-            None => self.dialog = Some(Dialog::Running),
         }
     }
 

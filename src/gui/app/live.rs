@@ -32,8 +32,8 @@ impl App {
         }
     }
 
-    /// Starts a render anew whose scene was edited while it is looked at, where it runs or is to follow every change. In the preview,
-    /// editing goes on beside it.
+    /// Starts a render anew whose scene was edited while it is looked at, where it runs and has not run for long, or is to follow every
+    /// change. In the preview, editing goes on beside it.
     pub(super) fn restart_edited_render(&mut self) {
         let is_shown = self.view == View::Picture && self.shown_render.is_none();
         let picture = self.picture.as_ref().filter(|_| is_shown);
@@ -42,10 +42,11 @@ impl App {
         let picture =
             picture.filter(|picture| !picture.is_paused() && !self.goes_on_as_it_was(picture));
         let is_followed = self.is_live && can_start && self.waiting_render.is_none();
-        let is_wanted = |p: &Picture| (p.is_running() || is_followed) && self.is_outdated(p);
+        let is_given_up = |p: &Picture| p.is_running() && !p.is_long();
+        let is_wanted = |p: &Picture| (is_given_up(p) || is_followed) && self.is_outdated(p);
         if picture.is_some_and(is_wanted) {
             if let Some(picture) = &mut self.picture {
-                picture.is_replaced = true;
+                picture.replace();
             }
             self.ask_for_render();
         }

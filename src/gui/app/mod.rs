@@ -540,11 +540,10 @@ impl App {
         }
     }
 
-    /// Closing the window waits for unsaved work, and what runs, to be decided about.
+    /// Closing the window waits for unsaved work, what runs and unsaved pictures to be decided about.
     fn take_close_request(&mut self, ctx: &egui::Context) {
         let asked = ctx.input(|input| input.viewport().close_requested());
-        let holds_up = self.document.is_modified() || self.running_work().is_some();
-        if asked && !self.may_close && holds_up {
+        if asked && !self.may_close && self.holds_up_closing() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.ask_to_close();
         }

@@ -110,9 +110,16 @@ impl App {
             Event::SceneSaved { file, path, result } => self.scene_saved(ctx, file, path, result),
             Event::PictureSaved {
                 path,
+                number,
                 is_whole,
+                is_final,
                 result,
-            } => self.picture_saved(&path, is_whole, result),
+            } => {
+                if result.is_ok() && is_final {
+                    self.picture_is_saved(number);
+                }
+                self.picture_saved(&path, is_whole, result);
+            }
             Event::PathsChosen(answer) => self.paths_chosen(answer),
             Event::ReportGrew(findings) => self.report.set_findings(findings),
             Event::Reported(result) => self.reported(&result),

@@ -163,7 +163,7 @@ impl App {
     /// Starts a render as soon as its geometry is there; one that runs is given up.
     pub(super) fn ask_for_render(&mut self) {
         if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
-            picture.is_replaced = true;
+            picture.replace();
             self.cancel_render();
         }
         self.cancel_measuring_costs();
@@ -238,6 +238,8 @@ impl App {
         let first_look = is_awaited.then(|| picture.first_look.clone());
         let number = picture.number;
         let throttle = picture.throttle().clone();
+        let kept = kept.map(Arc::new);
+        picture.keep_in(kept.clone());
         self.picture = Some(picture);
         self.view = View::Picture;
 
@@ -253,7 +255,7 @@ impl App {
             buffer,
             progress,
             tile_delay: self.refresh_interval(),
-            kept: kept.map(Arc::new),
+            kept,
             goes_on,
         };
         self.jobs.cancel(Lane::Encode);
@@ -277,7 +279,10 @@ impl App {
 
     /// What the render that starts now is called among those of this session. One that it takes the place of was none.
     fn name_of_next_picture(&self) -> String {
-        let present = self.picture.as_ref().filter(|picture| !picture.is_replaced);
+        let present = self
+            .picture
+            .as_ref()
+            .filter(|picture| !picture.is_replaced());
         let present = present.map(|picture| (picture.scene_name.as_str(), &picture.scene));
         let past = self.renders.entries().last();
         let past = past.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));

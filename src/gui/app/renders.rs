@@ -134,9 +134,11 @@ impl App {
     }
 
     /// Remembers a render that makes room for another, if it is worth it.
-    pub(super) fn keep_render(&mut self, picture: Picture) {
+    pub(super) fn keep_render(&mut self, mut picture: Picture) {
+        // On disk there is one at a time.
+        picture.forget_kept();
         // Those that edits start anew would push all others out of the plot.
-        let is_in_plot = !picture.is_replaced && self.error_plot.keep(&picture);
+        let is_in_plot = !picture.is_replaced() && self.error_plot.keep(&picture);
         let is_wanted = Renders::wants(&picture);
         if is_in_plot || is_wanted {
             self.render_count = picture.number;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::App;
 use crate::gui::dialogs::files::FilePurpose;
-use crate::gui::dialogs::question::Decision;
+use crate::gui::dialogs::question::{self, Decision};
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
@@ -80,6 +80,7 @@ impl App {
         let buffer = Arc::clone(&picture.buffer);
         let mut scene = picture.scene.clone();
         scene.output = self.document.scene.output;
+        let (number, is_final) = (picture.number, !picture.is_running());
         let last = picture.errors().last();
         let (is_whole, error) = match picture.outcome {
             Outcome::Opened { error, .. } => (true, error),
@@ -91,10 +92,19 @@ impl App {
             let result = worker::save_picture(&buffer, &scene, error, &path);
             job.send(Event::PictureSaved {
                 path,
+                number,
                 is_whole,
+                is_final,
                 result,
             });
         });
+    }
+
+    /// A file has all there will be of the picture of render `number`.
+    pub(super) fn picture_is_saved(&mut self, number: usize) {
+        if let Some(picture) = self.picture_of_mut(number) {
+            picture.set_saved();
+        }
     }
 
     /// `is_whole`: whether the picture was finished.
@@ -120,18 +130,77 @@ impl App {
         }
     }
 
-    /// Asks about unsaved work, and then about what runs, before the window closes.
+    /// Whether closing the window would lose something.
+    pub(super) fn holds_up_closing(&self) -> bool {
+        self.document.is_modified() || self.question_to_close().is_some()
+    }
+
+    /// Asks about unsaved work, then about what runs, then about unsaved pictures, before the window closes.
     pub(super) fn ask_to_close(&mut self) {
-        let is_asked =
-            |dialog: &Dialog| matches!(dialog, Dialog::Unsaved(Intent::Close) | Dialog::Running);
+        let is_asked = |dialog: &Dialog| {
+            matches!(
+                dialog,
+                Dialog::Unsaved(Intent::Close) | Dialog::Running | Dialog::Pictures
+            )
+        };
         if self.dialog.as_ref().is_some_and(is_asked) {
             return;
         }
-        self.ask_first(if self.document.is_modified() {
-            Dialog::Unsaved(Intent::Close)
+        let question = if self.document.is_modified() {
+            Some(Dialog::Unsaved(Intent::Close))
         } else {
-            Dialog::Running
-        });
+            self.question_to_close()
+        };
+        if let Some(question) = question {
+            self.ask_first(question);
+        }
+    }
+
+    /// What is asked before the window closes, the scene aside.
+    fn question_to_close(&self) -> Option<Dialog> {
+        if self.running_work().is_some() {
+            return Some(Dialog::Running);
+        }
+        (!self.unsaved_pictures().is_empty()).then_some(Dialog::Pictures)
+    }
+
+    /// Names of the renders that took long and are in no file, oldest first.
+    pub(super) fn unsaved_pictures(&self) -> Vec<&str> {
+        let present = self.picture.as_ref();
+        let present = present.filter(|picture| picture.is_unsaved_work());
+        let present = present.map(|picture| picture.name.as_str());
+        self.renders.unsaved().chain(present).collect()
+    }
+
+    /// Closes the window once nobody minds what is lost by that, the scene aside.
+    fn close_unless_asked(&mut self, ctx: &egui::Context) {
+        match self.question_to_close() {
+            Some(question) => self.ask(question),
+            None => self.close(ctx),
+        }
+    }
+
+    /// Asks about what runs, as long as it does.
+    pub(super) fn running_ui(&mut self, ctx: &egui::Context) {
+        let Some((what, share)) = self.running_work() else {
+            return self.close_unless_asked(ctx);
+        };
+        match question::running_ui(ctx, what, share) {
+            // Who gives up what runs does not mind other pictures.
+            Some(true) => self.close(ctx),
+            Some(false) => {}
+            None => self.dialog = Some(Dialog::Running),
+        }
+    }
+
+    /// Asks about pictures that are in no file.
+    pub(super) fn pictures_ui(&mut self, ctx: &egui::Context) {
+        let names = self.unsaved_pictures();
+        match question::pictures_ui(ctx, &names) {
+            Some(true) => self.close(ctx),
+            Some(false) => {}
+            None => self.dialog = Some(Dialog::Pictures),
+        }
     }
 
     /// What runs that somebody asked for, in a word, and its done part, `0..=1`.
@@ -166,8 +235,7 @@ impl App {
         match intent {
             Intent::Open(paths) => self.load(paths),
             Intent::Import(import) => self.replace_by(*import),
-            Intent::Close if self.running_work().is_some() => self.ask(Dialog::Running),
-            Intent::Close => self.close(ctx),
+            Intent::Close => self.close_unless_asked(ctx),
         }
     }
 }

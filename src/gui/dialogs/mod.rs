@@ -28,6 +28,8 @@ pub enum Dialog {
     Unsaved(Intent),
     /// A render or a report is about to be given up with the window.
     Running,
+    /// Pictures that took long are about to be lost with the window.
+    Pictures,
     /// Meshes were read, and it is to be said what becomes of them.
     Import(Box<Import>),
     /// Work that a window before did not save.

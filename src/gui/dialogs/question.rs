@@ -3,6 +3,8 @@
 use egui::RichText;
 
 use super::{Intent, buttons_ui, modal_ui};
+use crate::gui::picture::LONG;
+use crate::gui::status_bar::duration;
 use crate::gui::widgets::primary_button;
 
 /// What the user decided.
@@ -98,6 +100,45 @@ pub fn running_ui(ctx: &egui::Context, what: &str, share: f64) -> Option<bool> {
                 .clicked()
                 .then_some(true)
                 .or(go_on.clicked().then_some(false))
+        })
+    });
+    let is_over = response.should_close() || is_confirmed(ctx);
+    response.inner.or(is_over.then_some(false))
+}
+
+/// Asks before pictures of these names, which are in no file, are lost with the window. `Some(true)` to lose them, `Some(false)` to leave the
+/// window open; `None` while nothing is decided.
+#[must_use]
+pub fn pictures_ui(ctx: &egui::Context, names: &[&str]) -> Option<bool> {
+    /// Names that are listed.
+    const MOST: usize = 4;
+    let response = modal_ui(ctx, "pictures", 440.0, |ui| {
+        let (heading, they) = match names {
+            [_] => ("Close without saving the picture?", "It is"),
+            _ => ("Close without saving the pictures?", "They are"),
+        };
+        ui.heading(heading);
+        ui.add_space(4.0);
+        for name in names.iter().take(MOST) {
+            ui.label(*name);
+        }
+        if names.len() > MOST {
+            ui.label(format!("and {} more", names.len() - MOST));
+        }
+        let least = duration(LONG);
+        let text = format!("{they} in no file, took {least} or more to render, and would be lost.");
+        ui.label(RichText::new(text).weak());
+        buttons_ui(ui, |ui| {
+            let stay = ui
+                .add(primary_button("Leave open"))
+                .on_hover_text("Leave the window open, to save what is under Renders");
+            let close = ui
+                .button("Close without saving")
+                .on_hover_text("Close the window; the pictures are lost");
+            close
+                .clicked()
+                .then_some(true)
+                .or(stay.clicked().then_some(false))
         })
     });
     let is_over = response.should_close() || is_confirmed(ctx);

@@ -38,10 +38,10 @@ pub fn recovery_ui(ctx: &egui::Context, lost: &Lost) -> Answer {
         ui.label(if is_unsaved {
             format!("RayMini ended before the changes to {name} were saved. They were made {age}.")
         } else {
-            format!("RayMini ended before the render of {name} was done. It was kept {age}.")
+            format!("RayMini ended before the render of {name} was saved. It was kept {age}.")
         });
         if is_unsaved && lost.render().is_some() {
-            ui.label("A render was interrupted, and goes on.");
+            ui.label("A render was not saved, and goes on where it was.");
         }
         if is_unsaved && let Some(path) = &lost.about.path {
             let text = format!("{} is as it was saved last.", path.display());

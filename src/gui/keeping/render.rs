@@ -1,4 +1,5 @@
-//! A running render on disk: its scene, and what it has reached. A folder of the session's, which goes when the render ends.
+//! A render on disk: its scene, and what it has reached. A folder of the session's, which goes when nobody needs it any more: when the render
+//! ends, or, where it took long, when its picture is saved or another render takes its place.
 //!
 //! What it has reached is a checkpoint now and then, and logs of the blocks of samples that tiles got since. With every checkpoint a new log
 //! begins, and those before it go once the checkpoint is there.
@@ -171,6 +172,11 @@ impl KeptRender {
             logs.current = None;
             let _ = fs::remove_file(self.log_file(logs.number));
         }
+    }
+
+    /// Closes the log that grows: the render ends.
+    pub fn end_log(&self) {
+        self.logs().current = None;
     }
 
     fn keep_scene_once(&self, logs: &mut Logs, scene: &Scene) -> Result<(), String> {

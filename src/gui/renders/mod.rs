@@ -176,6 +176,13 @@ impl Renders {
         &self.entries
     }
 
+    /// Names of those that took long and are in no file.
+    pub fn unsaved(&self) -> impl Iterator<Item = &str> {
+        let pictures = self.entries.iter().filter_map(|e| e.picture.as_ref());
+        let unsaved = pictures.filter(|picture| picture.is_unsaved_work());
+        unsaved.map(|picture| picture.name.as_str())
+    }
+
     /// The picture of render `number`, if it is still kept.
     #[must_use]
     pub fn picture(&self, number: usize) -> Option<&Picture> {
@@ -200,7 +207,7 @@ impl Renders {
     #[must_use]
     pub fn wants(picture: &Picture) -> bool {
         let is_seen = picture.first_tile.is_some();
-        is_seen && !picture.is_replaced && !picture.is_running()
+        is_seen && !picture.is_replaced() && !picture.is_running()
     }
 
     /// Takes in a render that makes room for another. `present`: the scene being edited, whose meshes and images are in memory anyway.
@@ -354,6 +361,7 @@ impl Freed {
 mod tests {
     use super::*;
     use crate::geometry::TriangleMesh;
+    use crate::gui::picture::LONG;
     use crate::math::DVec3;
     use crate::render::{Layer, RenderProgress, RenderStats};
     use crate::scene::{Display, RadianceMap, Texels, TextureImage};
@@ -466,8 +474,12 @@ mod tests {
     #[test]
     fn a_render_that_an_edit_replaced_is_not_remembered() {
         let mut replaced = picture(1);
-        replaced.is_replaced = true;
+        replaced.replace();
         assert!(!Renders::wants(&replaced));
+        let mut long = picture(1);
+        long.go_on_after(LONG, 0.5);
+        long.replace();
+        assert!(Renders::wants(&long), "it is too much to lose");
         let mut unseen = picture(1);
         unseen.first_tile = None;
         assert!(!Renders::wants(&unseen));
