@@ -1,8 +1,9 @@
 //! A picture on the screen that is filled in piece by piece, over a coarse one where that came first.
 //!
 //! What goes to the graphics driver costs the window's thread some of the time it has for a frame: each call a little, and each new
-//! texture, and each large block of memory on the way there, much. So a picture is cut into bands, each a texture of its own, which is made when
-//! the first piece lies in it; pieces side by side go there together; and what does not fit into a frame waits for the next.
+//! texture, and each large block of memory on the way there, much. So a picture is cut into cells, each a texture of its own, which is made when
+//! the first piece lies in it: bands as wide as the picture, or as a texture may be. Pieces side by side in a cell go there together; and what does
+//! not fit into a frame waits for the next.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +12,7 @@ use egui::{
     pos2, vec2,
 };
 
-use super::picture_buffer::{CoarseTexels, EncodedTile};
+use super::picture_buffer::{CoarseTexels, EncodedTile, Grid};
 
 /// Sharp pixels when enlarged, smooth when reduced.
 const OPTIONS: TextureOptions = TextureOptions {
@@ -19,8 +20,6 @@ const OPTIONS: TextureOptions = TextureOptions {
     minification: TextureFilter::Linear,
     ..TextureOptions::NEAREST
 };
-/// Rows of a band, in texels.
-const BAND: usize = 64;
 /// What a frame may spend on pieces, and how many texels it may hand on: the driver takes its time for each.
 const BUDGET: Duration = Duration::from_micros(700);
 const MOST_TEXELS: usize = 1 << 17;
@@ -30,9 +29,8 @@ const MOST_TEXELS: usize = 1 << 17;
 pub struct Canvas {
     coarse: Option<(TextureHandle, Rect)>,
     new_coarse: Option<CoarseTexels>,
-    /// Width and height in texels.
-    size: [usize; 2],
-    bands: Vec<Band>,
+    grid: Grid,
+    cells: Vec<Cell>,
     pending: Vec<Waiting>,
     /// Texels that were put on it, until they are all there are.
     covered: usize,
@@ -47,9 +45,19 @@ struct Waiting {
     turn: usize,
 }
 
-/// Some rows of a picture.
+impl Waiting {
+    fn new(piece: EncodedTile, turn: usize) -> Self {
+        Self {
+            place: place_of(&piece),
+            piece,
+            turn,
+        }
+    }
+}
+
+/// Some columns and rows of a picture.
 #[derive(Default)]
-struct Band {
+struct Cell {
     texture: Option<TextureHandle>,
     /// Whether what the texture shows is of the present picture.
     is_current: bool,
@@ -95,23 +103,24 @@ impl Canvas {
         self.new_coarse = Some(texels);
     }
 
-    /// Shows what was taken in, on textures of `size` texels, as much as a frame has time for.
+    /// Shows what was taken in of a picture of `size` texels, as much as a frame has time for.
     pub fn flush(&mut self, ctx: &egui::Context, size: [usize; 2]) {
+        let largest_texture = ctx.input(|input| input.max_texture_side);
         if let Some(coarse) = self.new_coarse.take() {
-            self.show_coarse(ctx, coarse);
+            self.show_coarse(ctx, coarse.within(largest_texture));
         }
         if self.pending.is_empty() {
             return;
         }
-        if self.size != size {
-            self.size = size;
+        let grid = Grid::of(size, largest_texture);
+        if self.grid != grid {
+            self.grid = grid;
             self.covered = 0;
-            self.bands.clear();
-            self.bands
-                .resize_with(size[1].div_ceil(BAND), Band::default);
+            self.cells.clear();
+            self.cells.resize_with(grid.count(), Cell::default);
         }
         let started = Instant::now();
-        let mut runs = joined(std::mem::take(&mut self.pending)).into_iter();
+        let mut runs = joined(std::mem::take(&mut self.pending), grid).into_iter();
         let mut texels = 0;
         for run in runs.by_ref() {
             texels += run.piece.pixels.pixels.len();
@@ -130,8 +139,8 @@ impl Canvas {
 
     fn show_coarse(&mut self, ctx: &egui::Context, CoarseTexels { pixels, share }: CoarseTexels) {
         self.covered = 0;
-        for band in &mut self.bands {
-            band.is_current = false;
+        for cell in &mut self.cells {
+            cell.is_current = false;
         }
         let part = Rect::from_min_max(pos2(0.0, 0.0), share.to_pos2());
         if let Some((texture, shown)) = &mut self.coarse {
@@ -143,47 +152,37 @@ impl Canvas {
         }
     }
 
-    /// Puts a piece on the bands that it lies in.
+    /// Puts a piece on the cell that it lies in.
     fn show(&mut self, ctx: &egui::Context, EncodedTile { position, pixels }: EncodedTile) {
-        let [x, top] = position;
-        let [columns, rows] = pixels.size;
-        let whole = self.size[0] * self.size[1];
-        self.covered = (self.covered + columns * rows).min(whole);
-        let mut texels = Some(pixels);
-        for number in top / BAND..(top + rows).div_ceil(BAND) {
-            let first = number * BAND;
-            let height = BAND.min(self.size[1] - first);
-            let inside = top.max(first)..(top + rows).min(first + height);
-            let part = if inside.len() == rows {
-                texels.take().expect("it lies in one band")
-            } else {
-                let whole = texels.as_ref().expect("it lies in several bands");
-                rows_of(whole, inside.start - top..inside.end - top)
-            };
-            let band = &mut self.bands[number];
-            let is_all = part.size == [self.size[0], height];
-            match &mut band.texture {
-                Some(texture) if is_all => texture.set(part, OPTIONS),
-                Some(texture) => {
-                    if !band.is_current {
-                        texture.set(clear([self.size[0], height]), OPTIONS);
-                    }
-                    texture.set_partial([x, inside.start - first], part, OPTIONS);
+        let [width, height] = self.grid.size();
+        self.covered = (self.covered + pixels.pixels.len()).min(width * height);
+        let number = self.grid.cell_at(position);
+        let [columns, rows] = self.grid.texels(number);
+        let size = [columns.len(), rows.len()];
+        let at = [position[0] - columns.start, position[1] - rows.start];
+        let is_all = pixels.size == size;
+        let cell = &mut self.cells[number];
+        match &mut cell.texture {
+            Some(texture) if is_all => texture.set(pixels, OPTIONS),
+            Some(texture) => {
+                if !cell.is_current {
+                    texture.set(clear(size), OPTIONS);
                 }
-                place @ None => {
-                    let load = |image| ctx.load_texture("picture", image, OPTIONS);
-                    let texture = if is_all {
-                        load(part)
-                    } else {
-                        let mut texture = load(clear([self.size[0], height]));
-                        texture.set_partial([x, inside.start - first], part, OPTIONS);
-                        texture
-                    };
-                    *place = Some(texture);
-                }
+                texture.set_partial(at, pixels, OPTIONS);
             }
-            band.is_current = true;
+            place @ None => {
+                let load = |image| ctx.load_texture("picture", image, OPTIONS);
+                let texture = if is_all {
+                    load(pixels)
+                } else {
+                    let mut texture = load(clear(size));
+                    texture.set_partial(at, pixels, OPTIONS);
+                    texture
+                };
+                *place = Some(texture);
+            }
         }
+        cell.is_current = true;
     }
 
     /// All there is to show, each over the one before.
@@ -193,24 +192,22 @@ impl Canvas {
             place: WHOLE,
             part: *part,
         });
-        let rows = self.size[1].max(1) as f32;
-        let bands = self
-            .bands
-            .iter()
-            .enumerate()
-            .filter_map(move |(number, band)| {
-                let texture = band.texture.as_ref().filter(|_| band.is_current)?;
-                let edge = |number: usize| (number * BAND) as f32 / rows;
-                Some(CanvasLayer {
-                    texture: texture.id(),
-                    place: Rect::from_min_max(
-                        pos2(0.0, edge(number)),
-                        pos2(1.0, edge(number + 1).min(1.0)),
-                    ),
-                    part: WHOLE,
-                })
-            });
-        coarse.into_iter().chain(bands)
+        let [width, height] = self.grid.size().map(|side| side.max(1) as f32);
+        let cells = self.cells.iter().enumerate();
+        let cells = cells.filter_map(move |(number, cell)| {
+            let texture = cell.texture.as_ref().filter(|_| cell.is_current)?;
+            let [columns, rows] = self.grid.texels(number);
+            let corner = |x: usize, y: usize| pos2(x as f32 / width, y as f32 / height);
+            Some(CanvasLayer {
+                texture: texture.id(),
+                place: Rect::from_min_max(
+                    corner(columns.start, rows.start),
+                    corner(columns.end, rows.end),
+                ),
+                part: WHOLE,
+            })
+        });
+        coarse.into_iter().chain(cells)
     }
 
     /// Whether there is anything to show.
@@ -240,20 +237,13 @@ impl Canvas {
     }
 
     fn is_filled(&self) -> bool {
-        let [width, height] = self.size;
-        !self.bands.is_empty() && self.covered >= width * height
+        let [width, height] = self.grid.size();
+        !self.cells.is_empty() && self.covered >= width * height
     }
 }
 
 fn clear(size: [usize; 2]) -> ColorImage {
     ColorImage::filled(size, Color32::TRANSPARENT)
-}
-
-/// Some rows of an image.
-fn rows_of(image: &ColorImage, rows: std::ops::Range<usize>) -> ColorImage {
-    let width = image.size[0];
-    let texels = image.pixels[rows.start * width..rows.end * width].to_vec();
-    ColorImage::new([width, rows.len()], texels)
 }
 
 /// Whether two places have more than an edge in common.
@@ -268,8 +258,13 @@ fn place_of(piece: &EncodedTile) -> Rect {
     Rect::from_min_size(pos2(x, y), vec2(width, height))
 }
 
-/// The pieces in the order in which they go, those of one turn that lie side by side joined.
-fn joined(mut pieces: Vec<Waiting>) -> Vec<Waiting> {
+/// The pieces in the order in which they go, each in one cell: cut where they are not, and those of one turn that lie side by side joined.
+fn joined(pieces: Vec<Waiting>, grid: Grid) -> Vec<Waiting> {
+    let cut = |Waiting { piece, turn, .. }| {
+        let parts = grid.cut(piece).into_iter();
+        parts.map(move |part| Waiting::new(part, turn))
+    };
+    let mut pieces: Vec<Waiting> = pieces.into_iter().flat_map(cut).collect();
     pieces.sort_by_key(|Waiting { piece, turn, .. }| {
         let [x, y] = piece.position;
         (*turn, y, piece.pixels.size[1], x)
@@ -277,18 +272,21 @@ fn joined(mut pieces: Vec<Waiting>) -> Vec<Waiting> {
     let mut runs: Vec<Vec<Waiting>> = Vec::new();
     for piece in pieces {
         match runs.last_mut() {
-            Some(run) if run.last().is_some_and(|last| continues(last, &piece)) => run.push(piece),
+            Some(run) if run.last().is_some_and(|last| continues(last, &piece, grid)) => {
+                run.push(piece);
+            }
             _ => runs.push(vec![piece]),
         }
     }
     runs.into_iter().map(side_by_side).collect()
 }
 
-/// Whether `next` lies beside `last`, as high as that, and goes with it.
-fn continues(last: &Waiting, next: &Waiting) -> bool {
+/// Whether `next` lies beside `last` in its cell, as high as that, and goes with it.
+fn continues(last: &Waiting, next: &Waiting, grid: Grid) -> bool {
     let [x, y] = last.piece.position;
     let [width, height] = last.piece.pixels.size;
-    let is_beside = next.piece.position == [x + width, y];
+    let is_beside = next.piece.position == [x + width, y]
+        && grid.cell_at(next.piece.position) == grid.cell_at([x, y]);
     next.turn == last.turn && is_beside && next.piece.pixels.size[1] == height
 }
 
@@ -310,11 +308,7 @@ fn side_by_side(mut run: Vec<Waiting>) -> Waiting {
         position: run[0].piece.position,
         pixels: ColorImage::new([width, height], texels),
     };
-    Waiting {
-        place: place_of(&piece),
-        turn: run[0].turn,
-        piece,
-    }
+    Waiting::new(piece, run[0].turn)
 }
 
 #[cfg(test)]
@@ -405,7 +399,8 @@ mod tests {
         ] {
             canvas.put(piece);
         }
-        let runs = joined(canvas.pending).into_iter().map(|run| run.piece);
+        let runs = joined(canvas.pending, Grid::of([10, 4], 2048));
+        let runs = runs.into_iter().map(|run| run.piece);
         let runs: Vec<_> = runs.collect();
         let places: Vec<_> = runs.iter().map(|r| (r.position, r.pixels.size)).collect();
         let expected = [
@@ -465,7 +460,7 @@ mod tests {
         }
         // Those of the next pass take the place of those that do not show yet.
         canvas.put(piece([32, 32], [32, 32], 2));
-        let runs = joined(canvas.pending);
+        let runs = joined(canvas.pending, Grid::of([128, 64], 2048));
         let sizes: Vec<_> = runs.iter().map(|run| run.piece.pixels.size).collect();
         assert_eq!(sizes, [[128, 32]; 2]);
         let row = &runs[1].piece.pixels;
@@ -498,6 +493,104 @@ mod tests {
             screen.texel(&canvas, [49, 149], size),
             Some(Color32::from_gray(9))
         );
+    }
+
+    #[test]
+    fn pieces_show_where_they_belong_across_the_edges_of_columns() {
+        let (ctx, size) = (egui::Context::default(), [4100, 130]);
+        let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+        // Three columns, the last a texel narrower, of three bands; the piece lies in six of these.
+        let edges = [1367, 2734];
+        canvas.put(piece([1300, 60], [1500, 10], 7));
+        flush_all(&mut canvas, &ctx, size);
+        screen.take(&ctx);
+        assert_eq!((canvas.covered, canvas.layers().count()), (15_000, 6));
+        let at = |place| screen.texel(&canvas, place, size);
+        for column in [1300, edges[0] - 1, edges[0], edges[1] - 1, edges[1], 2799] {
+            for row in [60, 63, 64, 69] {
+                let color = at([column, row]);
+                assert_eq!(color, Some(Color32::from_gray(7)), "{column}, {row}");
+            }
+            assert_eq!((at([column, 59]), at([column, 70])), (None, None));
+        }
+        assert_eq!((at([1299, 65]), at([2800, 65])), (None, None));
+
+        // A coarse picture takes its place, and another piece lies over that.
+        canvas.put_coarse(CoarseTexels {
+            pixels: ColorImage::filled([513, 17], Color32::from_gray(9)),
+            share: vec2(4100.0 / 4104.0, 130.0 / 136.0),
+        });
+        canvas.put(piece([2730, 100], [8, 30], 8));
+        flush_all(&mut canvas, &ctx, size);
+        screen.take(&ctx);
+        assert!(canvas.is_covered());
+        let at = |place| screen.texel(&canvas, place, size);
+        for place in [[0, 0], [1400, 65], [2729, 110], [2738, 110], [4099, 129]] {
+            assert_eq!(at(place), Some(Color32::from_gray(9)), "{place:?}");
+        }
+        for place in [[2730, 100], [2733, 129], [2734, 127], [2737, 128]] {
+            assert_eq!(at(place), Some(Color32::from_gray(8)), "{place:?}");
+        }
+
+        // A piece as large as the picture covers all of it at once.
+        canvas.put(piece([0, 0], size, 10));
+        flush_all(&mut canvas, &ctx, size);
+        screen.take(&ctx);
+        assert!(canvas.coarse.is_none() && canvas.is_covered());
+        assert_eq!(canvas.layers().count(), 9);
+        let at = |place| screen.texel(&canvas, place, size);
+        for place in [[0, 0], [1366, 63], [1367, 64], [4099, 129]] {
+            assert_eq!(at(place), Some(Color32::from_gray(10)), "{place:?}");
+        }
+    }
+
+    #[test]
+    fn tiles_are_joined_up_to_the_edge_of_a_column() {
+        let mut canvas = Canvas::default();
+        for x in [64, 0, 96, 32] {
+            canvas.put(piece([x, 0], [32, 32], 1));
+        }
+        // Two columns of 70 and 69 texels.
+        let runs = joined(canvas.pending, Grid::of([139, 40], 100));
+        let runs = runs.into_iter().map(|run| run.piece);
+        let places: Vec<_> = runs.map(|run| (run.position, run.pixels.size)).collect();
+        assert_eq!(places, [([0, 0], [70, 32]), ([70, 0], [58, 32])]);
+    }
+
+    #[test]
+    fn a_piece_wider_than_a_frame_has_time_for_is_shown_over_several() {
+        let (ctx, size) = (egui::Context::default(), [8192, 64]);
+        let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+        canvas.put(piece([0, 0], size, 1));
+        for waiting in (0..4).rev() {
+            canvas.flush(&ctx, size);
+            assert_eq!(screen.take(&ctx), 2048 * 64);
+            assert_eq!(canvas.pending.len(), waiting);
+        }
+        assert!(canvas.is_covered());
+        // All of a cell takes the place of its texture.
+        canvas.put(piece([2048, 0], [2048, 64], 2));
+        canvas.flush(&ctx, size);
+        assert_eq!(screen.take(&ctx), 2048 * 64);
+        assert_eq!(screen.0.len(), 4);
+        let at = |x| screen.texel(&canvas, [x, 3], size).map(|color| color.r());
+        assert_eq!([2047, 2048, 4095, 4096].map(at), [1, 2, 2, 1].map(Some));
+    }
+
+    #[test]
+    fn a_coarse_picture_larger_than_a_texture_is_shown_as_one_that_fits() {
+        let (ctx, size) = (egui::Context::default(), [12_000, 8]);
+        let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+        let shades = (0..6000).map(|index| Color32::from_gray(if index < 3000 { 1 } else { 2 }));
+        canvas.put_coarse(CoarseTexels {
+            pixels: ColorImage::new([3000, 2], shades.collect()),
+            share: vec2(1.0, 1.0),
+        });
+        canvas.flush(&ctx, size);
+        assert_eq!(screen.take(&ctx), 1500);
+        assert!(canvas.is_covered());
+        let color = screen.texel(&canvas, [11_999, 7], size);
+        assert_eq!(color, Some(Color32::from_gray(1)));
     }
 
     #[test]

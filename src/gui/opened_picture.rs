@@ -23,15 +23,14 @@ pub struct OpenedPicture {
 }
 
 impl OpenedPicture {
-    /// The picture in `path`, a file of a render of `scene`, to be shown on textures of at most `largest_texture` texels a side. `None` where
-    /// it has been given a look that cannot be taken back, as a PNG holds what the screen showed, and when cancelled.
+    /// The picture in `path`, a file of a render of `scene`. `None` where it has been given a look that cannot be taken back, as a PNG holds
+    /// what the screen showed, and when cancelled.
     ///
     /// # Errors
     /// Why it cannot be read, in words.
     pub fn read(
         path: &Path,
         scene: &Scene,
-        largest_texture: u32,
         cancel: &CancelToken,
     ) -> Result<Option<Self>, io::PictureError> {
         // What is awaited is the scene; a picture comes along in no time, unless it is huge.
@@ -53,7 +52,7 @@ impl OpenedPicture {
         let layers = layers.into_iter().filter(is_as_large).collect();
         let origin = WrittenOrigin::of_file(path).unwrap_or_default();
         let hash = file.is_linear.then(|| file.image.hash());
-        let buffer = PictureBuffer::of_render(file.image, layers, scene.display, largest_texture);
+        let buffer = PictureBuffer::of_render(file.image, layers, scene.display);
         Ok(Some(Self {
             buffer: Arc::new(buffer),
             hash,

@@ -170,7 +170,7 @@ impl Picture {
 
     /// Puts the tiles that were taken in on the screen.
     pub fn show_tiles(&mut self, ctx: &egui::Context) {
-        self.canvas.flush(ctx, self.buffer.texture_size());
+        self.canvas.flush(ctx, self.buffer.size_in_texels());
     }
 
     /// Goes on showing what `previous` showed until the first tiles are there, where both are of one part of a picture.

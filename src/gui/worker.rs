@@ -86,12 +86,7 @@ pub struct Gpu {
 }
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
-pub fn load_scene(
-    job: &Job<Event>,
-    paths: Vec<PathBuf>,
-    progress: &Progress,
-    largest_texture: u32,
-) {
+pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     let loaded = match paths.as_slice() {
         [] => Ok(Some(LoadedScene {
             scene: io::demo_scene(),
@@ -106,7 +101,7 @@ pub fn load_scene(
     if let ([path], Ok(loaded)) = (&paths[..], &mut result)
         && io::is_render_file(path)
     {
-        match OpenedPicture::read(path, &loaded.scene, largest_texture, &job.cancel) {
+        match OpenedPicture::read(path, &loaded.scene, &job.cancel) {
             Ok(found) => picture = found,
             Err(error) => loaded
                 .warnings

@@ -1,10 +1,11 @@
 //! Two pictures against each other: wipe, flip, difference, and how far they are apart.
 
-use crate::driver::{Files, Window, set_samples};
+use crate::driver::{Files, SCENE, Window, set_samples};
 use egui::{Key, Modifiers, PointerButton, Vec2};
 use egui_kittest::kittest::Queryable;
 use raymini::analysis::Metrics;
 use raymini::gui::compare::{Distance, Mode};
+use raymini::gui::jobs::Lane;
 use raymini::render::Image;
 
 fn distance(window: &Window) -> Distance {
@@ -98,6 +99,51 @@ fn two_renders_are_compared_by_wipe_flip_and_difference() {
     assert!(window.says("the same, bit for bit"));
     window.click("Close");
     assert!(window.app().comparison().is_none());
+}
+
+/// Red along a row of the screen, a little below the middle of the picture.
+fn row(window: &mut Window) -> Vec<u8> {
+    let middle = window.rect("Viewport").center();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "pixels"
+    )]
+    let [x, y] = [middle.x as u32, middle.y as u32 + 20];
+    let screen = window.harness.render().unwrap();
+    let columns = x - 200..x + 200;
+    columns.map(|x| screen.get_pixel(x, y).0[0]).collect()
+}
+
+/// At 100 %, each of its pixels is one of the screen, also beside the edge between two textures, which is in the middle.
+#[test]
+fn a_picture_wider_than_a_texture_is_seen_to_the_pixel() {
+    let files = Files::new();
+    let small = "width = 160\nheight = 120\nsamples_per_pixel = 4";
+    assert!(SCENE.contains(small));
+    let wide = SCENE.replace(small, "width = 8000\nheight = 80\nsamples_per_pixel = 1");
+    let mut window = Window::open(&files.write("wide.toml", &wide));
+    window.render();
+    assert!(!window.says("shown at 1/"));
+
+    // Each pixel is brighter by 37 than the one at its left, modulo 256.
+    let shade = |x: u32| u8::try_from(x * 37 % 256).unwrap();
+    let stripes = image::RgbImage::from_fn(8000, 80, |x, _| image::Rgb([shade(x); 3]));
+    stripes.save(files.path("stripes.png")).unwrap();
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&files.path("stripes.png"));
+    window.until("both pictures are there", |app| {
+        app.comparison().is_some() && !app.works_in(Lane::EncodeOther)
+    });
+    window.press(Modifiers::NONE, Key::X);
+    window.press(Modifiers::NONE, Key::Num4);
+    // Each frame has time for a texture at least, of eight.
+    window.harness.run_steps(10);
+    let seen = row(&mut window);
+    for pair in seen.windows(2) {
+        let beyond = pair[1].wrapping_sub(pair[0]).wrapping_sub(37);
+        assert!(beyond.wrapping_add(3) <= 6, "{pair:?} in {seen:?}");
+    }
 }
 
 #[test]

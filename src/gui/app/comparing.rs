@@ -69,13 +69,12 @@ impl App {
 
     /// Reads the picture in `path` to compare with.
     pub(super) fn compare_with_file(&mut self, path: PathBuf) {
-        let largest = self.largest_texture();
         self.jobs.start(Lane::CompareFile, move |job| {
             let read = io::read_image_unless(&path, &job.cancel, &Progress::new());
             let result = match read {
                 Ok(Some(file)) => {
                     let display = crate::scene::Display::default();
-                    let buffer = PictureBuffer::of_image(file.image, display, largest);
+                    let buffer = PictureBuffer::of_image(file.image, display);
                     Ok((Arc::new(buffer), file.warnings))
                 }
                 Ok(None) => return,
@@ -159,12 +158,11 @@ impl App {
             return;
         }
         let b = Arc::clone(&comparison.buffer);
-        let largest = self.largest_texture();
         self.jobs.start(Lane::Compare, move |job| {
-            let compared = compare::compare_buffers(&a, &b, largest, is_running, &job.cancel);
+            let compared = compare::compare_buffers(&a, &b, is_running, &job.cancel);
             match compared {
                 Ok((distance, difference)) => {
-                    let size = difference.texture_size();
+                    let size = difference.size_in_texels();
                     job.send(Event::Compared(Ok((distance, size))));
                     difference.encode_all(&job.cancel, |tile| {
                         job.send(Event::CompareTile(Side::Difference, tile));
@@ -173,12 +171,5 @@ impl App {
                 Err(why) => job.send(Event::Compared(Err(why))),
             }
         });
-    }
-
-    /// Most texels a side that the graphics driver takes.
-    pub(super) fn largest_texture(&self) -> u32 {
-        self.preview.as_ref().map_or(2048, |preview| {
-            preview.device().limits().max_texture_dimension_2d
-        })
     }
 }

@@ -38,9 +38,8 @@ impl App {
     /// Loads `paths`, or the demo when there are none.
     pub(super) fn load(&mut self, paths: Vec<PathBuf>) {
         let progress = self.begin_loading(what(&paths));
-        let largest = self.largest_texture();
         self.jobs.start(Lane::Load, move |job| {
-            worker::load_scene(job, paths, &progress, largest);
+            worker::load_scene(job, paths, &progress);
         });
     }
 

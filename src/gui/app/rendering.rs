@@ -186,7 +186,6 @@ impl App {
             let scene = self.document.scene.clone();
             (scene, self.wanted_part(), self.place_for_render())
         };
-        let largest = self.largest_texture();
         let mut layers = if scene.output.layers {
             Layer::all_of(&scene)
         } else {
@@ -195,7 +194,7 @@ impl App {
         if !layers.is_empty() && scene.render.measures_error() {
             layers.push(Layer::Error);
         }
-        let buffer = PictureBuffer::new(part, layers, scene.display, largest);
+        let buffer = PictureBuffer::new(part, layers, scene.display);
         let Some(buffer) = buffer.map(Arc::new) else {
             let text = format!(
                 "A picture of {} pixels does not fit into memory. Make it smaller.",

@@ -77,7 +77,6 @@ pub type Compared = Result<(Distance, Arc<PictureBuffer>), String>;
 pub fn compare_buffers(
     a: &PictureBuffer,
     b: &PictureBuffer,
-    largest_texture: u32,
     is_changing: bool,
     cancel: &CancelToken,
 ) -> Compared {
@@ -85,21 +84,15 @@ pub fn compare_buffers(
     if a_part.of == b_part.of && a_part != b_part {
         return Err("they show different parts of the picture".to_owned());
     }
-    compare(&a.image(), &b.image(), largest_texture, is_changing, cancel)
+    compare(&a.image(), &b.image(), is_changing, cancel)
 }
 
-/// Measures how far `a` is from `b`, and draws where; `largest_texture`: see [`PictureBuffer::new`]. What they look like takes time, and
-/// is left out where one of them `is_changing`, or when cancelled.
+/// Measures how far `a` is from `b`, and draws where. What they look like takes time, and is left out where one of them `is_changing`, or
+/// when cancelled.
 ///
 /// # Errors
 /// When the sizes differ, in words.
-pub fn compare(
-    a: &Image,
-    b: &Image,
-    largest_texture: u32,
-    is_changing: bool,
-    cancel: &CancelToken,
-) -> Compared {
+pub fn compare(a: &Image, b: &Image, is_changing: bool, cancel: &CancelToken) -> Compared {
     let metrics = Metrics::measure(a, b).map_err(|error| error.to_string())?;
     let white = metrics.white();
     let difference = scaled_difference(a, b, white).map_err(|error| error.to_string())?;
@@ -116,7 +109,7 @@ pub fn compare(
         non_finite_pixels: metrics.non_finite_a.max(metrics.non_finite_b),
         white,
     };
-    let buffer = PictureBuffer::of_image(difference, Display::default(), largest_texture);
+    let buffer = PictureBuffer::of_image(difference, Display::default());
     Ok((distance, Arc::new(buffer)))
 }
 
@@ -231,7 +224,7 @@ impl Comparison {
 
     /// Puts the pieces that were taken in on the screen.
     pub fn show_tiles(&mut self, ctx: &egui::Context) {
-        self.other.flush(ctx, self.buffer.texture_size());
+        self.other.flush(ctx, self.buffer.size_in_texels());
         self.difference.flush(ctx, self.difference_size);
     }
 
@@ -258,7 +251,7 @@ mod tests {
     use crate::analysis::mean_flip;
 
     fn comparison() -> Comparison {
-        let buffer = PictureBuffer::of_image(Image::black(4, 4), Display::default(), 64);
+        let buffer = PictureBuffer::of_image(Image::black(4, 4), Display::default());
         Comparison::new("other".to_owned(), Some(1), Arc::new(buffer))
     }
 
@@ -274,22 +267,22 @@ mod tests {
             ..a.clone()
         };
         let wanted = CancelToken::new();
-        let (distance, difference) = compare(&a, &b, 64, false, &wanted).unwrap();
+        let (distance, difference) = compare(&a, &b, false, &wanted).unwrap();
         assert!((distance.rmse - 0.125_f64.sqrt()).abs() < 1e-12);
         assert!((distance.relmse - 0.125 / 1.01).abs() < 1e-6);
         assert_eq!((distance.differing_pixels, distance.white), (1, 0.5));
         assert_eq!(distance.flip, mean_flip(&a, &b).ok());
-        assert_eq!(compare(&a, &b, 64, true, &wanted).unwrap().0.flip, None);
+        assert_eq!(compare(&a, &b, true, &wanted).unwrap().0.flip, None);
         assert_eq!(difference.image().pixels, [[0.0; 3], [1.0; 3]]);
-        let error = compare(&a, &Image::black(3, 1), 64, true, &wanted).unwrap_err();
+        let error = compare(&a, &Image::black(3, 1), true, &wanted).unwrap_err();
         assert!(error.contains("2×1 and 3×1"), "{error}");
     }
 
     #[test]
     fn a_picture_is_measured_when_it_is_new_and_when_it_is_done() {
         let mut comparison = comparison();
-        let [first, second] = [(); 2]
-            .map(|()| PictureBuffer::of_image(Image::black(4, 4), Display::default(), 64).id());
+        let [first, second] =
+            [(); 2].map(|()| PictureBuffer::of_image(Image::black(4, 4), Display::default()).id());
         assert!(comparison.must_measure(first, true));
         assert!(!comparison.must_measure(first, true));
         assert!(comparison.must_measure(first, false));

@@ -3,9 +3,11 @@
 //! The render's threads put linear tiles into a [`PictureBuffer`] and encode them for the screen there, so the window's
 //! thread only copies finished bytes into a texture.
 //!
-//! - `texels`: which pixel each texel of the texture shows
+//! - `texels`: which pixel each texel on the screen shows
+//! - `grid`: how the texels are cut into textures
 //! - `reading`: what is read from a picture beside its tiles
 
+mod grid;
 mod reading;
 mod texels;
 
@@ -21,8 +23,9 @@ use crate::control::CancelToken;
 use crate::render::{CoarsePicture, Image, Layer, Region, TilePixels};
 use crate::scene::Display;
 
+pub use grid::Grid;
+use texels::Texels;
 pub use texels::{CoarseTexels, EncodedTile};
-use texels::{ROWS_PER_BAND, Texels};
 
 /// How many buffers there were.
 static BUFFERS: AtomicU64 = AtomicU64::new(0);
@@ -98,15 +101,9 @@ impl BufferState {
 }
 
 impl PictureBuffer {
-    /// A black part of a picture with these layers, shown with `display` on textures of at most `largest_texture` texels a side.
-    /// `None` when it does not fit into memory.
+    /// A black part of a picture with these layers, shown with `display`. `None` when it does not fit into memory.
     #[must_use]
-    pub fn new(
-        part: Part,
-        layers: Vec<Layer>,
-        display: Display,
-        largest_texture: u32,
-    ) -> Option<Self> {
+    pub fn new(part: Part, layers: Vec<Layer>, display: Display) -> Option<Self> {
         let Region { width, height, .. } = part.region;
         let count = usize::try_from(u64::from(width) * u64::from(height)).ok()?;
         let planes = 1 + layers.len();
@@ -119,7 +116,7 @@ impl PictureBuffer {
             part,
             width,
             height,
-            texels: Texels::of([width, height], largest_texture),
+            texels: Texels::of([width, height]),
             layers,
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
@@ -136,18 +133,13 @@ impl PictureBuffer {
 
     /// A picture that is whole, without layers.
     #[must_use]
-    pub fn of_image(image: Image, display: Display, largest_texture: u32) -> Self {
-        Self::of_render(image, Vec::new(), display, largest_texture)
+    pub fn of_image(image: Image, display: Display) -> Self {
+        Self::of_render(image, Vec::new(), display)
     }
 
     /// A picture that is whole, with its layers, which are as large.
     #[must_use]
-    pub fn of_render(
-        image: Image,
-        layers: Vec<(Layer, Image)>,
-        display: Display,
-        largest_texture: u32,
-    ) -> Self {
+    pub fn of_render(image: Image, layers: Vec<(Layer, Image)>, display: Display) -> Self {
         let size = [image.width, image.height];
         let errors = layers.iter().find(|(layer, _)| *layer == Layer::Error);
         let error_scale = errors.map(|(_, errors)| scale_of(errors));
@@ -158,7 +150,7 @@ impl PictureBuffer {
             part: Part::whole(size),
             width: size[0],
             height: size[1],
-            texels: Texels::of(size, largest_texture),
+            texels: Texels::of(size),
             layers,
             is_bare: AtomicBool::new(false),
             state: Mutex::new(BufferState {
@@ -214,15 +206,15 @@ impl PictureBuffer {
         pixels * size_of::<[f32; 3]>() as u64 * (1 + self.layers().len() as u64)
     }
 
-    /// Picture pixels per texel along each axis: 1 unless the picture is too large for a texture.
+    /// Picture pixels per texel along each axis: 1 unless the picture has too many for the memory of textures.
     #[must_use]
     pub fn step(&self) -> u32 {
         self.texels.step()
     }
 
-    /// Width and height of the texture.
+    /// Width and height of what the screen shows of it, in texels.
     #[must_use]
-    pub fn texture_size(&self) -> [usize; 2] {
+    pub fn size_in_texels(&self) -> [usize; 2] {
         self.texels.size()
     }
 
@@ -381,28 +373,31 @@ impl PictureBuffer {
         })
     }
 
-    /// Encodes the whole picture anew, band by band.
+    /// Encodes the whole picture anew, piece by piece.
     pub fn encode_all(&self, cancel: &CancelToken, mut show: impl FnMut(EncodedTile)) {
-        for top in (0..self.height).step_by((ROWS_PER_BAND * self.step()) as usize) {
+        for [columns, rows] in self.texels.pieces() {
             if cancel.is_cancelled() {
                 return;
             }
-            let rows = top..(top + ROWS_PER_BAND * self.step()).min(self.height);
-            let (band, look) = {
+            let (width, step) = (columns.len(), self.step());
+            let (piece, look) = {
                 let mut state = self.lock();
                 let shown = state.shown;
-                let row = self.width as usize;
-                let range = rows.start as usize * row..rows.end as usize * row;
-                (
-                    state.planes()[shown].pixels[range].to_vec(),
-                    state.look_on_screen(self.layer(shown)),
-                )
+                let pixels = &state.planes()[shown].pixels;
+                let shown_rows = rows.clone().step_by(step as usize);
+                let mut piece = Vec::with_capacity(width * shown_rows.len());
+                for y in shown_rows {
+                    let first = y as usize * self.width as usize + columns.start as usize;
+                    piece.extend_from_slice(&pixels[first..first + width]);
+                }
+                (piece, state.look_on_screen(self.layer(shown)))
             };
             let encode = |x: u32, y: u32| {
-                let index = (y - rows.start) as usize * self.width as usize + x as usize;
-                look.color(band[index])
+                let row = ((y - rows.start) / step) as usize;
+                look.color(piece[row * width + (x - columns.start) as usize])
             };
-            if let Some(tile) = self.texels.encode(0..self.width, rows.clone(), encode) {
+            let tile = self.texels.encode(columns.clone(), rows.clone(), encode);
+            if let Some(tile) = tile {
                 show(tile);
             }
         }
@@ -419,13 +414,9 @@ mod tests {
     use super::*;
     use egui::Color32;
 
-    fn buffer(width: u32, height: u32, largest_texture: u32) -> Option<PictureBuffer> {
-        PictureBuffer::new(
-            Part::whole([width, height]),
-            Vec::new(),
-            Display::default(),
-            largest_texture,
-        )
+    fn buffer(width: u32, height: u32) -> Option<PictureBuffer> {
+        let part = Part::whole([width, height]);
+        PictureBuffer::new(part, Vec::new(), Display::default())
     }
 
     fn tile(region: Region, value: f32) -> (Region, Vec<[f32; 3]>) {
@@ -434,7 +425,7 @@ mod tests {
 
     #[test]
     fn tiles_are_shown_where_they_belong() {
-        let buffer = buffer(70, 40, 8192).unwrap();
+        let buffer = buffer(70, 40).unwrap();
         let region = Region {
             x: 32,
             y: 8,
@@ -458,7 +449,7 @@ mod tests {
 
     #[test]
     fn the_window_need_not_wait_until_a_picture_is_copied() {
-        let buffer = buffer(512, 300, 8192).unwrap();
+        let buffer = buffer(512, 300).unwrap();
         let rows = |y: u32| (0..512).map(move |x| [x as f32, y as f32, 0.0]);
         let rgb: Vec<_> = (0..300).flat_map(rows).collect();
         let whole = TilePixels {
@@ -487,7 +478,7 @@ mod tests {
         };
         let of = [100, 80];
         let part = Part { region, of };
-        let buffer = PictureBuffer::new(part, Vec::new(), Display::default(), 8192).unwrap();
+        let buffer = PictureBuffer::new(part, Vec::new(), Display::default()).unwrap();
         assert_eq!(buffer.bytes(), 30 * 20 * 12);
         let at = Region {
             x: 64,
@@ -515,44 +506,40 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_too_large_for_a_texture_is_reduced_without_gaps() {
-        let buffer = buffer(100, 37, 30).unwrap();
-        assert_eq!(buffer.step(), 4);
-        let [width, height] = buffer.texture_size();
-        assert!(width <= 30 && height <= 30);
-        let mut covered = vec![0; width * height];
-        let full = Region::full(100, 37);
-        // Tiles whose edges are not multiples of the step.
-        for y in (0..full.height).step_by(7) {
-            for x in (0..full.width).step_by(9) {
-                let region = Region {
-                    x,
-                    y,
-                    width: 9.min(full.width - x),
-                    height: 7.min(full.height - y),
-                };
-                let (region, rgb) = tile(region, 0.5);
-                let Some(shown) = buffer.accept(&TilePixels {
-                    region,
-                    rgb: &rgb,
-                    layers: &[],
-                }) else {
-                    continue;
-                };
-                for row in 0..shown.pixels.height() {
-                    for column in 0..shown.pixels.width() {
-                        covered[(shown.position[1] + row) * width + shown.position[0] + column] +=
-                            1;
-                    }
+    fn a_picture_wider_than_a_texture_is_encoded_pixel_by_pixel() {
+        let size = [5000, 70];
+        let buffer = buffer(size[0], size[1]).unwrap();
+        assert_eq!(buffer.step(), 1);
+        assert_eq!(buffer.size_in_texels(), [5000, 70]);
+        let region = Region::full(size[0], size[1]);
+        let rgb: Vec<_> = (0..region.pixel_count())
+            .map(|index| [(index % 251) as f32 / 251.0; 3])
+            .collect();
+        let whole = TilePixels {
+            region,
+            rgb: &rgb,
+            layers: &[],
+        };
+        let accepted = buffer.accept(&whole).unwrap().pixels;
+        let mut shown = ColorImage::filled([5000, 70], Color32::TRANSPARENT);
+        let mut pieces = 0;
+        buffer.encode_all(&CancelToken::new(), |piece| {
+            let [left, top] = piece.position;
+            for row in 0..piece.pixels.height() {
+                for column in 0..piece.pixels.width() {
+                    shown[(left + column, top + row)] = piece.pixels[(column, row)];
                 }
             }
-        }
-        assert!(covered.iter().all(|&count| count == 1));
+            pieces += 1;
+        });
+        assert_eq!(pieces, 4);
+        assert!(shown.pixels == accepted.pixels);
+        assert_ne!(shown[(0, 0)], shown[(1, 0)]);
     }
 
     #[test]
     fn encoding_anew_shows_the_new_exposure_everywhere() {
-        let buffer = buffer(33, 150, 8192).unwrap();
+        let buffer = buffer(33, 150).unwrap();
         let (region, rgb) = tile(Region::full(33, 150), 0.25);
         let before = buffer
             .accept(&TilePixels {
@@ -566,9 +553,9 @@ mod tests {
             ..Display::default()
         });
         let mut rows = 0;
-        buffer.encode_all(&CancelToken::new(), |band| {
-            rows += band.pixels.height();
-            assert!(band.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
+        buffer.encode_all(&CancelToken::new(), |piece| {
+            rows += piece.pixels.height();
+            assert!(piece.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
         });
         assert_eq!(rows, 150);
         assert_ne!(before.pixels.pixels[0], Color32::WHITE);
@@ -577,8 +564,7 @@ mod tests {
     #[test]
     fn layers_are_shown_in_place_of_the_picture() {
         let layers = vec![Layer::Emission, Layer::Shadow];
-        let buffer =
-            PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
+        let buffer = PictureBuffer::new(Part::whole([16, 16]), layers, Display::default()).unwrap();
         let (region, rgb) = tile(Region::full(16, 16), 0.25);
         let layers = [tile(region, 0.0).1, tile(region, 1.0).1];
         let whole = TilePixels {
@@ -612,8 +598,7 @@ mod tests {
     #[test]
     fn the_error_is_shown_by_a_scale_of_its_own() {
         let layers = vec![Layer::Shadow, Layer::Error];
-        let buffer =
-            PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
+        let buffer = PictureBuffer::new(Part::whole([16, 16]), layers, Display::default()).unwrap();
         buffer.set_shown(Some(Layer::Error));
         assert!(buffer.shows_error());
         assert_eq!(buffer.shown_error_scale(), None);
@@ -626,7 +611,7 @@ mod tests {
         buffer.set_error(errors);
         assert_eq!(buffer.shown_error_scale(), Some(0.001));
         let mut shown = Vec::new();
-        buffer.encode_all(&CancelToken::new(), |band| shown.push(band));
+        buffer.encode_all(&CancelToken::new(), |piece| shown.push(piece));
         let colors = &shown[0].pixels.pixels;
         assert_eq!(colors[0], crate::gui::error_colors::color([0.0; 3], 1.0));
         assert_eq!(colors[1], crate::gui::error_colors::color([1.0; 3], 1.0));
@@ -648,8 +633,7 @@ mod tests {
     #[test]
     fn layers_are_given_up_and_the_picture_stays() {
         let layers = vec![Layer::Emission, Layer::Error];
-        let buffer =
-            PictureBuffer::new(Part::whole([16, 16]), layers, Display::default(), 8192).unwrap();
+        let buffer = PictureBuffer::new(Part::whole([16, 16]), layers, Display::default()).unwrap();
         buffer.set_shown(Some(Layer::Error));
         assert_eq!(buffer.layer_images().len(), 2);
         let bytes = buffer.bytes();
@@ -665,7 +649,7 @@ mod tests {
     #[test]
     fn a_picture_no_memory_holds_is_refused() {
         if usize::BITS == 64 {
-            assert!(buffer(u32::MAX, u32::MAX, 8192).is_none());
+            assert!(buffer(u32::MAX, u32::MAX).is_none());
         }
     }
 }

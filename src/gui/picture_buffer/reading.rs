@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_thumbnail_is_the_mean_of_blocks_and_leaves_out_what_is_not_finite() {
         let size = Part::whole([400, 100]);
-        let buffer = PictureBuffer::new(size, Vec::new(), Display::default(), 8192).unwrap();
+        let buffer = PictureBuffer::new(size, Vec::new(), Display::default()).unwrap();
         let region = Region::full(400, 100);
         let mut rgb = vec![[1.0; 3]; region.pixel_count()];
         rgb[0] = [f32::NAN, 0.0, 0.0];
@@ -128,8 +128,7 @@ mod tests {
     #[test]
     fn a_pixel_is_read_with_its_color_and_error() {
         let layers = vec![Layer::Shadow, Layer::Error];
-        let buffer =
-            PictureBuffer::new(Part::whole([4, 3]), layers, Display::default(), 8192).unwrap();
+        let buffer = PictureBuffer::new(Part::whole([4, 3]), layers, Display::default()).unwrap();
         let region = Region::full(4, 3);
         let (rgb, shadow) = (vec![[1.0; 3]; 12], vec![[0.0; 3]; 12]);
         let layers = [shadow];

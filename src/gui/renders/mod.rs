@@ -373,7 +373,7 @@ mod tests {
     fn picture(number: usize) -> Picture {
         let layers = vec![Layer::Emission, Layer::Shadow, Layer::Error];
         let buffer =
-            PictureBuffer::new(Part::whole([SIDE; 2]), layers, Display::default(), 8192).unwrap();
+            PictureBuffer::new(Part::whole([SIDE; 2]), layers, Display::default()).unwrap();
         let mut picture = Picture::new(
             number,
             [format!("render {number}"), "room".to_owned()],
