@@ -124,10 +124,16 @@ impl App {
         self.dialog.take_if(|dialog| !is_other(dialog));
         self.asked_later.retain(is_other);
         if answer.nobody_saw_it {
-            let note = "This desktop offers no file dialog (no xdg-desktop-portal answers), so type \
-                        the path or click your way to it.";
+            let reason = if cfg!(target_os = "linux") {
+                " (no xdg-desktop-portal answers)"
+            } else {
+                ""
+            };
+            let note = format!(
+                "This desktop offers no file dialog{reason}, so type the path or click your way to it."
+            );
             self.file_dialogs = FileDialogs::PathField;
-            self.type_path(answer.purpose, Some(note.to_owned()));
+            self.type_path(answer.purpose, Some(note));
         } else if answer.paths.is_empty() {
             self.after_saving = None;
         } else {

@@ -435,7 +435,10 @@ impl App {
     fn empty_ui(&mut self, ui: &mut Ui, area: Rect) {
         let text = match &self.loading {
             Some(loading) => format!("Loading {}…", loading.what),
-            None => "Drop a mesh or a scene here, or press Ctrl+O".to_owned(),
+            None => {
+                let keys = Command::Open.shortcut_text(ui.ctx());
+                format!("Drop a mesh or a scene here, or press {keys}")
+            }
         };
         ui.put(
             area,
@@ -519,8 +522,14 @@ fn problem_ui(ui: &mut Ui, problem: &str) {
 
 /// Where the preview would be.
 fn no_gpu_ui(ui: &Ui, frame: Rect) {
-    let text = "No preview: there is no GPU adapter.\nOn Debian the package mesa-vulkan-drivers brings \
-                one that works in software.\nRendering works without: press Render.";
+    let advice = if cfg!(target_os = "linux") {
+        "On Debian the package mesa-vulkan-drivers brings one that works in software.\n"
+    } else {
+        ""
+    };
+    let text = format!(
+        "No preview: there is no GPU adapter.\n{advice}Rendering works without: press Render."
+    );
     ui.painter().text(
         frame.center(),
         egui::Align2::CENTER_CENTER,

@@ -1,6 +1,6 @@
 //! A path to type, with the folder's files below it to click. It works on every desktop and in every test.
 
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf, is_separator};
 
 use egui::{Key, RichText, Ui};
 
@@ -32,7 +32,7 @@ pub struct Listing {
     pub is_file: bool,
     /// The folder above, as a path to put in the field.
     pub parent: Option<String>,
-    /// Folders (with a slash at the end) and fitting files, as paths to put in the field.
+    /// Folders (with a separator at the end) and fitting files, as paths to put in the field.
     pub entries: Vec<String>,
 }
 
@@ -107,9 +107,9 @@ impl PathField {
         match confirmed {
             Some(false) => Outcome::Cancelled,
             _ if (entered || confirmed == Some(true)) && !self.text.trim().is_empty() => {
-                let wants_file = !self.purpose.is_folder() && !self.text.ends_with('/');
+                let wants_file = !self.purpose.is_folder() && !self.text.ends_with(is_separator);
                 if wants_file && with_home(self.text.trim()).is_dir() {
-                    self.text = format!("{}/", self.text.trim());
+                    self.text = format!("{}{MAIN_SEPARATOR}", self.text.trim());
                 }
                 if self.is_place_to_go() {
                     field.request_focus();
@@ -127,7 +127,7 @@ impl PathField {
 
     /// Whether the text names a folder where a file is wanted.
     fn is_place_to_go(&self) -> bool {
-        self.text.ends_with('/') && !self.purpose.is_folder()
+        self.text.ends_with(is_separator) && !self.purpose.is_folder()
     }
 
     /// The folder's entries; returns whether one was clicked.
@@ -150,9 +150,9 @@ impl PathField {
                             clicked = Some(parent.clone());
                         }
                         for entry in &listing.entries {
-                            let is_folder = entry.ends_with('/');
-                            let name = entry.trim_end_matches('/');
-                            let name = name.rsplit('/').next().unwrap_or(name);
+                            let is_folder = entry.ends_with(is_separator);
+                            let name = entry.trim_end_matches(is_separator);
+                            let name = name.rsplit(is_separator).next().unwrap_or(name);
                             if entry_ui(ui, if is_folder { "📁" } else { "📄" }, name) {
                                 clicked = Some(entry.clone());
                             }
@@ -210,7 +210,7 @@ fn entry_ui(ui: &mut Ui, icon: &str, name: &str) -> bool {
 #[must_use]
 pub fn list(text: String, purpose: FilePurpose) -> Listing {
     let path = with_home(&text);
-    let folder = if text.is_empty() || text.ends_with('/') {
+    let folder = if text.is_empty() || text.ends_with(is_separator) {
         path.as_path()
     } else {
         path.parent().unwrap_or(Path::new(""))
@@ -232,7 +232,7 @@ pub fn list(text: String, purpose: FilePurpose) -> Listing {
         let extension = Path::new(&name).extension().unwrap_or_default();
         let extension = extension.to_string_lossy().to_lowercase();
         if entry.path().is_dir() {
-            folders.push(format!("{shown}/"));
+            folders.push(format!("{shown}{MAIN_SEPARATOR}"));
         } else if extensions.contains(&extension.as_str()) {
             files.push(shown);
         }
@@ -253,10 +253,10 @@ pub fn list(text: String, purpose: FilePurpose) -> Listing {
     }
 }
 
-/// A folder as the field shows it: with a slash at the end.
+/// A folder as the field shows it: with a separator at the end.
 fn as_folder(path: &Path) -> String {
     let text = path.to_string_lossy();
-    format!("{}/", text.trim_end_matches('/'))
+    format!("{}{MAIN_SEPARATOR}", text.trim_end_matches(is_separator))
 }
 
 /// The path, with `~/` as the user's home. What is typed after `//` begins anew: the field is filled already.
@@ -264,7 +264,10 @@ pub(in crate::gui) fn with_home(text: &str) -> PathBuf {
     // Where that is no path of a network drive.
     let anew = text.rfind("//").filter(|&place| place > 0);
     let text = anew.map_or(text, |place| &text[place + 1..]);
-    match (text.strip_prefix("~/"), std::env::home_dir()) {
+    let below_home = text
+        .strip_prefix('~')
+        .and_then(|rest| rest.strip_prefix(is_separator));
+    match (below_home, std::env::home_dir()) {
         (Some(rest), Some(home)) => home.join(rest),
         _ => PathBuf::from(text),
     }
@@ -281,14 +284,15 @@ mod tests {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         std::fs::create_dir(folder.path().join("meshes")).unwrap();
-        let text = format!("{}/", folder.path().display());
+        let text = as_folder(folder.path());
         let listing = list(text.clone(), FilePurpose::Open);
         let names: Vec<_> = listing
             .entries
             .iter()
             .map(|entry| entry.strip_prefix(&text).unwrap())
             .collect();
-        assert_eq!(names, ["meshes/", "a.toml", "b.off"]);
+        let meshes = format!("meshes{MAIN_SEPARATOR}");
+        assert_eq!(names, [meshes.as_str(), "a.toml", "b.off"]);
         assert!(!listing.is_file);
         assert!(list(format!("{text}b.off"), FilePurpose::Open).is_file);
         assert!(

@@ -21,16 +21,40 @@ pub struct OpenRequest {
     pub paths: Vec<PathBuf>,
 }
 
+/// Whether it is known what is to be installed.
+const IS_LINUX: bool = cfg!(target_os = "linux");
+/// What to do where no display answers.
+const DISPLAY_ADVICE: &str = if IS_LINUX {
+    "On a machine with a desktop, start RayMini inside it: DISPLAY or WAYLAND_DISPLAY must name it, and a stale \
+     WAYLAND_DISPLAY must be unset.\n\
+     On a fresh Debian the libraries are: apt install libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0"
+} else {
+    DESKTOP_ADVICE
+};
+/// What to do where no graphics driver draws.
+const DRIVER_ADVICE: &str = if IS_LINUX {
+    "On Debian: apt install mesa-vulkan-drivers (works without a graphics card, too)."
+} else {
+    "Install the newest graphics driver that there is for this machine."
+};
+/// What to do where the window system fails.
+const LIBRARY_ADVICE: &str = if IS_LINUX {
+    "On Debian: apt install libxkbcommon-x11-0 libx11-xcb1 libxcursor1 libxi6"
+} else {
+    DESKTOP_ADVICE
+};
+/// What to do where nothing is to be installed.
+const DESKTOP_ADVICE: &str = "Start RayMini on a desktop that somebody is logged in to.";
+
 /// Why there is no window, what is missing, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum GuiError {
-    /// No display server, or a library to talk to it is missing.
+    /// Nothing to show a window on, or a library to talk to it is missing.
     #[error(
         "no display answers ({reason}).\n\
-         On a machine with a desktop, start RayMini inside it: DISPLAY or WAYLAND_DISPLAY must name it, and a stale \
-         WAYLAND_DISPLAY must be unset.\n\
-         On a fresh Debian the libraries are: apt install libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0\n\
-         Without a display, `raymini render SCENE -o picture.png` makes the same picture."
+         {}\n\
+         Without a display, `raymini render SCENE -o picture.png` makes the same picture.",
+        DISPLAY_ADVICE
     )]
     NoDisplay {
         /// What the window library says.
@@ -39,18 +63,20 @@ pub enum GuiError {
     /// No graphics driver.
     #[error(
         "no graphics driver can draw the window ({reason}).\n\
-         On Debian: apt install mesa-vulkan-drivers (works without a graphics card, too).\n\
-         Without it, `raymini render SCENE -o picture.png` makes the same picture."
+         {}\n\
+         Without it, `raymini render SCENE -o picture.png` makes the same picture.",
+        DRIVER_ADVICE
     )]
     NoGpu {
         /// What the graphics library says.
         reason: String,
     },
-    /// A library of the display server is missing in a way that only shows by a panic.
+    /// The window system, or a library to talk to it, failed in a way that only shows by a panic.
     #[error(
         "the window system gave up ({reason}).\n\
-         On Debian: apt install libxkbcommon-x11-0 libx11-xcb1 libxcursor1 libxi6\n\
-         Without a window, `raymini render SCENE -o picture.png` makes the same picture."
+         {}\n\
+         Without a window, `raymini render SCENE -o picture.png` makes the same picture.",
+        LIBRARY_ADVICE
     )]
     Panicked {
         /// The message of the panic.
