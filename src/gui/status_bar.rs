@@ -290,7 +290,10 @@ pub fn duration(duration: Duration) -> String {
     } else if seconds < 59.95 {
         format!("{seconds:.1} s")
     } else {
-        let whole = duration.as_secs();
+        // The nearest, as the tenths below a minute are: with those cut off, 59.96 s would be 0 min 59 s.
+        let whole = duration
+            .saturating_add(Duration::from_millis(500))
+            .as_secs();
         let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
         if hours == 0 {
             format!("{minutes} min {seconds:02} s")
@@ -309,8 +312,12 @@ mod tests {
         let shown = |seconds| duration(Duration::from_secs_f64(seconds));
         assert_eq!(shown(0.034), "34 ms");
         assert_eq!(shown(0.9999), "1.0 s");
-        assert_eq!(shown(59.99), "0 min 59 s");
+        assert_eq!(shown(59.94), "59.9 s");
+        assert_eq!(shown(59.96), "1 min 00 s");
+        assert_eq!(shown(59.99), "1 min 00 s");
         assert_eq!(shown(75.0), "1 min 15 s");
+        assert_eq!(shown(119.7), "2 min 00 s");
+        assert_eq!(shown(3599.9), "1 h 00 min");
         assert_eq!(shown(7500.0), "2 h 05 min");
     }
 

@@ -695,6 +695,12 @@ fn every_command_is_on_the_sheet() {
     }
     window.press(Modifiers::NONE, Key::Escape);
     assert!(window.app().dialog().is_none());
+    for key in [Key::F1, Key::Questionmark] {
+        window.press(Modifiers::NONE, key);
+        assert!(matches!(window.app().dialog(), Some(Dialog::Shortcuts)));
+        window.press(Modifiers::NONE, key);
+        assert!(window.app().dialog().is_none(), "{key:?} again");
+    }
 }
 
 /// What is written in the window, and where the middle of it is.

@@ -57,7 +57,9 @@ const MOUSE_OVER_PICTURE: [(&str, &str); 4] = [
 /// The sheet of shortcuts; returns whether it stays.
 #[must_use]
 pub fn shortcuts_ui(ctx: &egui::Context) -> bool {
-    let is_asked_again = ctx.input(|input| input.key_pressed(egui::Key::F1));
+    let mut keys = Command::ShowShortcuts.shortcuts().iter();
+    let is_asked_again =
+        ctx.input(|input| keys.any(|shortcut| input.key_pressed(shortcut.logical_key)));
     let width = (ctx.content_rect().width() - AROUND).clamp(LEAST_WIDTH, MOST_WIDTH);
     let response = modal_ui(ctx, "shortcuts", width, |ui| {
         ui.heading("Keyboard and mouse");
