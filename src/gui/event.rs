@@ -50,6 +50,8 @@ pub enum Event {
         /// The picture of it in the file, where that is one of a render.
         picture: Option<OpenedPicture>,
     },
+    /// An image that was dropped on the window tells what was rendered, so it is to be opened.
+    RenderDropped(PathBuf),
     /// Mesh files; what becomes of them is still to be decided.
     ModelsLoaded {
         /// The files.

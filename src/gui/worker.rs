@@ -32,7 +32,7 @@ use crate::analysis::cost::{Costs, Trial};
 use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::{CancelToken, Progress, Throttle};
-use crate::io::{self, LoadedScene, WrittenError};
+use crate::io::{self, LoadedScene, WrittenError, WrittenOrigin};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
     self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, OnCoarse, OnRound, PictureMemory,
@@ -138,6 +138,18 @@ pub fn load_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
         return;
     };
     job.send(Event::ImageLoaded { path, result });
+}
+
+/// Says that the image in `path` tells what was rendered, which is for the window to open; any other is loaded for the background.
+pub fn load_dropped_image(job: &Job<Event>, path: PathBuf, progress: &Progress) {
+    // What cannot be read is told by who reads all of it.
+    let is_render = io::is_render_file(&path)
+        && WrittenOrigin::of_file(&path).is_ok_and(|origin| origin.scene.is_some());
+    if is_render {
+        job.send(Event::RenderDropped(path));
+    } else {
+        load_image(job, path, progress);
+    }
 }
 
 /// Loads an image for the material of that name.

@@ -21,7 +21,7 @@ use raymini::gui::report::Outcome as ReportOutcome;
 use raymini::gui::top_bar::View;
 use raymini::math::DVec3;
 use raymini::render::{Ending, Image, Layer, PreparedScene, RenderProgress, RunConfig, render};
-use raymini::scene::{Background, Light, Shadows, ToneCurve};
+use raymini::scene::{Background, Display, Light, Output, Shadows, ToneCurve};
 use serde_json::Value;
 
 /// The main job: open, look around, render, watch, cancel, render to the end, save, open again.
@@ -489,6 +489,47 @@ fn a_dropped_image_becomes_the_background() {
     window.enter_path(&toml);
     window.until("the scene is saved", |app| !app.document().is_modified());
     assert_eq!(library_hash(&load(&toml)), window.hash());
+}
+
+/// Dropping opens a picture that tells what was rendered; another one in the same format becomes the background.
+#[test]
+fn a_dropped_picture_is_opened_where_it_tells_what_was_rendered() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    let render = files.path("render.exr");
+    window.save_picture(&render);
+
+    let sky = files.path("sky.exr");
+    let white = Image {
+        width: 8,
+        height: 4,
+        pixels: vec![[1.0; 3]; 32],
+    };
+    let (display, output) = (Display::default(), Output::default());
+    raymini::io::write_image(&white, &[], &display, &output, &sky).unwrap();
+    let is_lit_by_image = |app: &App| {
+        let background = &app.document().scene.background;
+        matches!(background, Background::Image { .. })
+    };
+    window.drop_file(sky);
+    window.until("the image is there", is_lit_by_image);
+    window.settle();
+
+    window.drop_file(render);
+    window.until("unsaved work is asked about", |app| {
+        matches!(app.dialog(), Some(Dialog::Unsaved(_)))
+    });
+    window.click("Replace");
+    window.until("it is open", |app| app.document().name() == "render");
+    window.settle();
+    assert!(!is_lit_by_image(window.app()));
+    let picture = window.app().picture_on_screen().expect("it is in the file");
+    let Outcome::Opened { hash: opened, .. } = &picture.outcome else {
+        panic!("the picture is {:?}", picture.outcome);
+    };
+    assert_eq!(opened.as_ref(), Some(&hash));
 }
 
 #[test]

@@ -484,7 +484,12 @@ fn hovered_files_ui(ui: &Ui, area: Rect) {
     let text = match hovered.as_slice() {
         [] => return,
         [one] if one.path.as_deref().is_some_and(io::is_image_file) => {
-            "Drop to make it the background"
+            // Whether a file tells a scene is known when it is read.
+            if one.path.as_deref().is_some_and(io::is_render_file) {
+                "Drop to make it the background, or to open it if RayMini saved it"
+            } else {
+                "Drop to make it the background"
+            }
         }
         [_] => "Drop to open",
         _ => "Drop to open together",

@@ -529,13 +529,13 @@ impl App {
         }
     }
 
-    /// Files dropped on the window are opened; an image becomes the background.
+    /// Files dropped on the window are opened; an image becomes the background, unless it tells what was rendered.
     fn take_dropped_files(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         let paths: Vec<PathBuf> = dropped.iter().map(|f| f.path().to_owned()).collect();
         match paths.as_slice() {
             [] => {}
-            [image] if io::is_image_file(image) => self.set_background(image.clone()),
+            [image] if io::is_image_file(image) => self.take_dropped_image(image.clone()),
             _ => self.open(paths),
         }
     }

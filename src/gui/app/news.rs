@@ -56,6 +56,7 @@ impl App {
                 replaces,
                 result,
             } => self.models_loaded(paths, replaces, result),
+            Event::RenderDropped(path) => self.dropped_render(path),
             Event::ImageLoaded { path, result } => self.image_loaded(&path, result),
             Event::TextureLoaded {
                 path,

@@ -51,6 +51,20 @@ impl App {
         });
     }
 
+    /// Opens an image that was dropped on the window where it tells what was rendered, and makes any other the background.
+    pub(super) fn take_dropped_image(&mut self, path: PathBuf) {
+        let progress = self.begin_loading(what(std::slice::from_ref(&path)));
+        self.jobs.start(Lane::Load, move |job| {
+            worker::load_dropped_image(job, path, &progress);
+        });
+    }
+
+    /// A file that was dropped turned out to tell what was rendered.
+    pub(super) fn dropped_render(&mut self, path: PathBuf) {
+        self.loading = None;
+        self.open(vec![path]);
+    }
+
     /// Loads an image and lays it on the selected material, or that of the selected object.
     pub(super) fn set_texture(&mut self, path: PathBuf, texture: TextureUse) {
         let scene = &self.document.scene;

@@ -33,7 +33,7 @@ const MOUSE: [(&str, &str); 8] = [
     ),
     (
         "Drop files",
-        "Open scenes and meshes; make an image the background",
+        "Open scenes, meshes and saved renders; make another image the background",
     ),
 ];
 
