@@ -103,7 +103,7 @@ pub enum Command {
     DrawRegion,
     /// Render all of the picture again.
     ClearRegion,
-    /// Stop the running render or report.
+    /// Stop what goes on: see [`Stoppable`].
     Cancel,
     /// Find out how long a render will take.
     EstimateTime,
@@ -113,6 +113,41 @@ pub enum Command {
     MeasureCosts,
     /// Show the sheet of shortcuts.
     ShowShortcuts,
+}
+
+/// What [`Command::Cancel`] stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stoppable {
+    /// Drawing the region to render.
+    Region,
+    /// The running render.
+    Render,
+    /// The report that is being made.
+    Report,
+    /// Measuring what effects cost.
+    Measuring,
+    /// Reading files.
+    Loading,
+    /// Writing pictures.
+    Saving,
+    /// Preparing the scene that is waited for, and the render that waits.
+    Preparing,
+}
+
+impl Stoppable {
+    /// What is stopped, after "Cancel" or "Give up".
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Region => "drawing the region",
+            Self::Render => "the render",
+            Self::Report => "the report",
+            Self::Measuring => "measuring",
+            Self::Loading => "loading",
+            Self::Saving => "saving the picture",
+            Self::Preparing => "preparing",
+        }
+    }
 }
 
 /// What an image on a material says.
@@ -322,7 +357,9 @@ impl Command {
                 "Draw with the mouse which part of the picture is rendered; a click takes all of it"
             }
             Self::ClearRegion => "Render all of the picture again in place of a part",
-            Self::Cancel => "Stop the running render, report, measurement or load",
+            Self::Cancel => {
+                "Stop what goes on: a render, a report, measuring, loading, preparing, saving"
+            }
             Self::MeasureCosts => {
                 "Measure what each effect costs and what leaving out saves, for the panel Plan"
             }

@@ -168,8 +168,8 @@ pub enum Event {
         is_whole: bool,
         /// Whether nothing more came of its render.
         is_final: bool,
-        /// Nothing, or why not.
-        result: Result<(), String>,
+        /// Nothing, `None` where it was cancelled, or why not.
+        result: Result<Option<()>, String>,
     },
     /// What effects cost was measured, or why not.
     CostsMeasured {

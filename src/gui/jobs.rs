@@ -7,8 +7,9 @@
 //! ```
 //!
 //! The window thread never waits for a job to end, only for a first look at a picture, and not for long ([`Jobs::wait_for`]). Starting a job in a lane, or cancelling the lane, raises the lane's
-//! generation: whatever an older job still sends is dropped, so the window never shows a result it no longer wants. A
-//! job that panics is reported in words like any other failure; the window and its scene go on.
+//! generation: whatever an older job still sends is dropped, so the window never shows a result it no longer wants. Jobs that must
+//! end, such as those that write files, are not given up for one that is started after them: they run one after another, and what
+//! each has to say is heard. A job that panics is reported in words like any other failure; the window and its scene go on.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -83,7 +84,8 @@ pub enum Lane {
 const LANES: usize = 27;
 
 impl Lane {
-    /// Whether a job of this lane must end on its own, also when the window closes: half a file is worse than none.
+    /// Whether a job of this lane must end on its own, also when the window closes or another is started after it: half a file is worse
+    /// than none.
     fn must_end(self) -> bool {
         matches!(
             self,
@@ -113,8 +115,8 @@ pub struct Jobs<E> {
 struct LaneState {
     generation: u64,
     cancel: CancelToken,
-    /// Whether the job of the present generation runs.
-    busy: bool,
+    /// How many jobs of the present generation have not ended: one at most, unless they [must end](Lane::must_end).
+    unended: usize,
     /// How many jobs were started.
     started: u64,
     /// Threads of this lane that have not ended, cancelled ones included.
@@ -210,11 +212,13 @@ impl<E: Send + 'static> Jobs<E> {
         *self.wake.window() = window;
     }
 
-    /// Runs `work` on a thread of its own, in place of what the lane was doing.
+    /// Runs `work` on a thread of its own: in place of what the lane was doing, or after that where it must end.
     pub fn start(&mut self, lane: Lane, work: impl FnOnce(&Job<E>) + Send + 'static) {
-        self.cancel(lane);
+        if !lane.must_end() {
+            self.cancel(lane);
+        }
         let state = &mut self.lanes[lane as usize];
-        state.busy = true;
+        state.unended += 1;
         state.started += 1;
         let job = Job {
             cancel: state.cancel.clone(),
@@ -245,19 +249,19 @@ impl<E: Send + 'static> Jobs<E> {
         }
     }
 
-    /// Asks the lane's job to stop, and forgets it.
+    /// Asks the lane's jobs to stop, and forgets them.
     pub fn cancel(&mut self, lane: Lane) {
         let state = &mut self.lanes[lane as usize];
         state.cancel.cancel();
         state.cancel = CancelToken::new();
         state.generation += 1;
-        state.busy = false;
+        state.unended = 0;
     }
 
     /// Whether the lane has a job that was not cancelled.
     #[must_use]
     pub fn is_busy(&self, lane: Lane) -> bool {
-        self.lanes[lane as usize].busy
+        self.lanes[lane as usize].unended > 0
     }
 
     /// How many jobs of the lane were started so far.
@@ -306,9 +310,9 @@ impl<E: Send + 'static> Jobs<E> {
             }
             match content {
                 Content::Event(event) => return Some(News::Event(event)),
-                Content::Ended => state.busy = false,
+                Content::Ended => state.unended -= 1,
                 Content::Panicked(message) => {
-                    state.busy = false;
+                    state.unended -= 1;
                     return Some(News::Panicked(lane, message));
                 }
             }
@@ -428,6 +432,29 @@ mod tests {
         }
         drop(jobs);
         assert_eq!(*written.lock().unwrap(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn each_of_several_files_is_told_of() {
+        let mut jobs = Jobs::new(egui::Context::default());
+        let (release, wait) = channel::<()>();
+        jobs.start(Lane::SavePicture, move |job| {
+            let _ = wait.recv();
+            assert!(!job.cancel.is_cancelled());
+            job.send("the first cannot be written");
+        });
+        jobs.start(Lane::SavePicture, |job| job.send("the second is written"));
+        release.send(()).unwrap();
+        assert_eq!(
+            wait_for(&mut jobs),
+            News::Event("the first cannot be written")
+        );
+        assert_eq!(wait_for(&mut jobs), News::Event("the second is written"));
+        let deadline = Instant::now() + Duration::from_secs(10);
+        while jobs.is_busy(Lane::SavePicture) {
+            assert!(Instant::now() < deadline, "both have ended");
+            assert_eq!(jobs.next_event(), None);
+        }
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use egui::{Align, CornerRadius, Layout, ProgressBar, RichText, Ui};
+use egui::{Align, Button, CornerRadius, Layout, ProgressBar, RichText, Ui};
 
+use super::commands::{Command, Stoppable};
 use super::picture::{Outcome, Picture};
 use super::report::Run;
 use super::theme;
@@ -39,27 +40,67 @@ pub enum Activity<'a> {
     },
 }
 
+/// What the bar shows.
+#[derive(Clone, Debug)]
+pub struct Status<'a> {
+    /// What runs or was last done.
+    pub activity: Activity<'a>,
+    /// Which pictures are being written, in words; `None` where none are.
+    pub saving: Option<String>,
+    /// What Esc would stop.
+    pub esc_stops: Option<Stoppable>,
+    /// The last thing that was done, such as saving.
+    pub news: &'a str,
+    /// The scene, where there is one.
+    pub scene: Option<&'a Scene>,
+}
+
 /// Height of the bar, in points.
 pub const HEIGHT: f32 = 26.0;
 
-/// Draws the bar. `news`: the last thing that was done, such as saving.
-pub fn status_bar_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str, scene: Option<&Scene>) {
+/// Draws the bar; returns what is to be stopped.
+pub fn status_bar_ui(ui: &mut Ui, status: &Status<'_>) -> Option<Stoppable> {
+    let mut asked = None;
     ui.horizontal(|ui| {
         ui.set_min_height(HEIGHT);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if let Some(scene) = scene {
+            if let Some(scene) = status.scene {
                 ui.label(RichText::new(facts(scene)).weak());
                 ui.separator();
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                activity_ui(ui, activity, news);
+                if let Some(saving) = &status.saving {
+                    stop_ui(ui, Stoppable::Saving, status, &mut asked);
+                    ui.label(format!("Saving {saving}…"));
+                    ui.separator();
+                }
+                activity_ui(ui, status, &mut asked);
             });
         });
     });
+    asked
 }
 
-fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
-    match activity {
+/// The button that stops `what`.
+fn stop_ui(ui: &mut Ui, what: Stoppable, status: &Status<'_>, asked: &mut Option<Stoppable>) {
+    let name = format!("Cancel {}", what.in_words());
+    let tooltip = if status.esc_stops == Some(what) {
+        format!("{name}  ({})", Command::Cancel.shortcut_text(ui.ctx()))
+    } else {
+        name.clone()
+    };
+    let response = ui
+        .add(Button::new(Command::Cancel.label()).small())
+        .accessible_name(name)
+        .on_hover_text(tooltip);
+    if response.clicked() {
+        *asked = Some(what);
+    }
+}
+
+fn activity_ui(ui: &mut Ui, status: &Status<'_>, asked: &mut Option<Stoppable>) {
+    let news = status.news;
+    match &status.activity {
         Activity::Idle if news.is_empty() => {
             line_ui(
                 ui,
@@ -68,10 +109,12 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
         }
         Activity::Idle => line_ui(ui, news),
         Activity::Loading { what, share } => {
+            stop_ui(ui, Stoppable::Loading, status, asked);
             progress_ui(ui, *share);
             line_ui(ui, &format!("Loading {what}"));
         }
         Activity::Preparing { share } => {
+            stop_ui(ui, Stoppable::Preparing, status, asked);
             if *share > 0.0 {
                 progress_ui(ui, *share);
             }
@@ -79,7 +122,11 @@ fn activity_ui(ui: &mut Ui, activity: &Activity<'_>, news: &str) {
         }
         Activity::Reporting(run) => {
             progress_ui(ui, run.progress.how_far().0);
-            line_ui(ui, &format!("Report: {}", run.describe()));
+            let mut parts = vec![format!("Report: {}", run.describe())];
+            if !news.is_empty() {
+                parts.push(news.to_owned());
+            }
+            line_ui(ui, &parts.join("  ·  "));
         }
         Activity::Picture { picture, outdated } => picture_ui(ui, picture, *outdated, news),
     }
@@ -89,6 +136,9 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
     let render = &picture.scene.render;
     let size = picture.buffer.part().size_in_words();
     let mut parts = Vec::new();
+    if !news.is_empty() {
+        parts.push(news.to_owned());
+    }
     let mut warnings = Vec::new();
     if outdated {
         let hint = if picture.is_paused() {
@@ -109,9 +159,6 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             parts.extend(running_parts(picture, &size));
         }
         Outcome::Finished { hash, stats } => {
-            if !news.is_empty() {
-                parts.push(news.to_owned());
-            }
             let ending = ending(stats, render);
             parts.push(format!(
                 "{size} in {}, {ending}",
@@ -139,15 +186,9 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             if let Some(point) = picture.errors().last() {
                 parts.push(format!("noise {}", noise_in_words(point.error.noise())));
             }
-            if !news.is_empty() {
-                parts.push(news.to_owned());
-            }
         }
         Outcome::Failed => parts.push("The render failed".to_owned()),
         Outcome::Opened { hash, error } => {
-            if !news.is_empty() {
-                parts.push(news.to_owned());
-            }
             parts.push(format!("{size}, from {}", picture.name));
             if let Some(error) = error {
                 parts.push(format!("noise {}", percent(error.noise())));

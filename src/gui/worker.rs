@@ -550,7 +550,7 @@ pub fn save_scene(job: &Job<Event>, scene: Scene, file: usize, path: PathBuf) {
     job.send(Event::SceneSaved { file, path, result });
 }
 
-/// Writes the picture of `scene` as the window shows it.
+/// Writes the picture of `scene` as the window shows it. `None` when cancelled: there is no file then, or the old one.
 ///
 /// # Errors
 /// In words.
@@ -559,9 +559,15 @@ pub fn save_picture(
     scene: &Scene,
     error: Option<WrittenError>,
     path: &Path,
-) -> Result<(), String> {
+    cancel: &CancelToken,
+) -> Result<Option<()>, String> {
+    // One that waited for another to be written may be cancelled by now.
+    if cancel.is_cancelled() {
+        return Ok(None);
+    }
     let origin = io::Origin { scene, error };
-    io::write_render(&buffer.image(), &buffer.layer_images(), &origin, path)
+    let (image, layers) = (buffer.image(), buffer.layer_images());
+    io::write_render_unless(&image, &layers, &origin, path, cancel)
         .map_err(|error| error.to_string())
 }
 

@@ -1,7 +1,7 @@
 //! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
 
 use std::ffi::OsStr;
-use std::io::{self, Cursor, Write};
+use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use exr::image::write::layers::WritableLayers;
@@ -13,6 +13,7 @@ use exr::prelude::{
 
 use super::atomic::{check_writable, write_atomically};
 use super::origin::{Origin, OriginTexts};
+use crate::control::CancelToken;
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
 use crate::scene::{Display, Output, PngBits, Scene};
@@ -75,7 +76,9 @@ pub fn write_image(
     path: &Path,
 ) -> Result<(), ImageFileError> {
     let texts = OriginTexts::default();
-    write(image, layers, (display, output), &texts, path)
+    let never = CancelToken::new();
+    let written = write(image, layers, (display, output), &texts, path, &never);
+    written.map(|written| written.expect("nobody cancels"))
 }
 
 /// [`write_image`] of a render, as its scene says; the file tells what was rendered, so that it can be opened.
@@ -88,11 +91,26 @@ pub fn write_render(
     origin: &Origin<'_>,
     path: &Path,
 ) -> Result<(), ImageFileError> {
+    let written = write_render_unless(image, layers, origin, path, &CancelToken::new());
+    written.map(|written| written.expect("nobody cancels"))
+}
+
+/// [`write_render`], unless it is cancelled, which is `None`: an old file of that name is as it was then.
+///
+/// # Errors
+/// Those of [`write_image`].
+pub fn write_render_unless(
+    image: &Image,
+    layers: &[(Layer, Image)],
+    origin: &Origin<'_>,
+    path: &Path,
+    cancel: &CancelToken,
+) -> Result<Option<()>, ImageFileError> {
     let Scene {
         display, output, ..
     } = origin.scene;
     let texts = origin.texts(path);
-    write(image, layers, (display, output), &texts, path)
+    write(image, layers, (display, output), &texts, path, cancel)
 }
 
 fn write(
@@ -101,15 +119,63 @@ fn write(
     (display, output): (&Display, &Output),
     texts: &OriginTexts,
     path: &Path,
-) -> Result<(), ImageFileError> {
-    let written = match format_of(path)? {
-        Format::Png => {
-            write_atomically(path, |file| write_png(image, display, *output, texts, file))
-        }
-        Format::Exr => exr_bytes(image, layers, texts)
-            .and_then(|bytes| write_atomically(path, |file| file.write_all(&bytes))),
+    cancel: &CancelToken,
+) -> Result<Option<()>, ImageFileError> {
+    let format = format_of(path)?;
+    if cancel.is_cancelled() {
+        return Ok(None);
+    }
+    let written = match format {
+        Format::Png => write_atomically(path, |file| {
+            let file = Unless {
+                cancel,
+                inner: file,
+            };
+            write_png(image, display, *output, texts, file)
+        }),
+        Format::Exr => exr_bytes(image, layers, texts, cancel).and_then(|bytes| {
+            write_atomically(path, |inner| Unless { cancel, inner }.write_all(&bytes))
+        }),
     };
-    written.map_err(|reason| unwritable(path, reason))
+    match written {
+        Ok(()) => Ok(Some(())),
+        // Failing is how the writing ends then.
+        Err(_) if cancel.is_cancelled() => Ok(None),
+        Err(reason) => Err(unwritable(path, reason)),
+    }
+}
+
+/// A writer that fails as soon as it is cancelled, so that whoever writes to it gives up.
+struct Unless<'a, W> {
+    cancel: &'a CancelToken,
+    inner: W,
+}
+
+/// Fails once it is cancelled.
+fn check(cancel: &CancelToken) -> io::Result<()> {
+    if cancel.is_cancelled() {
+        return Err(io::Error::other("cancelled"));
+    }
+    Ok(())
+}
+
+impl<W: Write> Write for Unless<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        /// No more bytes go at once, so that cancelling answers between pieces.
+        const PIECE: usize = 1 << 20;
+        check(self.cancel)?;
+        self.inner.write(&bytes[..bytes.len().min(PIECE)])
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<W: Seek> Seek for Unless<'_, W> {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        self.inner.seek(place)
+    }
 }
 
 /// Writes a picture that could not be written to `path` to a new file in the system's folder for temporary files, in the same
@@ -161,8 +227,9 @@ fn write_png(
     display: &Display,
     output: Output,
     texts: &OriginTexts,
-    file: &mut dyn Write,
+    file: Unless<'_, &mut dyn Write>,
 ) -> io::Result<()> {
+    let cancel = file.cancel;
     let mut encoder = png::Encoder::new(file, image.width, image.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(match output.png_bits {
@@ -181,6 +248,8 @@ fn write_png(
     }
     let mut rows = writer.stream_writer()?;
     for row in image.pixels.chunks_exact(image.width as usize) {
+        // Rows of little content are many before a byte of them is written.
+        check(cancel)?;
         let encoded: Vec<u8> = match output.png_bits {
             PngBits::Eight => row.iter().flat_map(|&rgb| encode_8(rgb, display)).collect(),
             PngBits::Sixteen => row
@@ -195,12 +264,18 @@ fn write_png(
     Ok(writer.finish()?)
 }
 
-fn exr_bytes(image: &Image, layers: &[(Layer, Image)], texts: &OriginTexts) -> io::Result<Vec<u8>> {
+fn exr_bytes(
+    image: &Image,
+    layers: &[(Layer, Image)],
+    texts: &OriginTexts,
+    cancel: &CancelToken,
+) -> io::Result<Vec<u8>> {
     let size = (image.width as usize, image.height as usize);
     if layers.is_empty() {
         // Read where it is: channels apart would take as much memory again.
         let pixel = |at: ExrVec2<usize>| image.pixels[at.y() * size.0 + at.x()].into();
-        return exr_file(&exr_image(size, SpecificChannels::rgb(pixel), texts));
+        let image = exr_image(size, SpecificChannels::rgb(pixel), texts);
+        return exr_file(&image, cancel);
     }
     let named = layers
         .iter()
@@ -218,7 +293,8 @@ fn exr_bytes(image: &Image, layers: &[(Layer, Image)], texts: &OriginTexts) -> i
                 })
         })
         .collect();
-    exr_file(&exr_image(size, AnyChannels::sort(channels), texts))
+    let image = exr_image(size, AnyChannels::sort(channels), texts);
+    exr_file(&image, cancel)
 }
 
 fn exr_image<C>(size: (usize, usize), channels: C, texts: &OriginTexts) -> ExrImage<ExrLayer<C>> {
@@ -237,13 +313,17 @@ fn exr_image<C>(size: (usize, usize), channels: C, texts: &OriginTexts) -> ExrIm
 }
 
 /// The bytes of the file.
-fn exr_file<'a, L: WritableLayers<'a>>(image: &'a ExrImage<L>) -> io::Result<Vec<u8>> {
-    let mut file = Cursor::new(Vec::new());
+fn exr_file<'a, L: WritableLayers<'a>>(
+    image: &'a ExrImage<L>,
+    cancel: &CancelToken,
+) -> io::Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    let inner = &mut bytes;
     image
         .write()
-        .to_buffered(&mut file)
+        .to_buffered(Unless { cancel, inner })
         .map_err(|error| io::Error::other(error.to_string()))?;
-    Ok(file.into_inner())
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]
@@ -338,6 +418,54 @@ mod tests {
             image.layer_data.channel_data.pixels.hash(),
             gradient().hash()
         );
+    }
+
+    /// A file that is cancelled by what is written to it.
+    struct CancelledByWriting<'a>(&'a CancelToken);
+
+    impl Write for CancelledByWriting<'_> {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.cancel();
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_cancelled_picture_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let scene = Scene::default();
+        let origin = Origin {
+            scene: &scene,
+            error: None,
+        };
+        let cancelled = CancelToken::new();
+        cancelled.cancel();
+        for name in ["picture.png", "picture.exr"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "old").expect("written");
+            let written = write_render_unless(&gradient(), &[], &origin, &path, &cancelled);
+            assert_eq!(written.expect("no failure"), None, "{name}");
+            let there = std::fs::read_to_string(&path).expect("a file");
+            assert_eq!(there, "old");
+        }
+        let files = std::fs::read_dir(folder.path()).expect("a folder");
+        assert_eq!(files.count(), 2);
+
+        // In the middle, writing ends.
+        let texts = OriginTexts::default();
+        let cancel = CancelToken::new();
+        let mut inner = CancelledByWriting(&cancel);
+        let file = Unless {
+            cancel: &cancel,
+            inner: &mut inner as &mut dyn Write,
+        };
+        let (display, output) = (Display::default(), Output::default());
+        assert!(write_png(&gradient(), &display, output, &texts, file).is_err());
+        assert!(exr_bytes(&gradient(), &[], &texts, &cancel).is_err());
     }
 
     #[test]

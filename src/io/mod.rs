@@ -46,7 +46,7 @@ pub use block_log::{BlockLog, LoggedBlocks, block_record};
 pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{
     ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_render, write_image,
-    write_render,
+    write_render, write_render_unless,
 };
 pub use load::{
     LoadError, LoadedScene, demo_scene, image_warnings, load_image, load_mesh, load_scene,

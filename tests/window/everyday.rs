@@ -649,6 +649,52 @@ fn closing_asks_before_a_render_is_given_up() {
     }
 }
 
+#[test]
+fn what_is_done_beside_a_render_is_told() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&files.path("part.png"));
+    let news = "Saved what there is to";
+    window.until("it is saved", |app| {
+        app.messages().last_news().starts_with(news)
+    });
+    assert!(window.app().picture().is_some_and(Picture::is_running));
+    assert!(window.says(news));
+}
+
+/// A picture that is being written shows, holds up closing and is cancelled by its button.
+#[cfg(unix)]
+#[test]
+fn saving_a_picture_can_be_cancelled() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    // Writing to a pipe waits until somebody reads from it.
+    let pipe = files.path("pipe.png");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    window.press(Modifiers::COMMAND, Key::E);
+    window.enter_path(&pipe);
+    assert!(window.says("Saving pipe.png"));
+    ask_to_close(&mut window);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
+    assert!(window.has("Give up saving the picture?"));
+    window.click("Go on");
+    assert!(window.app().dialog().is_none());
+    window.click("Cancel saving the picture");
+    // Open both ways, it waits for nobody.
+    let mut ends = std::fs::File::options();
+    let reader = ends.read(true).write(true).open(&pipe).unwrap();
+    window.until("it is told", |app| {
+        app.messages().last_news() == "Saving cancelled"
+    });
+    assert!(!window.has("Cancel saving the picture"));
+    assert!(!window.says("Saving pipe.png"));
+    drop(reader);
+}
+
 /// What a render has reached when another scene takes its place is among the renders.
 #[test]
 fn a_render_that_another_scene_ends_is_kept() {

@@ -10,8 +10,8 @@ impl App {
         let is_measuring =
             self.report.is_running() || self.is_measuring_costs() || self.is_estimating_time();
         let is_rendering = self.is_rendering() && !self.is_paused();
-        let is_free =
-            !is_measuring && !is_rendering && !self.is_settling() && self.problem().is_none();
+        let is_ready = !self.is_settling() && self.is_prepared() && self.problem().is_none();
+        let is_free = !is_measuring && !is_rendering && is_ready;
         let is_busy = self.jobs.is_busy(Lane::Contributions);
         if is_busy && (is_other || !is_free || !self.contributions.is_on()) {
             self.jobs.cancel(Lane::Contributions);

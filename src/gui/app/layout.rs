@@ -8,14 +8,14 @@ use egui::{
 
 use super::App;
 use super::tools::{focus_aid, moves_since};
-use crate::gui::commands::Command;
+use crate::gui::commands::{Command, Stoppable};
 use crate::gui::focus::FocusAid;
 use crate::gui::look::Channels;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
 use crate::gui::preview::choice::Omission;
 use crate::gui::renders::{self, StripState};
-use crate::gui::status_bar::{self, Activity};
+use crate::gui::status_bar::{self, Activity, Status};
 use crate::gui::theme;
 use crate::gui::top_bar::{self, Recent};
 use crate::gui::viewport::{self, ViewportScene};
@@ -38,6 +38,8 @@ pub(super) struct WindowAsked {
     pub recent: Option<Recent>,
     /// About the renders of this session.
     pub render: Option<renders::Asked>,
+    /// What is to be stopped.
+    pub stop: Option<Stoppable>,
 }
 
 impl App {
@@ -55,9 +57,10 @@ impl App {
             .frame(bar(10, 6))
             .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
             .inner;
-        Panel::bottom("status bar")
+        let stop = Panel::bottom("status bar")
             .frame(bar(12, 1))
-            .show(ui, |ui| self.status_ui(ui));
+            .show(ui, |ui| self.status_ui(ui))
+            .inner;
         let mut open = self.panel_open;
         let panel = Panel::right("side panel")
             .frame(bar(0, 0))
@@ -93,6 +96,7 @@ impl App {
             commands: bar_asked.commands,
             recent: bar_asked.recent,
             render,
+            stop,
         }
     }
 
@@ -128,8 +132,8 @@ impl App {
         }
     }
 
-    fn status_ui(&self, ui: &mut Ui) {
-        let prepared = self.prepared.as_ref().and_then(|s| s.prepared.as_ref());
+    /// Draws the status bar; returns what is to be stopped.
+    fn status_ui(&self, ui: &mut Ui) -> Option<Stoppable> {
         let activity = if let Some(loading) = &self.loading {
             Activity::Loading {
                 what: &loading.what,
@@ -137,7 +141,7 @@ impl App {
             }
         } else if let Some(run) = self.report.run().filter(|_| self.report.is_running()) {
             Activity::Reporting(run)
-        } else if self.waiting_render.is_some() || prepared.is_none() && !self.is_prepared() {
+        } else if self.awaits_preparation() {
             Activity::Preparing {
                 share: self.build_progress.fraction(),
             }
@@ -162,8 +166,14 @@ impl App {
             ui.ctx().request_repaint_after(REPORT_REFRESH);
         }
         let scene = &self.document.scene;
-        let shown = (!scene.objects.is_empty()).then_some(scene);
-        status_bar::status_bar_ui(ui, &activity, self.messages.last_news(), shown);
+        let status = Status {
+            activity,
+            saving: self.pictures_being_saved(),
+            esc_stops: self.what_to_stop(),
+            news: self.messages.last_news(),
+            scene: (!scene.objects.is_empty()).then_some(scene),
+        };
+        status_bar::status_bar_ui(ui, &status)
     }
 
     fn panels_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {

@@ -50,6 +50,8 @@ mod reporting;
 mod saving;
 mod seeing;
 mod surviving;
+#[cfg(test)]
+mod testing;
 mod timing;
 mod tools;
 mod tracing;
@@ -143,6 +145,8 @@ pub struct App {
     preparing: Option<Scene>,
     /// How far its acceleration structure is.
     build_progress: Progress,
+    /// A scene that is not prepared until it is to be rendered, or edited: that was cancelled.
+    unwanted_preparation: Option<Scene>,
     /// The first value of the scene as it is that cannot be rendered.
     invalid: Option<String>,
     /// The objects that were looked through for it last, and what was found: they may be very many, and seldom change.
@@ -191,6 +195,10 @@ pub struct App {
     dialog: Option<Dialog>,
     file_dialogs: FileDialogs,
     after_saving: Option<Intent>,
+    /// How many scene files are being written.
+    scene_saves: usize,
+    /// The pictures that are being written, in that order.
+    picture_saves: VecDeque<saving::PictureSave>,
     /// Questions that wait for the one that shows.
     asked_later: VecDeque<Dialog>,
     may_close: bool,
@@ -260,6 +268,7 @@ impl App {
             sketches: SketchStore::default(),
             preparing: None,
             build_progress: Progress::new(),
+            unwanted_preparation: None,
             invalid: None,
             checked_objects: (Vec::new(), Ok(())),
             problem: None,
@@ -294,6 +303,8 @@ impl App {
             dialog: None,
             file_dialogs: options.file_dialogs,
             after_saving: None,
+            scene_saves: 0,
+            picture_saves: VecDeque::new(),
             asked_later: VecDeque::new(),
             may_close: false,
             panel_open: true,
@@ -423,10 +434,12 @@ impl App {
         self.view
     }
 
-    /// Whether files are read, or the scene as it is has not been prepared yet.
+    /// Whether files are read, or the scene as it is has not been prepared yet but will be.
     #[must_use]
     pub fn is_settling(&self) -> bool {
-        self.loading.is_some() || self.jobs.is_busy(Lane::Prepare) || !self.is_prepared()
+        let is_unwanted = self.is_preparation_unwanted();
+        let lacks_preparation = !self.is_prepared() && !is_unwanted;
+        self.loading.is_some() || self.jobs.is_busy(Lane::Prepare) || lacks_preparation
     }
 
     /// How many jobs of that kind were started so far.
@@ -476,6 +489,7 @@ impl App {
             has_own_axes: self.viewport.orientation == Orientation::Own,
             has_bookmarks: !self.document.scene.bookmarks.is_empty(),
             is_live: self.is_live,
+            can_cancel: self.what_to_stop().is_some(),
             can_pause: self.picture.as_ref().is_some_and(Picture::is_running),
             is_paused: self.is_paused(),
             time: self.estimated_time(),
@@ -605,6 +619,9 @@ impl eframe::App for App {
         }
         if let Some(asked) = asked.render {
             self.carry_out_asked(&ctx, asked);
+        }
+        if let Some(what) = asked.stop {
+            self.stop(what);
         }
         self.report_ui(&ctx);
         let display = self.document.scene.display;

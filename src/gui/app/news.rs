@@ -116,7 +116,7 @@ impl App {
                 is_final,
                 result,
             } => {
-                if result.is_ok() && is_final {
+                if matches!(result, Ok(Some(()))) && is_final {
                     self.picture_is_saved(number);
                 }
                 self.picture_saved(&path, is_whole, result);
@@ -152,7 +152,11 @@ impl App {
         match lane {
             Lane::Load => self.loading = None,
             Lane::Render => self.end_picture(Outcome::Failed),
-            Lane::SaveScene => self.after_saving = None,
+            Lane::SaveScene => {
+                self.scene_saves -= 1;
+                self.after_saving = None;
+            }
+            Lane::SavePicture => self.picture_save_failed(),
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,

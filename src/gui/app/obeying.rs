@@ -1,7 +1,7 @@
 //! What the user asks for by menu, button or key.
 
 use super::App;
-use crate::gui::commands::Command;
+use crate::gui::commands::{Command, Stoppable};
 use crate::gui::dialogs::Dialog;
 use crate::gui::dialogs::files::FilePurpose;
 use crate::gui::jobs::Lane;
@@ -102,26 +102,127 @@ impl App {
         self.show_camera_view();
     }
 
-    /// Puts away the tool that draws the region, else stops what runs: a render first, else a report, else measuring, else loading. Where
-    /// nothing runs, the window of the report closes, or nothing is selected any more but the camera.
+    /// What goes on that can be stopped, the first where it is several things.
+    pub(super) fn what_to_stop(&self) -> Option<Stoppable> {
+        let all = [
+            (self.region.is_drawing, Stoppable::Region),
+            (self.waiting_render.is_some(), Stoppable::Preparing),
+            (self.is_rendering(), Stoppable::Render),
+            (self.report.is_running(), Stoppable::Report),
+            (self.is_measuring_costs(), Stoppable::Measuring),
+            (self.loading.is_some(), Stoppable::Loading),
+            (self.is_saving_picture(), Stoppable::Saving),
+            (self.awaits_preparation(), Stoppable::Preparing),
+        ];
+        let first = all.into_iter().find(|(goes_on, _)| *goes_on);
+        first.map(|(_, what)| what)
+    }
+
+    /// Stops `what`, where that goes on.
+    pub(super) fn stop(&mut self, what: Stoppable) {
+        match what {
+            Stoppable::Region => self.region.stop(),
+            Stoppable::Render => {
+                self.cancel_render();
+                self.pass_over_edits();
+            }
+            Stoppable::Report => self.cancel_report(),
+            Stoppable::Measuring => self.cancel_measuring_costs(),
+            Stoppable::Loading => {
+                if self.loading.take().is_some() {
+                    self.jobs.cancel(Lane::Load);
+                    self.messages.news("Loading cancelled");
+                }
+            }
+            Stoppable::Saving => self.cancel_saving(),
+            Stoppable::Preparing => self.cancel_preparing(),
+        }
+    }
+
+    /// Stops the first of what goes on. Where nothing does, the window of the report closes, or nothing is selected any more but the
+    /// camera.
     fn cancel(&mut self) {
-        if self.region.is_drawing {
-            self.region.stop();
-        } else if self.is_rendering() {
-            self.cancel_render();
-            self.pass_over_edits();
-        } else if self.report.is_running() {
-            self.cancel_report();
-        } else if self.is_measuring_costs() {
-            self.cancel_measuring_costs();
-        } else if self.loading.take().is_some() {
-            self.jobs.cancel(Lane::Load);
-            self.messages.news("Loading cancelled");
+        if let Some(what) = self.what_to_stop() {
+            self.stop(what);
         } else if self.report.open {
             self.report.open = false;
         } else {
             self.selection = Selection::Camera;
             self.viewport.look_away();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use egui::Key;
+    use egui_kittest::kittest::Queryable as _;
+
+    use super::*;
+    use crate::gui::app::testing;
+
+    #[test]
+    fn loading_is_cancelled_beside_its_progress() {
+        let mut window = testing::window(None);
+        let app = window.state_mut();
+        assert!(!app.top_bar_state().allows(Command::Cancel));
+        let (release, wait) = channel::<()>();
+        app.begin_loading("slow.off".to_owned());
+        app.jobs.start(Lane::Load, move |_| {
+            let _ = wait.recv();
+        });
+        assert!(app.top_bar_state().allows(Command::Cancel));
+        window.run_steps(2);
+        window.get_by_label("Cancel loading").click();
+        window.run_steps(3);
+        let app = window.state();
+        assert!(app.loading.is_none() && !app.works_in(Lane::Load));
+        assert_eq!(app.messages().last_news(), "Loading cancelled");
+        assert!(!app.top_bar_state().allows(Command::Cancel));
+        drop(release);
+    }
+
+    /// A cancelled preparation is not begun again on its own, but for a render and for an edit.
+    #[test]
+    fn preparing_is_cancelled_until_it_is_needed() {
+        let mut window = testing::window(None);
+        let (release, wait) = channel::<()>();
+        let app = window.state_mut();
+        app.prepared = None;
+        app.jobs.start(Lane::Prepare, move |_| {
+            let _ = wait.recv();
+        });
+        window.run_steps(2);
+        assert!(window.query_by_label("Cancel preparing").is_some());
+        let scene = window.state().document.scene.clone();
+        let started = window.state().jobs_started(Lane::Prepare);
+        window.key_press(Key::Escape);
+        window.run_steps(5);
+        let app = window.state_mut();
+        assert!(!app.works_in(Lane::Prepare) && !app.is_settling());
+        assert_eq!(app.jobs_started(Lane::Prepare), started);
+        assert_eq!(app.document.scene, scene);
+        assert!(
+            app.messages()
+                .last_news()
+                .starts_with("Preparing cancelled")
+        );
+
+        // The render that waits goes with what it waits for.
+        app.ask_for_render();
+        assert_eq!(app.jobs_started(Lane::Prepare), started + 1);
+        assert_eq!(app.what_to_stop(), Some(Stoppable::Preparing));
+        app.stop(Stoppable::Preparing);
+        assert!(app.waiting_render.is_none() && !app.works_in(Lane::Prepare));
+        assert_eq!(app.what_to_stop(), None);
+
+        app.document.scene.objects[0].translate.x += 0.5;
+        testing::until(&mut window, |app| !app.is_settling());
+        let app = window.state();
+        assert_eq!(app.jobs_started(Lane::Prepare), started + 2);
+        assert!(app.is_prepared());
+        drop(release);
     }
 }

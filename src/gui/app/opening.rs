@@ -218,6 +218,7 @@ impl App {
         self.costs = CostState::Unknown;
         self.stop_estimating_time();
         self.preparing = None;
+        self.unwanted_preparation = None;
         self.problem = None;
         self.hide_past_render();
         if !self.is_live {

@@ -25,7 +25,7 @@ use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
 use crate::gui::worker::{self, Placed, Preparation, RenderRequest};
 use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
-use crate::scene::Display;
+use crate::scene::{Display, Scene};
 
 impl App {
     /// Why the scene as it is cannot be rendered.
@@ -38,11 +38,41 @@ impl App {
         if self.document.scene.objects.is_empty() || self.invalid.is_some() {
             return true;
         }
-        self.preparing.as_ref().is_some_and(|scene| {
-            let now = &self.document.scene;
-            same_geometry(scene, now) && same_image(scene, now) && same_paint(scene, now)
-        }) && !self.is_preparing()
+        let scene = &self.document.scene;
+        let preparing = self.preparing.as_ref();
+        preparing.is_some_and(|known| is_prepared_alike(known, scene))
+            && !self.is_preparing()
             && !self.lacks_upload()
+    }
+
+    /// Whether preparing the scene as it is was cancelled, and nobody has asked for it since.
+    pub(super) fn is_preparation_unwanted(&self) -> bool {
+        let unwanted = self.unwanted_preparation.as_ref();
+        unwanted.is_some_and(|scene| is_prepared_alike(scene, &self.document.scene))
+    }
+
+    /// Whether somebody waits for the scene to be prepared: a render, or who is to see the scene for the first time.
+    pub(super) fn awaits_preparation(&self) -> bool {
+        let known = self.prepared.as_ref();
+        let is_first = known.is_none_or(|state| state.prepared.is_none());
+        let is_to_come = !self.is_prepared() && !self.is_preparation_unwanted();
+        self.waiting_render.is_some() || is_first && is_to_come
+    }
+
+    /// Gives up preparing the scene as it is, and the render that waits for it: the preview shows what was placed by now, and a render
+    /// or an edit has the scene prepared again.
+    pub(super) fn cancel_preparing(&mut self) {
+        if self.waiting_render.is_some() {
+            self.cancel_render();
+            self.pass_over_edits();
+        }
+        if !self.is_prepared() {
+            self.jobs.cancel(Lane::Prepare);
+            self.preparing = None;
+            self.unwanted_preparation = Some(self.document.scene.clone());
+            self.messages
+                .news("Preparing cancelled: Render prepares the scene again");
+        }
     }
 
     /// Whether the graphics device is a new one, which has nothing of the scene yet.
@@ -99,10 +129,11 @@ impl App {
             let preparation = self.preparation();
             return self.start_render(asked, preparation);
         }
-        if self.is_preparing() || self.is_in_hand() {
+        if self.is_preparing() || self.is_in_hand() || self.is_preparation_unwanted() {
             return;
         }
         if !self.is_prepared() {
+            self.unwanted_preparation = None;
             let scene = self.document.scene.clone();
             self.preparing = Some(scene.clone());
             let known = self.prepared.as_ref();
@@ -169,6 +200,7 @@ impl App {
         self.cancel_measuring_costs();
         self.stop_estimating_time();
         self.messages.news("");
+        self.unwanted_preparation = None;
         self.waiting_render = Some(WaitingRender::new());
         self.update_background_work();
     }
@@ -432,4 +464,9 @@ impl App {
             part == self.wanted_part() && same_picture(scene, &self.document.scene)
         })
     }
+}
+
+/// Whether the same is prepared for both: triangles, images, what the preview paints.
+fn is_prepared_alike(a: &Scene, b: &Scene) -> bool {
+    same_geometry(a, b) && same_image(a, b) && same_paint(a, b)
 }

@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::App;
+use super::opening::what;
+use crate::control::CancelToken;
+use crate::gui::commands::Stoppable;
 use crate::gui::dialogs::files::FilePurpose;
 use crate::gui::dialogs::question::{self, Decision};
 use crate::gui::dialogs::{Dialog, Intent};
@@ -15,6 +18,22 @@ use crate::scene::Scene;
 
 /// What a banner says until the scene is saved.
 const CANNOT_SAVE: &str = "Cannot save the scene";
+
+/// A picture that is being written, or waits for one to be written before it.
+#[derive(Debug)]
+pub(super) struct PictureSave {
+    path: PathBuf,
+    /// Not that of its job, which also says that the window closes: a picture is written all the same.
+    cancel: CancelToken,
+}
+
+/// What runs that somebody asked for, and ends with the window.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RunningWork {
+    pub what: Stoppable,
+    /// The done part, `0..=1`, where it is known.
+    pub share: Option<f64>,
+}
 
 impl App {
     /// Writes the scene to its file, or asks for one.
@@ -29,12 +48,13 @@ impl App {
         let scene = self.document.scene.clone();
         let file = self.document.file_number();
         self.messages.news("Saving the scene…");
+        self.scene_saves += 1;
         self.jobs.start(Lane::SaveScene, move |job| {
             worker::save_scene(job, scene, file, path);
         });
     }
 
-    /// `file`: which of what was opened the scene belongs to.
+    /// `file`: which of what was opened the scene belongs to. What waits for the scene to be saved waits for the last of several files.
     pub(super) fn scene_saved(
         &mut self,
         ctx: &egui::Context,
@@ -42,6 +62,8 @@ impl App {
         path: PathBuf,
         result: Result<Box<Scene>, String>,
     ) {
+        self.scene_saves -= 1;
+        let is_last = self.scene_saves == 0;
         match result {
             Ok(scene) => {
                 self.messages.withdraw(CANNOT_SAVE);
@@ -55,7 +77,7 @@ impl App {
                     return;
                 }
                 self.forget_stale_scene();
-                match self.after_saving.take() {
+                match self.after_saving.take_if(|_| is_last) {
                     // Edited since it was handed to the writer.
                     Some(intent) if self.document.is_modified() => {
                         self.ask(Dialog::Unsaved(intent));
@@ -65,7 +87,7 @@ impl App {
                 }
             }
             Err(error) => {
-                self.after_saving = None;
+                self.after_saving.take_if(|_| is_last);
                 self.messages.news("");
                 let text = format!("{error}\nThe scene is not saved. Try another folder or name.");
                 self.messages.error(CANNOT_SAVE, text);
@@ -87,9 +109,14 @@ impl App {
             Outcome::Finished { .. } => (true, last.map(|point| (&point.error).into())),
             _ => (false, last.map(|point| (&point.error).into())),
         };
-        self.messages.news("Saving the picture…");
+        self.messages.news("");
+        let cancel = CancelToken::new();
+        self.picture_saves.push_back(PictureSave {
+            path: path.clone(),
+            cancel: cancel.clone(),
+        });
         self.jobs.start(Lane::SavePicture, move |job| {
-            let result = worker::save_picture(&buffer, &scene, error, &path);
+            let result = worker::save_picture(&buffer, &scene, error, &path, &cancel);
             job.send(Event::PictureSaved {
                 path,
                 number,
@@ -112,10 +139,12 @@ impl App {
         &mut self,
         path: &Path,
         is_whole: bool,
-        result: Result<(), String>,
+        result: Result<Option<()>, String>,
     ) {
+        self.picture_saves.pop_front();
         match result {
-            Ok(()) => {
+            Ok(None) => self.messages.news("Saving cancelled"),
+            Ok(Some(())) => {
                 let what = if is_whole {
                     "Saved"
                 } else {
@@ -124,10 +153,43 @@ impl App {
                 self.messages.news(format!("{what} {}", path.display()));
             }
             Err(error) => {
+                self.stay_open();
                 self.messages.news("");
                 self.messages.error("Cannot save the picture", error);
             }
         }
+    }
+
+    /// The job that writes a picture ended by a fault of the program.
+    pub(super) fn picture_save_failed(&mut self) {
+        self.picture_saves.pop_front();
+        self.stay_open();
+    }
+
+    /// Whether a picture is being written.
+    pub(super) fn is_saving_picture(&self) -> bool {
+        !self.picture_saves.is_empty()
+    }
+
+    /// Which pictures are being written, in words; `None` where none are.
+    pub(super) fn pictures_being_saved(&self) -> Option<String> {
+        let saves = self.picture_saves.iter();
+        let paths: Vec<PathBuf> = saves.map(|save| save.path.clone()).collect();
+        (!paths.is_empty()).then(|| what(&paths))
+    }
+
+    /// Has no picture written that is not whole by now. Each of them tells when it has ended.
+    pub(super) fn cancel_saving(&mut self) {
+        for save in &self.picture_saves {
+            save.cancel.cancel();
+        }
+    }
+
+    /// Does not close the window as soon as nothing runs any more: there is something to be read in it.
+    fn stay_open(&mut self) {
+        let is_other = |dialog: &Dialog| !matches!(dialog, Dialog::Running);
+        self.dialog.take_if(|dialog| !is_other(dialog));
+        self.asked_later.retain(is_other);
     }
 
     /// Whether closing the window would lose something.
@@ -182,12 +244,12 @@ impl App {
 
     /// Asks about what runs, as long as it does.
     pub(super) fn running_ui(&mut self, ctx: &egui::Context) {
-        let Some((what, share)) = self.running_work() else {
+        let Some(RunningWork { what, share }) = self.running_work() else {
             return self.close_unless_asked(ctx);
         };
         match question::running_ui(ctx, what, share) {
             // Who gives up what runs does not mind other pictures.
-            Some(true) => self.close(ctx),
+            Some(true) => self.give_up_and_close(ctx, what),
             Some(false) => {}
             None => self.dialog = Some(Dialog::Running),
         }
@@ -203,13 +265,34 @@ impl App {
         }
     }
 
-    /// What runs that somebody asked for, in a word, and its done part, `0..=1`.
-    pub(super) fn running_work(&self) -> Option<(&'static str, f64)> {
+    /// What runs that somebody asked for, the first where it is several things.
+    pub(super) fn running_work(&self) -> Option<RunningWork> {
         let picture = self.picture.as_ref();
         let picture = picture.filter(|picture| picture.is_running() && !self.is_live);
-        let render = picture.map(|picture| ("render", picture.progress.samples.fraction()));
+        let render = picture.map(|picture| RunningWork {
+            what: Stoppable::Render,
+            share: Some(picture.progress.samples.fraction()),
+        });
         let report = self.report.run().filter(|_| self.report.is_running());
-        render.or_else(|| Some(("report", report?.progress.how_far().0)))
+        let report = report.map(|run| RunningWork {
+            what: Stoppable::Report,
+            share: Some(run.progress.how_far().0),
+        });
+        let saving = self.is_saving_picture().then_some(RunningWork {
+            what: Stoppable::Saving,
+            share: None,
+        });
+        render.or(report).or(saving)
+    }
+
+    /// Gives `what` up so that the window can close, which it does unless something else runs that is to be asked about.
+    pub(super) fn give_up_and_close(&mut self, ctx: &egui::Context, what: Stoppable) {
+        self.stop(what);
+        match self.running_work() {
+            // It ends as soon as its job takes notice, with the window or before.
+            Some(next) if next.what != what => self.ask(Dialog::Running),
+            _ => self.close(ctx),
+        }
     }
 
     pub(super) fn close(&mut self, ctx: &egui::Context) {
@@ -237,5 +320,49 @@ impl App {
             Intent::Import(import) => self.replace_by(*import),
             Intent::Close => self.close_unless_asked(ctx),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gui::app::testing;
+
+    /// The window closes when what runs has ended, unless there is something to be read in it.
+    #[test]
+    fn a_picture_that_cannot_be_saved_keeps_the_window_open() {
+        let mut window = testing::window(None);
+        let app = window.state_mut();
+        app.picture_saves.push_back(PictureSave {
+            path: PathBuf::from("full/a.png"),
+            cancel: CancelToken::new(),
+        });
+        assert_eq!(app.pictures_being_saved().as_deref(), Some("a.png"));
+        app.ask_to_close();
+        assert!(matches!(app.dialog, Some(Dialog::Running)));
+        let failure = Err("the disk is full".to_owned());
+        app.picture_saved(Path::new("full/a.png"), true, failure);
+        window.run_steps(2);
+        let app = window.state();
+        assert!(app.dialog.is_none() && !app.may_close);
+        assert_eq!(app.messages().banners()[0].text, "the disk is full");
+        assert!(app.running_work().is_none());
+    }
+
+    /// What waits for the scene to be saved does not go on when only an older file is written.
+    #[test]
+    fn what_waits_for_several_files_waits_for_the_last() {
+        let mut window = testing::window(None);
+        let ctx = window.ctx.clone();
+        let app = window.state_mut();
+        let (scene, file) = (app.document.scene.clone(), app.document.file_number());
+        app.scene_saves = 2;
+        app.after_saving = Some(Intent::Close);
+        let failure = Err("the disk is full".to_owned());
+        app.scene_saved(&ctx, file, PathBuf::from("a.toml"), failure);
+        assert_eq!(app.messages().banners()[0].title, CANNOT_SAVE);
+        assert!(app.after_saving.is_some() && !app.may_close);
+        app.scene_saved(&ctx, file, PathBuf::from("b.toml"), Ok(Box::new(scene)));
+        assert!(app.may_close);
     }
 }

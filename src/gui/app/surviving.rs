@@ -51,6 +51,7 @@ impl Survivor for App {
             self.jobs.cancel(Lane::Prepare);
             self.preparing = None;
         }
+        self.unwanted_preparation = None;
         self.viewport.release();
         self.title.clear();
         self.balls = Balls::default();

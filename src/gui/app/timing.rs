@@ -48,6 +48,7 @@ impl App {
             && self.invalid.is_none()
             && self.scene_to_render().is_some()
             && !self.is_settling()
+            && self.is_prepared()
     }
 
     /// Finds out how long a render will take, unless that is known.

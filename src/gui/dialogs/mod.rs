@@ -26,7 +26,7 @@ pub enum Dialog {
     Waiting(FilePurpose),
     /// Unsaved work is about to be lost.
     Unsaved(Intent),
-    /// A render or a report is about to be given up with the window.
+    /// Something that runs is about to be given up with the window.
     Running,
     /// Pictures that took long are about to be lost with the window.
     Pictures,

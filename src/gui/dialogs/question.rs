@@ -3,6 +3,7 @@
 use egui::RichText;
 
 use super::{Intent, buttons_ui, modal_ui};
+use crate::gui::commands::Stoppable;
 use crate::gui::picture::LONG;
 use crate::gui::status_bar::duration;
 use crate::gui::widgets::primary_button;
@@ -79,15 +80,20 @@ fn is_confirmed(ctx: &egui::Context) -> bool {
         && ctx.memory(|memory| memory.focused().is_none())
 }
 
-/// Asks before `what` is given up with the window: a render or a report. `Some(true)` to give it up, `Some(false)` to let it go on;
-/// `None` while nothing is decided.
+/// Asks before `what`, of which the part `share` is done, is given up with the window. `Some(true)` to give it up, `Some(false)` to let
+/// it go on; `None` while nothing is decided.
 #[must_use]
-pub fn running_ui(ctx: &egui::Context, what: &str, share: f64) -> Option<bool> {
+pub fn running_ui(ctx: &egui::Context, what: Stoppable, share: Option<f64>) -> Option<bool> {
     let response = modal_ui(ctx, "running", 440.0, |ui| {
-        ui.heading(format!("Give up the {what}?"));
+        ui.heading(format!("Give up {}?", what.in_words()));
         ui.add_space(4.0);
-        let done = (share * 100.0).floor();
-        let text = format!("The {what} is at {done} %. It ends with the window.");
+        let text = match share {
+            Some(share) => {
+                let done = (share * 100.0).floor();
+                format!("It is at {done} %, and ends with the window.")
+            }
+            None => "The window closes as soon as it is done.".to_owned(),
+        };
         ui.label(RichText::new(text).weak());
         buttons_ui(ui, |ui| {
             let go_on = ui

@@ -59,6 +59,8 @@ pub struct TopBarState<'a> {
     pub has_bookmarks: bool,
     /// Whether the picture follows every change.
     pub is_live: bool,
+    /// Whether something goes on that can be stopped.
+    pub can_cancel: bool,
     /// Whether a render is under way that can rest.
     pub can_pause: bool,
     /// Whether it rests.
@@ -155,7 +157,7 @@ impl TopBarState<'_> {
                 self.is_picture_shown
             }
             Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
-            Command::Cancel => self.is_drawing_region || self.is_measuring || self.is_busy(),
+            Command::Cancel => self.can_cancel,
             Command::TogglePause => self.can_pause,
             Command::ClearRegion => self.has_region,
             Command::EstimateTime => self.can_estimate_time,
@@ -202,9 +204,13 @@ impl TopBarState<'_> {
             Command::TogglePause if self.phase == Phase::Rendering => {
                 "The scene is still being prepared"
             }
-            Command::Cancel | Command::TogglePause => "Nothing is rendered now",
+            Command::TogglePause => "Nothing is rendered now",
+            Command::Cancel => "Nothing goes on that could be stopped",
             Command::EstimateTime if self.phase == Phase::Rendering || self.is_measuring => {
                 "Something is rendered or measured now, which would spoil it"
+            }
+            Command::EstimateTime if self.phase == Phase::Ready && self.is_valid => {
+                "The scene is not prepared yet"
             }
             Command::ClearRegion => "All of the picture is rendered",
             Command::Undo => "Nothing was edited yet",
