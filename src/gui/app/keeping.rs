@@ -171,6 +171,11 @@ impl App {
         }
     }
 
+    /// The job that writes unsaved work, or removes it, ended by a fault of the program: what was to be on disk is written again.
+    pub(super) fn keep_failed(&mut self) {
+        self.keeping.has_failed = self.keeping.kept.is_some();
+    }
+
     /// Whether all that is not saved is on disk.
     #[must_use]
     pub fn is_work_kept(&self) -> bool {
@@ -302,5 +307,36 @@ impl App {
                 job.send(Event::RecentChanged(recent));
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gui::app::testing;
+
+    #[test]
+    fn work_is_written_again_after_a_fault_of_the_program() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut window = testing::window(Some(folder.path().to_owned()));
+        testing::until(&mut window, |app| app.keeping.session.is_some());
+        let ctx = window.ctx.clone();
+        let app = window.state_mut();
+        app.document.scene.camera.eye.x += 1.0;
+        // What hands the work over, with a job that fails.
+        app.keeping.kept = Some(app.document.scene.clone());
+        app.jobs.start(Lane::Keep, |_| panic!("as the test wants"));
+        let deadline = Instant::now() + Duration::from_mins(1);
+        let wait = |app: &mut App, holds: fn(&App) -> bool| {
+            while !holds(app) {
+                assert!(Instant::now() < deadline, "waited in vain");
+                app.take_news(&ctx);
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        };
+        wait(app, |app| !app.works_in(Lane::Keep));
+        assert!(!app.is_work_kept(), "it is not on disk");
+        app.keep_work_at_once(&ctx);
+        wait(app, App::is_work_kept);
     }
 }

@@ -157,6 +157,7 @@ impl App {
                 self.after_saving = None;
             }
             Lane::SavePicture => self.picture_save_failed(),
+            Lane::Keep => self.keep_failed(),
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,
