@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use egui::RichText;
 
-use super::saving::RunningWork;
 use super::{App, FileDialogs};
 use crate::gui::dialogs::files::{self, Answer, FilePurpose};
 use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome, PathField};
