@@ -207,6 +207,25 @@ fn costs_are_measured_and_give_way_to_a_render() {
     assert!(effects.any(|(effect, _)| effect.name() == "shadows"));
     assert!(window.says("Part of the time") && window.says("What is left out would add"));
     assert!(!window.says("before the last changes"));
+    // Beside each switch too, in whole per cent; a row that says so names the effect.
+    let panel = window.rect("Select Camera");
+    for (effect, row) in [
+        ("shadows", "With shadows"),
+        ("antialiasing", "Anti-aliasing"),
+    ] {
+        let CostState::Known { costs, .. } = window.app().costs() else {
+            unreachable!("as was waited for");
+        };
+        let mut effects = costs.effects.iter();
+        let (_, share) = effects.find(|(known, _)| known.name() == effect).unwrap();
+        let told = format!("{:.0} % time", (100.0 * share.value).round() + 0.0);
+        let row = window.harness.get_all_by_label(row).next().unwrap().rect();
+        let mut figures = window.harness.query_all_by_label_contains(&told);
+        let is_beside = |place: egui::Rect| {
+            (place.center().y - row.center().y).abs() < 20.0 && place.right() < panel.right()
+        };
+        assert!(figures.any(|figure| is_beside(figure.rect())), "{told}");
+    }
     window.operate("Anti-aliasing");
     assert!(window.says("before the last changes"));
 

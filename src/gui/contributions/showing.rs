@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
+use egui::text::LayoutJob;
 use egui::{
-    Align, Color32, ColorImage, CornerRadius, Layout, Pos2, Rect, Response, RichText, Sense,
-    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2,
+    Align, Color32, ColorImage, CornerRadius, FontSelection, Layout, Pos2, Rect, Response,
+    RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2,
 };
 
 use super::{Contributions, Shown};
 use crate::analysis::contributions::{Contribution, Contributor, Figures, color_of_share};
+use crate::gui::costs::{self, EffectCost};
 use crate::gui::theme;
 use crate::gui::widgets::{format_number, percent};
 use crate::render::{Image, display};
@@ -38,46 +40,62 @@ enum OpenedView {
 }
 
 impl Contributions {
-    /// A row of the panel with what `contributor` brings at its right; the row alone where that is nothing.
-    pub fn beside_ui(&mut self, ui: &mut Ui, contributor: &Contributor, row: impl FnOnce(&mut Ui)) {
+    /// A row of the panel with what `contributor` brings at its right, and what it takes of the time; the row alone where that is nothing.
+    pub fn beside_ui(
+        &mut self,
+        ui: &mut Ui,
+        contributor: &Contributor,
+        cost: Option<EffectCost>,
+        row: impl FnOnce(&mut Ui),
+    ) {
         if !self.present.contains(contributor) {
-            return row(ui);
+            return costs::beside_ui(ui, cost, row);
         }
         let size = Vec2::new(ui.available_width(), THUMBNAIL.y);
         ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
             self.picture_ui(ui, contributor);
-            self.share_ui(ui, contributor);
+            self.share_ui(ui, contributor, cost);
             ui.with_layout(Layout::left_to_right(Align::Center), row);
         });
     }
 
-    /// A row that says in numbers what `contributor` brings, with `text` as what that is, and shows it at its right; nothing where it
-    /// brings nothing.
-    pub fn row_ui(&mut self, ui: &mut Ui, contributor: &Contributor, text: &str) {
-        if !self.present.contains(contributor) {
-            return;
-        }
-        let size = Vec2::new(ui.available_width(), THUMBNAIL.y);
-        ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
-            self.picture_ui(ui, contributor);
-            self.share_ui(ui, contributor);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+    /// A row that says in numbers what `contributor` brings and takes, with `text` as what that is, and shows it at its right; nothing where
+    /// it brings and takes nothing.
+    pub fn row_ui(
+        &mut self,
+        ui: &mut Ui,
+        contributor: &Contributor,
+        cost: Option<EffectCost>,
+        text: &str,
+    ) {
+        if cost.is_some() || self.present.contains(contributor) {
+            self.beside_ui(ui, contributor, cost, |ui| {
                 ui.add(egui::Label::new(text).truncate());
             });
-        });
+        }
     }
 
-    /// The mean change that `contributor` brings.
-    fn share_ui(&self, ui: &mut Ui, contributor: &Contributor) {
+    /// The mean change that `contributor` brings, and below it what it takes of the time.
+    fn share_ui(&self, ui: &mut Ui, contributor: &Contributor, cost: Option<EffectCost>) {
         let known = self.known(contributor);
         let share = known.map_or_else(|| "…".to_owned(), |known| signed_share(&known.figures));
         let error = known.and_then(|known| error_of_share(&known.figures));
         let error = error.map_or_else(String::new, |error| {
             format!("; noise puts it off by {error} at most, in 95 of 100 cases")
         });
-        ui.label(RichText::new(share).weak()).on_hover_text(format!(
-            "Mean of the change, as a share of the mean of the picture{error}"
-        ));
+        let mut tooltip =
+            format!("Mean of the change, as a share of the mean of the picture{error}");
+        let mut text = LayoutJob::default();
+        let mut add = |line: RichText| {
+            line.append_to(&mut text, ui.style(), FontSelection::Default, Align::Center);
+        };
+        add(RichText::new(share).weak());
+        if let Some(cost) = cost {
+            add(RichText::new("\n").small());
+            add(cost.text(ui));
+            tooltip = format!("{tooltip}\n\n{}", cost.explanation());
+        }
+        ui.label(text).on_hover_text(tooltip);
     }
 
     /// The small picture of what `contributor` brings: larger under the mouse, in a window of its own by a click.

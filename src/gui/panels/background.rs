@@ -88,7 +88,12 @@ pub fn background_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         }
     }
     let contributions = &mut *state.contributions;
-    contributions.row_ui(ui, &Contributor::Background, "Of the light in the picture");
+    contributions.row_ui(
+        ui,
+        &Contributor::Background,
+        None,
+        "Of the light in the picture",
+    );
 }
 
 /// The image's name as a button that asks for another; returns whether it was clicked.

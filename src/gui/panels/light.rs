@@ -132,7 +132,7 @@ pub fn light_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     }
     let contributor = Contributor::Light(index);
     let contributions = &mut *state.contributions;
-    contributions.row_ui(ui, &contributor, "Of the light in the picture");
+    contributions.row_ui(ui, &contributor, None, "Of the light in the picture");
     copy_and_remove_ui(ui, state);
 }
 

@@ -36,7 +36,7 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     state.commands.extend(asked);
     let contributor = Contributor::Emitter(name.to_owned());
     let contributions = &mut *state.contributions;
-    contributions.row_ui(ui, &contributor, "Of the light in the picture");
+    contributions.row_ui(ui, &contributor, None, "Of the light in the picture");
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         command_button_ui(

@@ -89,7 +89,7 @@ fn contributions_ui(ui: &mut Ui, contributions: &mut Contributions) {
         );
     for contributor in all {
         let name = contributions.name_of(&contributor);
-        contributions.row_ui(ui, &contributor, &name);
+        contributions.row_ui(ui, &contributor, None, &name);
     }
     ui.add_space(6.0);
 }

@@ -6,6 +6,7 @@ use super::PanelState;
 use crate::analysis::contributions::Contributor;
 use crate::analysis::cost::Effect;
 use crate::gui::contributions::Contributions;
+use crate::gui::costs::{self, EffectCosts};
 use crate::gui::look::Channels;
 use crate::gui::threads::{Threads, cores};
 use crate::gui::widgets::{
@@ -40,6 +41,7 @@ pub struct StructureInUse {
 
 /// Size, samples, and how to run.
 pub fn image_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let costs = state.costs.of_effects(state.scene);
     let settings = &mut state.scene.render;
     combo_row_ui(
         ui,
@@ -61,7 +63,7 @@ pub fn image_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         1..=RenderSettings::MAX_SAMPLES,
         0.2,
     );
-    stop_ui(ui, settings);
+    stop_ui(ui, settings, costs);
     integer_row_ui(
         ui,
         "Seed",
@@ -98,7 +100,7 @@ fn threads_ui(ui: &mut Ui, threads: &mut Threads) {
 const FEW_SAMPLES: u32 = 256;
 
 /// When a render ends before every pixel has its samples, and what that takes.
-fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings, costs: EffectCosts<'_>) {
     let stop = &mut settings.stop;
     optional_number_row_ui(
         ui,
@@ -150,14 +152,18 @@ fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings) {
         });
     }
     ui.add_enabled_ui(settings.stop.noise.is_none(), |ui| {
-        switch_row_ui(
-            ui,
-            "Estimate error",
-            "Estimate while rendering how far the picture is from the truth: for the noise in the status bar, the error plot and the \
-             error layer. It takes 40 bytes per pixel and changes no pixel of a render that does not stop early",
-            &mut settings.error_estimate,
-        )
-        .on_disabled_hover_text("Stop at noise needs it: switch that off first");
+        costs::beside_ui(ui, costs.of(Effect::ErrorEstimate), |ui| {
+            let meaning = "Estimate while rendering how far the picture is from the truth: for the noise in the status bar, the error \
+                           plot and the error layer. It takes 40 bytes per pixel and changes no pixel of a render that does not stop early";
+            let tooltip = costs.tooltip(ui.ctx(), meaning);
+            switch_row_ui(
+                ui,
+                "Estimate error",
+                &tooltip,
+                &mut settings.error_estimate,
+            )
+            .on_disabled_hover_text("Stop at noise needs it: switch that off first");
+        });
     });
 }
 
@@ -254,67 +260,91 @@ fn size_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     }
 }
 
-/// What the picture leaves out or adds, each a switch of its own, with what it brings beside it.
+/// What is known of effects, for what is drawn beside their switches.
+struct Known<'a> {
+    contributions: &'a mut Contributions,
+    costs: EffectCosts<'a>,
+}
+
+impl Known<'_> {
+    /// A row of the panel with what `effect` brings and takes at its right. The row gets its tooltip, which means `meaning`.
+    fn beside_ui(
+        &mut self,
+        ui: &mut Ui,
+        effect: Effect,
+        meaning: &str,
+        row: impl FnOnce(&mut Ui, &str),
+    ) {
+        let tooltip = self.costs.tooltip(ui.ctx(), meaning);
+        let (contributor, cost) = (Contributor::Effect(effect), self.costs.of(effect));
+        self.contributions
+            .beside_ui(ui, &contributor, cost, |ui| row(ui, &tooltip));
+    }
+
+    /// A row that says what `effect` brings and takes, where it does.
+    fn row_ui(&mut self, ui: &mut Ui, effect: Effect, text: &str) {
+        let (contributor, cost) = (Contributor::Effect(effect), self.costs.of(effect));
+        self.contributions.row_ui(ui, &contributor, cost, text);
+    }
+}
+
+/// What the picture leaves out or adds, each a switch of its own, with what it brings and what it takes of the time beside it.
 pub fn effects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    let known = &mut Known {
+        contributions: &mut *state.contributions,
+        costs: state.costs.of_effects(state.scene),
+    };
     let settings = &mut state.scene.render;
-    let contributions = &mut *state.contributions;
     match settings.mode {
         Mode::Direct => {
-            shadows_ui(ui, settings);
-            for (effect, text) in [
-                (Effect::Shadows, "Shadows bring"),
-                (Effect::SoftShadows, "Soft in place of hard"),
-            ] {
-                contributions.row_ui(ui, &Contributor::Effect(effect), text);
-            }
-            occlusion_ui(ui, settings, contributions);
+            shadows_ui(ui, settings, known);
+            occlusion_ui(ui, settings, known);
             phong_ui(ui, settings);
         }
-        Mode::Path => path_ui(ui, settings),
+        Mode::Path => path_ui(ui, settings, known),
         Mode::Ao => occlusion_rays_ui(ui, settings),
         _ => {}
     }
     if settings.mode.shows_light() {
-        contributions.beside_ui(ui, &Contributor::Effect(Effect::Mirrors), |ui| {
-            let meaning = "Whether mirrors reflect; grey otherwise";
-            switch_row_ui(ui, "Mirror", meaning, &mut settings.mirror);
-        });
-        contributions.beside_ui(ui, &Contributor::Effect(Effect::Glass), |ui| {
-            let meaning = "Whether glass reflects and refracts; grey otherwise";
-            switch_row_ui(ui, "Glass", meaning, &mut settings.glass);
-        });
-        contributions.beside_ui(ui, &Contributor::Effect(Effect::IndirectLight), |ui| {
-            integer_row_ui(
-                ui,
-                "Bounces",
-                "Most times light is scattered on its way: 1 is direct light, each mirror or side of glass takes one more",
-                &mut settings.max_bounces,
-                0..=RenderSettings::MAX_BOUNCES,
-                0.1,
-            );
-        });
+        scattering_ui(ui, settings, known);
         clamp_ui(ui, settings);
     }
-    contributions.beside_ui(ui, &Contributor::Effect(Effect::DepthOfField), |ui| {
-        switch_row_ui(
-            ui,
-            "Depth of field",
-            "Whether the lens blurs what is out of focus; it needs a lens radius above 0 at the camera",
-            &mut settings.depth_of_field,
-        );
+    let meaning =
+        "Whether the lens blurs what is out of focus; it needs a lens radius above 0 at the camera";
+    known.beside_ui(ui, Effect::DepthOfField, meaning, |ui, tooltip| {
+        switch_row_ui(ui, "Depth of field", tooltip, &mut settings.depth_of_field);
     });
-    contributions.beside_ui(ui, &Contributor::Effect(Effect::Antialiasing), |ui| {
-        switch_row_ui(
-            ui,
-            "Anti-aliasing",
-            "Spread the samples over each pixel for smooth edges; off puts all at its centre",
-            &mut settings.antialiasing,
-        );
+    let meaning = "Spread the samples over each pixel for smooth edges; off puts all at its centre";
+    known.beside_ui(ui, Effect::Antialiasing, meaning, |ui, tooltip| {
+        switch_row_ui(ui, "Anti-aliasing", tooltip, &mut settings.antialiasing);
     });
     antialiasing_ui(ui, settings);
     if settings.mode.shows_light() {
-        contributions_switch_ui(ui, contributions);
+        contributions_switch_ui(ui, known.contributions);
     }
+}
+
+/// Where light goes on from surfaces.
+fn scattering_ui(ui: &mut Ui, settings: &mut RenderSettings, known: &mut Known<'_>) {
+    let meaning = "Whether mirrors reflect; grey otherwise";
+    known.beside_ui(ui, Effect::Mirrors, meaning, |ui, tooltip| {
+        switch_row_ui(ui, "Mirror", tooltip, &mut settings.mirror);
+    });
+    let meaning = "Whether glass reflects and refracts; grey otherwise";
+    known.beside_ui(ui, Effect::Glass, meaning, |ui, tooltip| {
+        switch_row_ui(ui, "Glass", tooltip, &mut settings.glass);
+    });
+    let meaning = "Most times light is scattered on its way: 1 is direct light, each mirror or side of glass takes one more";
+    known.beside_ui(ui, Effect::IndirectLight, meaning, |ui, tooltip| {
+        integer_row_ui(
+            ui,
+            "Bounces",
+            tooltip,
+            &mut settings.max_bounces,
+            0..=RenderSettings::MAX_BOUNCES,
+            0.1,
+        );
+    });
 }
 
 fn contributions_switch_ui(ui: &mut Ui, contributions: &mut Contributions) {
@@ -345,11 +375,12 @@ fn antialiasing_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     }
 }
 
-fn shadows_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+fn shadows_ui(ui: &mut Ui, settings: &mut RenderSettings, known: &mut Known<'_>) {
+    let meaning = "How lights cast shadows; those of point lights are hard either way";
     choice_row_ui(
         ui,
         "Shadows",
-        "How lights cast shadows; those of point lights are hard either way",
+        &known.costs.tooltip(ui.ctx(), meaning),
         &mut settings.shadows,
         |shadows| match shadows {
             Shadows::Off => ("Off", "Light passes through everything"),
@@ -372,17 +403,15 @@ fn shadows_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             0.1,
         );
     }
+    known.row_ui(ui, Effect::Shadows, "With shadows");
+    known.row_ui(ui, Effect::SoftShadows, "Soft in place of hard");
 }
 
-fn occlusion_ui(ui: &mut Ui, settings: &mut RenderSettings, contributions: &mut Contributions) {
-    let effect = Contributor::Effect(Effect::AmbientOcclusion);
-    contributions.beside_ui(ui, &effect, |ui| {
-        switch_row_ui(
-            ui,
-            "Occlusion",
-            "Ambient occlusion: the background's light is kept off where surfaces are near",
-            &mut settings.ambient_occlusion.enabled,
-        );
+fn occlusion_ui(ui: &mut Ui, settings: &mut RenderSettings, known: &mut Known<'_>) {
+    let meaning = "Ambient occlusion: the background's light is kept off where surfaces are near";
+    known.beside_ui(ui, Effect::AmbientOcclusion, meaning, |ui, tooltip| {
+        let is_on = &mut settings.ambient_occlusion.enabled;
+        switch_row_ui(ui, "Occlusion", tooltip, is_on);
     });
     if settings.ambient_occlusion.enabled {
         occlusion_rays_ui(ui, settings);
@@ -433,7 +462,7 @@ fn phong_ui(ui: &mut Ui, settings: &mut RenderSettings) {
     );
 }
 
-fn path_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+fn path_ui(ui: &mut Ui, settings: &mut RenderSettings, known: &mut Known<'_>) {
     // Only this formula keeps energy when light bounces.
     settings.phong = PhongModel::Modified;
     choice_row_ui(
@@ -450,12 +479,10 @@ fn path_ui(ui: &mut Ui, settings: &mut RenderSettings) {
             LightSampling::Bsdf => ("Meet", "Scattering, and meeting lights by chance"),
         },
     );
-    switch_row_ui(
-        ui,
-        "Roulette",
-        "Let paths that carry little end at random, without bias; off follows each to the last bounce",
-        &mut settings.roulette,
-    );
+    let meaning = "Let paths that carry little end at random, without bias; off follows each to the last bounce";
+    known.beside_ui(ui, Effect::Roulette, meaning, |ui, tooltip| {
+        switch_row_ui(ui, "Roulette", tooltip, &mut settings.roulette);
+    });
 }
 
 /// A limit on what one sample may bring, off by default.
