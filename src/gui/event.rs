@@ -1,6 +1,7 @@
 //! What background jobs tell the window.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::app::Stale;
@@ -21,21 +22,75 @@ use crate::analysis::contributions::{Contribution, Contributor};
 use crate::analysis::cost::Costs;
 use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
-use crate::io::{LoadedScene, Model, RadianceFile, ReadAgain, TextureFile};
+use crate::io::{self, LoadedScene, Model, RadianceFile, ReadAgain, TextureFile};
 use crate::render::{PreparedScene, RenderStats, SampleTrace};
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, RadianceMap, Scene, TextureImage};
 
-/// What was read again.
+/// What was read again. What has the content of what was known is that itself, and no copy of it: nothing is to be done for it.
 #[derive(Debug)]
 pub enum Reloaded {
     /// Meshes of a file.
     Meshes(ReadAgain),
     /// An image.
-    Image(RadianceFile),
-    /// Images of materials, by their names.
-    Textures(Vec<(String, TextureFile)>),
+    Image {
+        /// Its pixels.
+        image: Arc<RadianceMap>,
+        /// What is to be said of it, in sentences.
+        warnings: Vec<String>,
+    },
+    /// Images of materials.
+    Textures {
+        /// The images and what scenes call them.
+        images: Vec<(String, Arc<TextureImage>)>,
+        /// What is to be said of them, in sentences.
+        warnings: Vec<String>,
+    },
     /// A scene.
     Scene(Box<LoadedScene>),
+}
+
+impl Reloaded {
+    /// These meshes, beside those of `known`.
+    #[must_use]
+    pub fn meshes(mut read: ReadAgain, known: &Scene) -> Self {
+        for (name, mesh) in &mut read.meshes {
+            keep_equal(mesh, &known.meshes, name);
+        }
+        Self::Meshes(read)
+    }
+
+    /// The image in the file at `path`, beside that of `known`.
+    #[must_use]
+    pub fn image(path: &Path, file: RadianceFile, known: &Scene) -> Self {
+        let name = path.to_string_lossy();
+        let warnings = io::image_warnings(&name, &file);
+        let mut image = Arc::new(file.map);
+        keep_equal(&mut image, &known.images, &name);
+        Self::Image { image, warnings }
+    }
+
+    /// These images of materials, beside those of `known`.
+    #[must_use]
+    pub fn textures(files: Vec<(String, TextureFile)>, known: &Scene) -> Self {
+        let mut warnings = Vec::new();
+        let images = files.into_iter().map(|(name, file)| {
+            warnings.extend(io::texture_warnings(&name, &file));
+            let mut image = Arc::new(file.image);
+            keep_equal(&mut image, &known.textures, &name);
+            (name, image)
+        });
+        Self::Textures {
+            images: images.collect(),
+            warnings,
+        }
+    }
+}
+
+/// Puts what is called `name` in place of `read`, where it is equal to that.
+fn keep_equal<T: PartialEq>(read: &mut Arc<T>, known: &BTreeMap<String, Arc<T>>, name: &str) {
+    if let Some(there) = known.get(name).filter(|there| **there == *read) {
+        read.clone_from(there);
+    }
 }
 
 /// What a job tells the window. Failures are sentences for the user.
@@ -233,4 +288,42 @@ pub enum Event {
     },
     /// The files opened last are these now.
     RecentChanged(Vec<PathBuf>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::TriangleMesh;
+    use crate::math::DVec3;
+
+    fn mesh(at: f64) -> Arc<TriangleMesh> {
+        Arc::new(TriangleMesh {
+            positions: vec![DVec3::splat(at)],
+            ..TriangleMesh::default()
+        })
+    }
+
+    #[test]
+    fn of_what_is_read_again_only_what_differs_is_new() {
+        let names = ["a", "b", "c"].map(str::to_owned);
+        let mut known = Scene::default();
+        for name in &names[..2] {
+            known.meshes.insert(name.clone(), mesh(1.0));
+        }
+        let read = ReadAgain {
+            meshes: names.into_iter().zip([1.0, 2.0, 1.0].map(mesh)).collect(),
+            warnings: Vec::new(),
+        };
+        let Reloaded::Meshes(ReadAgain { meshes, .. }) = Reloaded::meshes(read, &known) else {
+            panic!("they are meshes");
+        };
+        let is_known = |(name, mesh): &(String, Arc<TriangleMesh>)| {
+            let there = known.meshes.get(name);
+            there.is_some_and(|there| Arc::ptr_eq(there, mesh))
+        };
+        assert_eq!(
+            meshes.iter().map(is_known).collect::<Vec<_>>(),
+            [true, false, false]
+        );
+    }
 }

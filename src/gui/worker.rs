@@ -177,11 +177,11 @@ pub fn reload(job: &Job<Event>, stale: Stale, names: &[String], known: Scene) {
     let (path, progress) = (stale.path(), Progress::new());
     let result = match &stale {
         Stale::Meshes(_) => unless_cancelled(io::load_again(path, names, &job.cancel))
-            .map(|result| result.map(Reloaded::Meshes)),
+            .map(|result| result.map(|read| Reloaded::meshes(read, &known))),
         Stale::Image(_) => unless_cancelled(io::load_image(path, &job.cancel, &progress))
-            .map(|result| result.map(Reloaded::Image)),
+            .map(|result| result.map(|file| Reloaded::image(path, file, &known))),
         Stale::Textures(_) => unless_cancelled(io::load_textures_again(names, &job.cancel))
-            .map(|result| result.map(Reloaded::Textures)),
+            .map(|result| result.map(|files| Reloaded::textures(files, &known))),
         Stale::Scene { .. } => unless_cancelled(io::reload_scene(path, &known, &job.cancel))
             .map(|result| result.map(|loaded| Reloaded::Scene(Box::new(loaded)))),
     };

@@ -1,8 +1,12 @@
 //! Files that change on disk while the window shows them.
 
-use crate::driver::{Files, MESH, SCENE, Window, library_hash, load};
+use std::sync::Arc;
+
+use crate::driver::{Files, MESH, SCENE, Window, library_hash, load, set_samples};
 use egui::{Key, Modifiers};
+use raymini::gui::App;
 use raymini::gui::jobs::Lane;
+use raymini::gui::picture::Picture;
 use raymini::math::DVec3;
 use raymini::scene::{Light, Scene};
 
@@ -68,6 +72,34 @@ fn a_mesh_that_changes_is_read_again_and_one_that_is_broken_is_not() {
     assert_eq!(window.hash(), library_hash(&load(&files.path("room.toml"))));
 }
 
+/// Whoever writes a mesh again that has not changed holds nothing up.
+#[test]
+fn a_mesh_that_is_written_again_as_it_was_restarts_nothing() {
+    let files = Files::new();
+    let mut window = watched(&files, "room.toml");
+    set_samples(&mut window, 100_000);
+    window.click("Render");
+    window.until("it renders", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    let mesh = |app: &App| {
+        let meshes = &app.document().scene.meshes;
+        Arc::clone(meshes.values().next().expect("a mesh"))
+    };
+    let before = mesh(window.app());
+    let started = |app: &App| [Lane::Prepare, Lane::Render].map(|lane| app.jobs_started(lane));
+    let jobs = started(window.app());
+    files.write("pyramid.off", MESH);
+    window.until("it is read again", |app| {
+        app.messages().last_news() == "pyramid.off was written again, unchanged"
+    });
+    window.harness.run_steps(3);
+    assert!(Arc::ptr_eq(&mesh(window.app()), &before));
+    assert_eq!(started(window.app()), jobs);
+    assert!(window.app().picture().is_some_and(Picture::is_running));
+    window.press(Modifiers::NONE, Key::Escape);
+}
+
 /// A scene file that is read again is a step to undo, and a mesh that changes after that is the file's in every step.
 #[test]
 fn files_change_before_and_after_an_undo() {
@@ -95,7 +127,7 @@ fn files_change_before_and_after_an_undo() {
     // The file changes again while an older state is looked at: that is not thrown away without a question.
     window.press(Modifiers::COMMAND, Key::Z);
     files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "8, 9, 9"));
-    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    window.until("it is asked", App::asks_to_reload);
     assert_eq!(red(window.scene()), 60.0);
     window.click("Read it again");
     window.until("the file's light is there", |app| {
@@ -126,7 +158,7 @@ fn a_scene_file_that_changes_is_read_again_where_nothing_is_lost_and_asked_about
     // With unsaved work it is a question.
     window.operate("Add light");
     files.write("room.toml", &brighter(8));
-    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    window.until("it is asked", App::asks_to_reload);
     assert!(window.says("room has changed on disk"));
     assert_eq!((red(window.scene()), window.scene().lights.len()), (7.0, 2));
     window.click("Keep mine");
@@ -134,7 +166,7 @@ fn a_scene_file_that_changes_is_read_again_where_nothing_is_lost_and_asked_about
     assert_eq!(window.scene().lights.len(), 2);
 
     files.write("room.toml", &brighter(19));
-    window.until("it is asked again", raymini::gui::App::asks_to_reload);
+    window.until("it is asked again", App::asks_to_reload);
     window.click("Read it again");
     window.until("the file's light is there", |app| {
         red(&app.document().scene) == 19.0
@@ -169,7 +201,7 @@ fn an_edit_made_while_the_scene_file_is_read_is_asked_about() {
         intensity: DVec3::ONE,
     });
     let edited = scene.clone();
-    window.until("it is asked", raymini::gui::App::asks_to_reload);
+    window.until("it is asked", App::asks_to_reload);
     assert_eq!(window.scene(), &edited);
     window.click("Read it again");
     window.until("the file's light is there", |app| {
@@ -210,4 +242,13 @@ fn an_image_of_a_material_that_changes_is_read_again() {
     window.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(texels(window.scene()), texels(&expected));
     assert!(!window.app().document().is_modified());
+
+    // Written again as it is, it stays the very same.
+    let there = Arc::clone(window.scene().textures.values().next().expect("an image"));
+    paint([10, 200, 10]);
+    window.until("it is read again", |app| {
+        app.messages().last_news() == "paint.png was written again, unchanged"
+    });
+    let image = window.scene().textures.values().next();
+    assert!(image.is_some_and(|image| Arc::ptr_eq(image, &there)));
 }

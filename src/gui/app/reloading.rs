@@ -1,10 +1,11 @@
 //! Meshes, images and scene files that change on disk while they are open.
 //!
 //! A mesh or an image takes the place of the one that was read before, in every step to undo as well: the file is what it is, and what
-//! was edited stays. A scene file is read again at once where nothing would be lost by that, and as a step to undo; else the user is
-//! asked. What cannot be read leaves everything as it is, and is tried again when it changes again.
+//! was edited stays. One that was written again as it was before starts nothing anew. A scene file is read again at once where nothing
+//! would be lost by that, and as a step to undo; else the user is asked. What cannot be read leaves everything as it is, and is tried
+//! again when it changes again.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -259,7 +260,7 @@ impl App {
                 return self.messages.error(stale.complaint(), text);
             }
         };
-        let name = stale.path().to_string_lossy().into_owned();
+        let is_unchanged = self.has_all_of(stale, &reloaded);
         let warnings = match reloaded {
             Reloaded::Meshes(ReadAgain { meshes, warnings }) => {
                 for (name, mesh) in meshes {
@@ -267,16 +268,14 @@ impl App {
                 }
                 warnings
             }
-            Reloaded::Image(file) => {
-                let warnings = io::image_warnings(&name, &file);
-                self.document.replace_image(&name, &Arc::new(file.map));
+            Reloaded::Image { image, warnings } => {
+                let name = stale.path().to_string_lossy();
+                self.document.replace_image(&name, &image);
                 warnings
             }
-            Reloaded::Textures(files) => {
-                let mut warnings = Vec::new();
-                for (name, file) in files {
-                    warnings.extend(io::texture_warnings(&name, &file));
-                    self.document.replace_texture(&name, &Arc::new(file.image));
+            Reloaded::Textures { images, warnings } => {
+                for (name, image) in images {
+                    self.document.replace_texture(&name, &image);
                 }
                 warnings
             }
@@ -288,12 +287,31 @@ impl App {
                 warnings
             }
         };
+        if is_unchanged {
+            // Its remarks were told when it was read first.
+            let news = format!("{} was written again, unchanged", stale.name());
+            return self.messages.news(news);
+        }
         if !warnings.is_empty() {
             let title = format!("Read {} again, with remarks", stale.name());
             self.messages.warning(title, warnings.join("\n"));
         }
         self.messages
             .news(format!("{} has changed: read again", stale.name()));
+    }
+
+    /// Whether the scene has all that was read again already, as [`Reloaded`] says.
+    fn has_all_of(&self, stale: &Stale, reloaded: &Reloaded) -> bool {
+        let scene = &self.document.scene;
+        match reloaded {
+            Reloaded::Meshes(ReadAgain { meshes, .. }) => has_all(&scene.meshes, meshes),
+            Reloaded::Image { image, .. } => {
+                let there = scene.images.get(&*stale.path().to_string_lossy());
+                there.is_some_and(|there| Arc::ptr_eq(there, image))
+            }
+            Reloaded::Textures { images, .. } => has_all(&scene.textures, images),
+            Reloaded::Scene(_) => false,
+        }
     }
 
     /// Whether the scene file has changed beside unsaved work, and nothing was decided about that.
@@ -334,6 +352,14 @@ impl App {
                 });
             });
     }
+}
+
+/// Whether `known` has the very same things under the same names.
+fn has_all<T>(known: &BTreeMap<String, Arc<T>>, things: &[(String, Arc<T>)]) -> bool {
+    things.iter().all(|(name, thing)| {
+        let there = known.get(name);
+        there.is_some_and(|there| Arc::ptr_eq(there, thing))
+    })
 }
 
 fn absolute(path: &Path) -> PathBuf {
