@@ -13,7 +13,7 @@ use super::figures::{FrameFigures, RestartFigures, Spread, WindowFigures};
 use crate::gui::app::App;
 use crate::gui::document::same_picture;
 use crate::gui::picture::Picture;
-use crate::scene::{Light, RenderSettings, Scene, Stop};
+use crate::scene::{Light, Material, Mode, RenderSettings, Rgb, Scene, Stop};
 
 /// Frames that are drawn before anything is measured: shaders are made, fonts are drawn.
 const WARM_UP: usize = 12;
@@ -72,16 +72,26 @@ enum Edit {
     Camera,
     Light,
     Object,
+    Material,
+    Effect,
 }
 
 impl Edit {
-    const ALL: [Self; 3] = [Self::Camera, Self::Light, Self::Object];
+    const ALL: [Self; 5] = [
+        Self::Camera,
+        Self::Light,
+        Self::Object,
+        Self::Material,
+        Self::Effect,
+    ];
 
     fn in_words(self) -> &'static str {
         match self {
             Self::Camera => "moving the camera",
             Self::Light => "changing a light",
             Self::Object => "moving an object",
+            Self::Material => "changing a material",
+            Self::Effect => "switching an effect",
         }
     }
 
@@ -108,6 +118,26 @@ impl Edit {
                 Some(object) => object.translate.x += step,
                 None => return false,
             },
+            Self::Material => {
+                let mut materials = scene.materials.values_mut();
+                let diffuse = materials.find_map(|material| match material {
+                    Material::Phong { diffuse, .. } if *diffuse != Rgb::ZERO => Some(diffuse),
+                    _ => None,
+                });
+                match diffuse {
+                    Some(diffuse) => *diffuse *= 0.999,
+                    None => return false,
+                }
+            }
+            Self::Effect => {
+                let settings = &mut scene.render;
+                // Each mode has one of them that it uses.
+                let switch = match settings.mode {
+                    Mode::Direct => &mut settings.ambient_occlusion.enabled,
+                    _ => &mut settings.antialiasing,
+                };
+                *switch = !*switch;
+            }
         }
         true
     }
@@ -619,5 +649,27 @@ fn button(pos: Pos2, pressed: bool) -> Event {
         button: PointerButton::Primary,
         pressed,
         modifiers: Modifiers::NONE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::demo_scene;
+
+    #[test]
+    fn every_edit_makes_another_picture_and_none_an_invalid_one() {
+        let mut scene = demo_scene();
+        for edit in Edit::ALL.repeat(3) {
+            let before = scene.clone();
+            assert!(edit.make(&mut scene), "{edit:?}");
+            assert!(!same_picture(&before, &scene), "{edit:?}");
+            assert_eq!(scene.validate(), Ok(()), "{edit:?}");
+        }
+        // Where there is nothing to edit, nothing is measured.
+        let mut empty = Scene::default();
+        for (edit, is_there) in Edit::ALL.into_iter().zip([true, false, false, false, true]) {
+            assert_eq!(edit.make(&mut empty), is_there, "{edit:?}");
+        }
     }
 }
