@@ -3,7 +3,7 @@
 use crate::driver::{Files, SCENE, Window, set_samples};
 use egui::{Key, Modifiers, PointerButton, Vec2};
 use egui_kittest::kittest::Queryable;
-use raymini::analysis::Metrics;
+use raymini::analysis::{Metrics, mean_flip};
 use raymini::gui::compare::{Distance, Mode};
 use raymini::gui::jobs::Lane;
 use raymini::render::Image;
@@ -57,7 +57,8 @@ fn two_renders_are_compared_by_wipe_flip_and_difference() {
     let found = distance(&window);
     assert_eq!(found.rmse, metrics.errors.rmse());
     assert_eq!(found.relmse, metrics.errors.relmse);
-    assert!(window.says("RMSE") && window.says("relative MSE"));
+    assert_eq!(found.flip, Some(mean_flip(&after, &before).unwrap()));
+    assert!(window.says("RMSE") && window.says("relative MSE") && window.says("FLIP 0."));
     window.harness.run_steps(5);
 
     // A at the left, B at the right of the divider, which the mouse moves.

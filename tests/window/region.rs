@@ -4,9 +4,11 @@ use std::time::{Duration, Instant};
 
 use crate::driver::{Files, Window, library_hash, set_number, set_samples};
 use egui::{Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::control::CancelToken;
 use raymini::gui::App;
 use raymini::gui::picture::{Outcome, Picture};
+use raymini::gui::threads::cores;
 use raymini::gui::top_bar::View;
 use raymini::render::{Image, PreparedScene, Region, RenderProgress, RunConfig, render};
 use raymini::scene::Scene;
@@ -73,6 +75,78 @@ fn a_render_rests_goes_on_and_ends_with_the_same_bits() {
     window.until("the render ends", is_over);
     assert_eq!(window.hash(), library_hash(window.scene()));
     assert!(picture(&window).elapsed() >= elapsed);
+}
+
+/// What the status bar says of a render.
+fn told(window: &Window) -> String {
+    let line = window
+        .harness
+        .query_all_by_label_contains("160 × 120")
+        .next();
+    let line = line.expect("it is told of");
+    // Where a label keeps its text.
+    line.accesskit_node().value().unwrap_or_default()
+}
+
+/// How long it still takes is said while it runs, and stands still while it rests.
+#[test]
+fn the_time_that_is_left_is_told_and_stands_still_in_a_pause() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window, 100_000);
+    assert!(told(&window).starts_with("Rendering"));
+    window.until("the rest is known", |app| {
+        app.picture().is_some_and(|p| p.remaining().is_some())
+    });
+    assert!(told(&window).contains(" left"), "{}", told(&window));
+    window.press(Modifiers::NONE, Key::P);
+    assert!(picture(&window).is_paused());
+    // What was begun is a few samples.
+    std::thread::sleep(Duration::from_millis(60));
+    window.harness.run_steps(2);
+    let (words, left) = (told(&window), picture(&window).remaining());
+    assert!(
+        words.starts_with("Paused:") && words.contains(" left"),
+        "{words}"
+    );
+    assert!(left.is_some());
+    std::thread::sleep(Duration::from_millis(300));
+    window.harness.run_steps(2);
+    assert_eq!((told(&window), picture(&window).remaining()), (words, left));
+    window.press(Modifiers::NONE, Key::P);
+    window.harness.run_steps(2);
+    assert!(told(&window).starts_with("Rendering") && told(&window).contains(" left"));
+    window.press(Modifiers::NONE, Key::Escape);
+}
+
+/// Keys and mouse take a core from the render, and give it back as soon as nobody uses them.
+#[test]
+fn a_core_is_left_to_whoever_works_in_the_window() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window, 100_000);
+    let allowed = |app: &App| app.picture().expect("a picture").throttle().allowed();
+    // Where there is but one core, none can be spared.
+    let left_over = match cores() {
+        1 => usize::MAX,
+        cores => cores - 1,
+    };
+    let frame = window.rect("Viewport");
+    for by_key in [true, false] {
+        window.just_until("nobody works in the window", |app| {
+            allowed(app) == usize::MAX
+        });
+        if by_key {
+            // It means nothing to the window.
+            window.harness.key_press(Key::K);
+        } else {
+            window.harness.hover_at(frame.center());
+        }
+        window.harness.step();
+        assert_eq!(allowed(window.app()), left_over, "by key: {by_key}");
+    }
+    assert!(picture(&window).is_running());
+    window.press(Modifiers::NONE, Key::Escape);
 }
 
 /// A paused render goes on as it was when it was started; what was edited meanwhile shows with the next.
