@@ -134,6 +134,11 @@ impl Window {
         Self::build(Self::builder(look).wgpu(), paths, data)
     }
 
+    /// [`Self::start_as`] where there is no graphics adapter for the preview.
+    pub fn start_without_gpu_as(paths: Vec<PathBuf>, look: &Look) -> Self {
+        Self::build(Self::builder(look), paths, None)
+    }
+
     fn builder(look: &Look) -> HarnessBuilder<App> {
         Harness::builder()
             .with_size(look.size)
@@ -206,6 +211,18 @@ impl Window {
     pub fn until_saved(&mut self, path: &Path) {
         let news = format!("Saved {}", path.display());
         self.until("it is saved", |app| app.messages().last_news() == news);
+    }
+
+    /// Asks the window to close, as the desktop does.
+    pub fn ask_to_close(&mut self) {
+        fn events(window: &mut Window) -> &mut Vec<egui::ViewportEvent> {
+            let viewports = &mut window.harness.input_mut().viewports;
+            &mut viewports.entry(egui::ViewportId::ROOT).or_default().events
+        }
+        events(self).push(egui::ViewportEvent::Close);
+        self.harness.step();
+        events(self).clear();
+        self.harness.run_steps(2);
     }
 
     /// Clicks a control where it is, which must be in sight.

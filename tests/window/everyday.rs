@@ -577,24 +577,12 @@ fn dropped_files_open() {
     assert_eq!(window.scene().objects.len(), 1);
 }
 
-/// Asks the window to close, as the desktop does.
-pub fn ask_to_close(window: &mut Window) {
-    fn events(window: &mut Window) -> &mut Vec<egui::ViewportEvent> {
-        let viewports = &mut window.harness.input_mut().viewports;
-        &mut viewports.entry(egui::ViewportId::ROOT).or_default().events
-    }
-    events(window).push(egui::ViewportEvent::Close);
-    window.harness.step();
-    events(window).clear();
-    window.harness.run_steps(2);
-}
-
 #[test]
 fn closing_asks_about_unsaved_work() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
     window.click("Add light");
-    ask_to_close(&mut window);
+    window.ask_to_close();
     assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
     window.click("Save first");
     window.until("the scene is saved", |app| !app.document().is_modified());
@@ -607,7 +595,7 @@ fn what_comes_from_outside_waits_for_the_question_that_shows() {
     let files = Files::new();
     let mut window = Window::open(&files.path("pyramid.off"));
     window.click("Add light");
-    ask_to_close(&mut window);
+    window.ask_to_close();
     window.click("Save first");
     let is_path = |app: &App| matches!(app.dialog(), Some(Dialog::Path(_)));
     assert!(is_path(window.app()), "there is no file yet");
@@ -615,7 +603,7 @@ fn what_comes_from_outside_waits_for_the_question_that_shows() {
     window.harness.step();
     window.until("the mesh is read", |app| !app.works_in(Lane::Load));
     assert!(is_path(window.app()), "the path is still being typed");
-    ask_to_close(&mut window);
+    window.ask_to_close();
     assert!(matches!(window.app().dialog(), Some(Dialog::Unsaved(_))));
     window.click("Cancel");
     assert!(is_path(window.app()), "it comes back");
@@ -655,7 +643,7 @@ fn closing_asks_before_a_render_is_given_up() {
     let mut window = Window::open(&files.path("room.toml"));
     start_long_render(&mut window);
     for answer in ["Go on", "Give up and close"] {
-        ask_to_close(&mut window);
+        window.ask_to_close();
         assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
         assert!(window.app().picture().is_some_and(Picture::is_running));
         window.harness.get_by_label(answer).click();
@@ -697,7 +685,7 @@ fn saving_a_picture_can_be_cancelled() {
     window.press(Modifiers::COMMAND, Key::E);
     window.enter_path(&pipe);
     assert!(window.says("Saving pipe.png"));
-    ask_to_close(&mut window);
+    window.ask_to_close();
     assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
     assert!(window.has("Give up saving the picture?"));
     window.click("Go on");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
-use crate::everyday::{ask_to_close, is_told_to_close};
+use crate::everyday::is_told_to_close;
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use raymini::gui::dialogs::Dialog;
@@ -480,7 +480,7 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
     copy_folder(&killed, &again);
 
     // An edit starts no other one, where one runs; and closing asks.
-    ask_to_close(&mut window);
+    window.ask_to_close();
     assert!(matches!(window.app().dialog(), Some(Dialog::Pictures)));
     assert!(!is_told_to_close(&window));
     window.click("Leave open");
@@ -491,7 +491,7 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
         window.harness.step();
         std::thread::sleep(Duration::from_millis(5));
     }
-    ask_to_close(&mut window);
+    window.ask_to_close();
     assert!(window.app().dialog().is_none());
     drop(window);
 
@@ -499,7 +499,7 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
     // Another render takes its place on disk; the picture stays under Renders, and is asked about.
     window.render();
     assert_eq!(window.app().renders().entries().len(), 1);
-    ask_to_close(&mut window);
+    window.ask_to_close();
     assert!(matches!(window.app().dialog(), Some(Dialog::Pictures)));
 }
 

@@ -1,9 +1,13 @@
 //! Everything that can be operated has a name, for those who do not see it.
 
-use crate::driver::{Files, Window};
+use crate::driver::{Files, SCENE, Window};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers};
-use egui_kittest::kittest::NodeT;
+use egui::{Key, Modifiers, Vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use raymini::analysis::contributions::Contributor;
+use raymini::analysis::cost::Effect;
+use raymini::gui::App;
+use raymini::gui::dialogs::Dialog;
 
 /// What can be operated.
 const CONTROLS: [Role; 9] = [
@@ -82,4 +86,81 @@ fn every_control_has_a_name() {
     window.import("Cancel");
     window.press(Modifiers::COMMAND, Key::O);
     assert_named(&window, 3, "the path field");
+}
+
+#[test]
+fn every_control_of_materials_bookmarks_and_contributions_has_a_name() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    // The group folds by what stands before its name.
+    let title = window.rect("Materials  1");
+    window.click_at(title.left_center() - Vec2::new(10.0, 0.0));
+    window.click("Select clay");
+    assert!(window.has("Ball of clay"));
+    assert_named(&window, 40, "the material");
+    window.click("Presets of materials");
+    assert!(window.has("Preset Gold"));
+    assert_named(&window, 50, "the presets of materials");
+    window.press(Modifiers::NONE, Key::Escape);
+
+    window.click("Select Camera");
+    window.press(Modifiers::NONE, Key::M);
+    assert!(window.has("Go to bookmark 1") && window.has("Remove bookmark 1"));
+    assert_named(&window, 50, "the bookmarks");
+    window.click("View");
+    assert_named(&window, 60, "the menu with the bookmarks");
+    window.press(Modifiers::NONE, Key::Escape);
+
+    let shadows = Contributor::Effect(Effect::Shadows);
+    let picture = window.harness.get_by_label("Contribution of shadows");
+    picture.scroll_to_me();
+    window.until("it is known what shadows bring", move |app| {
+        app.contributions().known(&shadows).is_some()
+    });
+    window.operate("Contribution of shadows");
+    assert!(window.has("Show: Without"));
+    assert_named(&window, 50, "the window of a contribution");
+}
+
+fn asks(window: &mut Window, is_it: impl Fn(&Dialog) -> bool) {
+    window.until("it is asked", |app| app.dialog().is_some_and(&is_it));
+}
+
+#[test]
+fn every_answer_to_a_question_has_a_name() {
+    let files = Files::new();
+    let data = files.path("data");
+    let room = files.path("room.toml");
+    let open = || Window::start_keeping(vec![room.clone()], true, Some(data.clone()));
+    let mut window = open();
+    window.operate("Add light");
+    window.until("the work is kept", App::is_work_kept);
+    window.drop_file(room.clone());
+    asks(&mut window, |dialog| matches!(dialog, Dialog::Unsaved(_)));
+    assert!(window.has("Replace"));
+    assert_named(&window, 3, "unsaved work before another scene");
+    window.press(Modifiers::NONE, Key::Escape);
+    window.ask_to_close();
+    asks(&mut window, |dialog| matches!(dialog, Dialog::Unsaved(_)));
+    assert!(window.has("Discard"));
+    assert_named(&window, 3, "unsaved work before closing");
+    // It ends as a process does that is killed.
+    drop(window);
+
+    let mut window = open();
+    asks(&mut window, |dialog| matches!(dialog, Dialog::Recovery(_)));
+    assert!(window.has("Restore") && window.has("Later"));
+    assert_named(&window, 3, "lost work");
+    drop(window);
+
+    let long = SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    let mut window = Window::open(&files.write("long.toml", &long));
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("it renders", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.ask_to_close();
+    asks(&mut window, |dialog| matches!(dialog, Dialog::Running));
+    assert!(window.has("Give up and close"));
+    assert_named(&window, 2, "a render before closing");
 }

@@ -7,13 +7,14 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::driver::{DEADLINE, Files, Look, Window};
+use crate::driver::{DEADLINE, Files, Look, SCENE, Window, set_number};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Vec2};
 use egui_kittest::kittest::Queryable;
 use raymini::gui::App;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::jobs::Lane;
+use raymini::gui::picture::Picture;
 use raymini::scene::{Mode, Scene, Stop};
 
 /// Where pictures of one look go, and how many there are.
@@ -361,17 +362,90 @@ fn recovery(files: &Files, look: &Look, album: &mut Album) {
     album.take(&mut window, "recovery");
 }
 
-/// An empty scene, and a window without a preview.
-fn without(files: &Files, look: &Look, album: &mut Album) {
+/// A report that is done, and the picture of a render in its file, opened again.
+fn results(look: &Look, album: &mut Album) {
+    let files = Files::new();
+    let mut window = Window::start_as(vec![files.path("room.toml")], look, None);
+    key(&mut window, Key::F5);
+    window.until("the picture is done", is_over);
+    let saved = files.path("room.exr");
+    window.save_picture(&saved);
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
+    let folder = files.path("report");
+    window.enter("Folder", folder.to_str().unwrap());
+    set_number(&mut window, "Seeds", "2");
+    set_number(&mut window, "Picture width", "32");
+    set_number(&mut window, "Picture height", "24");
+    window.click("Start");
+    window.until("the report is done", |app| !app.report().is_running());
+    album.take(&mut window, "report done");
+    drop(window);
+    let mut window = Window::start_as(vec![saved], look, None);
+    window.until("the picture shows", |app| {
+        app.picture_on_screen().is_some_and(Picture::is_shown)
+    });
+    album.take(&mut window, "picture opened");
+}
+
+/// Files that change beside unsaved work.
+fn changed_files(look: &Look, album: &mut Album) {
+    let files = Files::new();
+    let mut window = Window::start_as(vec![files.path("room.toml")], look, None);
+    // The files are looked at once a second; what is written after that is a change.
+    rest(&mut window, Duration::from_millis(1300));
+    window.operate("Add light");
+    files.write("room.toml", &SCENE.replace("60.0, 60.0, 60.0", "7, 9, 9"));
+    window.until("it is asked", App::asks_to_reload);
+    album.take(&mut window, "scene file changed");
+    window.click("Keep mine");
+    files.write("pyramid.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 0 2\n3 0 1 2\n");
+    window.until("the mesh is read again", |app| {
+        app.messages().last_news().contains("has changed")
+    });
+    window.settle();
+    album.take(&mut window, "mesh read again");
+}
+
+/// Closing the window while something would be lost.
+fn closing(look: &Look, album: &mut Album) {
+    let files = Files::new();
+    let long = SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    let mut window = Window::start_as(vec![files.write("long.toml", &long)], look, None);
+    key(&mut window, Key::F5);
+    window.until("tiles show", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.ask_to_close();
+    window.until("the render is asked about", |app| {
+        matches!(app.dialog(), Some(Dialog::Running))
+    });
+    album.take(&mut window, "closing with a render");
+    for _ in 0..2 {
+        // The question, then the render.
+        key(&mut window, Key::Escape);
+    }
+    window.operate("Add light");
+    window.ask_to_close();
+    window.until("unsaved work is asked about", |app| {
+        matches!(app.dialog(), Some(Dialog::Unsaved(_)))
+    });
+    album.take(&mut window, "closing with unsaved work");
+}
+
+/// An empty scene, one of many lights, and a window without a preview.
+fn extremes(files: &Files, look: &Look, album: &mut Album) {
     let empty = files.write("empty.toml", "[camera]\neye = [0, -1, 0]\n");
     let mut window = Window::start_as(vec![empty], look, None);
     album.take(&mut window, "empty scene");
-    let mut many = Window::start_as(vec![files.path("room.toml")], look, None);
+    let room = files.path("room.toml");
+    let mut many = Window::start_as(vec![room.clone()], look, None);
     let lights = &mut scene_mut(&mut many).lights;
     let light = lights[0];
     lights.extend(std::iter::repeat_n(light, 30));
     many.settle();
     album.take(&mut many, "many lights");
+    let mut blind = Window::start_without_gpu_as(vec![room], look);
+    album.take(&mut blind, "no preview");
 }
 
 fn take_all(name: &str, look: &Look) {
@@ -388,7 +462,10 @@ fn take_all(name: &str, look: &Look) {
     comparing(&mut window, &mut album);
     questions(&files, &mut window, &mut album);
     recovery(&files, look, &mut album);
-    without(&files, look, &mut album);
+    results(look, &mut album);
+    changed_files(look, &mut album);
+    closing(look, &mut album);
+    extremes(&files, look, &mut album);
     println!("{} in {:.0?}", album.folder.display(), started.elapsed());
     assert!(started.elapsed() < 20 * DEADLINE);
 }
