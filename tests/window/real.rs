@@ -1,5 +1,5 @@
-//! The real program in a real window: started under a virtual display, driven by the keyboard, it renders and saves a PNG
-//! whose pixels are those of the command line.
+//! The real program in a real window: started under a virtual display, driven by mouse and keyboard, it renders, compares and saves a
+//! PNG whose pixels are those of the command line.
 //!
 //! It needs a virtual X server, a tool that presses keys and a software Vulkan driver, and fails without them. On Debian:
 //! `apt install xvfb xdotool mesa-vulkan-drivers libxkbcommon-x11-0 libx11-xcb1 libxcursor1 libxi6`.
@@ -9,7 +9,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use egui::{Pos2, Vec2};
+
+use crate::driver::{self, Look};
+
 const DEADLINE: Duration = Duration::from_secs(90);
+
+/// So large that all effects are in sight, in pixels. The screen is as large.
+const TALL: [u16; 2] = [1280, 1200];
 
 /// A process that ends with the test.
 struct Process(Child);
@@ -35,7 +42,7 @@ impl Display {
                 "1",
                 "-screen",
                 "0",
-                "1280x800x24",
+                &format!("{}x{}x24", TALL[0], TALL[1]),
                 "-nolisten",
                 "tcp",
                 // Else it begins anew, and refuses whoever comes then, when the last window is killed.
@@ -126,6 +133,8 @@ impl<'a> Window<'a> {
                 .arg(scene)
                 .current_dir(folder)
                 .env("DISPLAY", &display.name)
+                // A point is a pixel, whatever size the screen says it has.
+                .env("WINIT_X11_SCALE_FACTOR", "1")
                 .env("XDG_RUNTIME_DIR", folder)
                 .env("XDG_DATA_HOME", folder.join("data"))
                 .env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent")
@@ -159,6 +168,74 @@ impl<'a> Window<'a> {
         self.display.xdotool(&["key", keys]);
     }
 
+    /// Makes it [`TALL`].
+    fn make_tall(&self) {
+        let [width, height] = TALL.map(|side| side.to_string());
+        let wanted = [format!("WIDTH={width}"), format!("HEIGHT={height}")];
+        wait_for("the window to be tall", || {
+            let size = ["windowsize", &self.id, &width, &height];
+            self.display.xdotool(&size);
+            wait_briefly(5, || {
+                let geometry = ["getwindowgeometry", "--shell", &self.id];
+                let told = self.display.xdotool(&geometry);
+                let has = |line: &String| told.lines().any(|told| told == line);
+                wanted.iter().all(has).then_some(())
+            })
+        });
+    }
+
+    fn point_at(&self, place: Pos2) {
+        let [x, y] = [place.x, place.y].map(|at| format!("{at:.0}"));
+        let to = ["mousemove", "--window", &self.id, &x, &y];
+        self.display.xdotool(&to);
+        // Until a frame has seen it there.
+        std::thread::sleep(Duration::from_millis(200));
+    }
+
+    /// Whether something is not saved, as its title tells.
+    fn is_modified(&self) -> bool {
+        self.title().contains('•')
+    }
+
+    /// Drags in the preview until the camera has moved. Before the preview is there, nothing can be dragged.
+    fn orbit(&self) {
+        wait_for("the camera to be dragged", || {
+            self.point_at(Pos2::new(400.0, 500.0));
+            self.display.xdotool(&["mousedown", "1"]);
+            for x in [420.0, 450.0, 480.0] {
+                self.point_at(Pos2::new(x, 490.0));
+            }
+            self.display.xdotool(&["mouseup", "1"]);
+            wait_briefly(3, || self.is_modified().then_some(()))
+        });
+    }
+
+    /// Clicks at `place` until something has changed that is not saved.
+    fn edit_at(&self, place: Pos2) {
+        assert!(!self.is_modified());
+        wait_for("the click to change something", || {
+            self.point_at(place);
+            self.display.xdotool(&["click", "1"]);
+            wait_briefly(3, || self.is_modified().then_some(()))
+        });
+    }
+
+    /// Saves the scene to its file.
+    fn save_scene(&self) {
+        wait_for("the work to be saved", || {
+            self.press("ctrl+s");
+            wait_briefly(3, || (!self.is_modified()).then_some(()))
+        });
+    }
+
+    /// Renders to the end: F5 does, and the title says how far.
+    fn render(&self) {
+        self.start_render();
+        wait_for("the render to end", || {
+            (!self.title().contains('%')).then_some(())
+        });
+    }
+
     /// Presses `keys` until the title says that a render runs.
     fn start_render(&self) {
         wait_for("the render to start", || {
@@ -184,18 +261,38 @@ impl<'a> Window<'a> {
     }
 }
 
+/// Where a [`TALL`] window on `scene` has the button that switches shadows off: one that is laid out the same tells, by its name.
+fn place_of_shadows_off(scene: &Path) -> Pos2 {
+    let look = Look {
+        size: Vec2::from(TALL.map(f32::from)),
+        ..Look::default()
+    };
+    let window = driver::Window::start_as(vec![scene.to_owned()], &look, None);
+    let place = window.rect("Shadows: Off").center();
+    assert!(place.y < look.size.y - 50.0, "{place} is out of sight");
+    place
+}
+
+/// Launch, orbit, render, switch an effect, compare, save, quit.
 #[test]
 fn the_real_window_renders_and_saves_what_the_command_line_does() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = write_scene(folder.path(), 64);
+    let scene = write_scene(folder.path(), 128);
+    let shadows_off = place_of_shadows_off(&scene);
     let display = Display::start();
     let window = Window::open(&display, folder.path(), &scene);
+    window.make_tall();
+    window.orbit();
+    window.render();
 
-    // F5 renders; the title says how far.
-    window.start_render();
-    wait_for("the render to end", || {
-        (!window.title().contains('%')).then_some(())
-    });
+    // What is saved is told from what the click changes.
+    window.save_scene();
+    window.edit_at(shadows_off);
+    window.render();
+
+    // C compares with the render before; what is saved is still the picture that is looked at.
+    window.press("c");
+    std::thread::sleep(Duration::from_secs(1));
 
     // Ctrl+E asks for a path; it is typed.
     let saved = folder.path().join("window.png");
@@ -212,6 +309,10 @@ fn the_real_window_renders_and_saves_what_the_command_line_does() {
         picture
     });
 
+    window.save_scene();
+    let text = std::fs::read_to_string(&scene).unwrap();
+    assert!(!text.contains(EYE), "{text}");
+    assert!(text.contains("shadows = \"off\""), "{text}");
     let by_command = folder.path().join("command.png");
     let status = Command::new(env!("CARGO_BIN_EXE_raymini"))
         .args(["render", scene.to_str().unwrap(), "-o"])
@@ -286,7 +387,6 @@ fn what_is_dragged_at_a_kill_is_restored_but_for_the_last_second() {
 }
 
 /// The camera of the scene.
-#[cfg(unix)]
 const EYE: &str = "eye = [1.0, -4.0, 1.5]";
 
 /// Opens the window again on `scene`, has it restore what is offered and save it; returns the file. `goes_on`: whether a render goes on, which
@@ -300,10 +400,7 @@ fn restored(display: &Display, folder: &Path, scene: &Path, goes_on: bool) -> St
         window.press("Return");
         wait_briefly(3, || window.title().contains('•').then_some(()))
     });
-    wait_for("the work to be saved", || {
-        window.press("ctrl+s");
-        wait_briefly(3, || (!window.title().contains('•')).then_some(()))
-    });
+    window.save_scene();
     if goes_on {
         let renders = || window.title().contains('%');
         wait_for("the render to go on", || renders().then_some(()));
