@@ -439,7 +439,7 @@ mod tests {
             ..Scene::default()
         };
         let part = Part { region, of: [8, 6] };
-        let buffer = PictureBuffer::new(part, Vec::new(), scene.display, 64);
+        let buffer = PictureBuffer::new(part, Vec::new(), scene.display);
         let buffer = Arc::new(buffer.expect("a few pixels fit"));
         let (names, progress) = (["a", "b"].map(str::to_owned), RenderProgress::default());
         Picture::new(1, names, scene, buffer, progress, Instant::now())

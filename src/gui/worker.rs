@@ -354,12 +354,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         return;
     };
     let region = request.buffer.part().region();
-    let memory = PictureMemory {
-        // Those that the window shows.
-        copies: 1 + request.buffer.layers().len(),
-        kept_bytes: prepared.primary_hit_bytes(&request.primary_hits),
-        ..PictureMemory::of_render(&prepared, region, &run)
-    };
+    let memory = memory_of(request, &prepared, &run);
     if let Err(short) = memory.require() {
         request.primary_hits.clear();
         return job.send(Event::RenderFailed {
@@ -440,6 +435,16 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     }
     if let Some(outcome) = outcome {
         finish(job, request, outcome);
+    }
+}
+
+/// What the picture of a render takes.
+fn memory_of(request: &RenderRequest, prepared: &PreparedScene, run: &RunConfig) -> PictureMemory {
+    PictureMemory {
+        // Those that the window shows.
+        copies: 1 + request.buffer.layers().len(),
+        kept_bytes: prepared.primary_hit_bytes(&request.primary_hits),
+        ..PictureMemory::of_render(prepared, request.buffer.part().region(), run)
     }
 }
 

@@ -77,8 +77,7 @@ pub fn write_image(
 ) -> Result<(), ImageFileError> {
     let texts = OriginTexts::default();
     let never = CancelToken::new();
-    let written = write(image, layers, (display, output), &texts, path, &never);
-    written.map(|written| written.expect("nobody cancels"))
+    write(image, layers, (display, output), &texts, path, &never).map(|_| ())
 }
 
 /// [`write_image`] of a render, as its scene says; the file tells what was rendered, so that it can be opened.
@@ -91,8 +90,7 @@ pub fn write_render(
     origin: &Origin<'_>,
     path: &Path,
 ) -> Result<(), ImageFileError> {
-    let written = write_render_unless(image, layers, origin, path, &CancelToken::new());
-    written.map(|written| written.expect("nobody cancels"))
+    write_render_unless(image, layers, origin, path, &CancelToken::new()).map(|_| ())
 }
 
 /// [`write_render`], unless it is cancelled, which is `None`: an old file of that name is as it was then.

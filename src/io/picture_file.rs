@@ -45,6 +45,7 @@ pub struct PictureError {
 /// # Errors
 /// When the file cannot be read, is of a format without reader, is malformed or ends early, or holds a size that cannot be
 /// held.
+#[expect(clippy::missing_panics_doc, reason = "nobody cancels")]
 pub fn read_image(path: &Path) -> Result<PictureFile, PictureError> {
     let read = read_image_unless(path, &CancelToken::new(), &Progress::new());
     read.map(|file| file.expect("nobody cancels"))
@@ -108,6 +109,7 @@ fn read<T>(
 ///
 /// # Errors
 /// Those of [`read_image`] that are about the content.
+#[expect(clippy::missing_panics_doc, reason = "nobody cancels")]
 pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError> {
     let parsed = parse(bytes, &CancelToken::new(), &Progress::new());
     let parsed = parsed.map(|file| file.expect("nobody cancels"));

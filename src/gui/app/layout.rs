@@ -443,12 +443,11 @@ impl App {
 
     /// What to do where there is nothing to see.
     fn empty_ui(&mut self, ui: &mut Ui, area: Rect) {
-        let text = match &self.loading {
-            Some(loading) => format!("Loading {}…", loading.what),
-            None => {
-                let keys = Command::Open.shortcut_text(ui.ctx());
-                format!("Drop a mesh or a scene here, or press {keys}")
-            }
+        let text = if let Some(loading) = &self.loading {
+            format!("Loading {}…", loading.what)
+        } else {
+            let keys = Command::Open.shortcut_text(ui.ctx());
+            format!("Drop a mesh or a scene here, or press {keys}")
         };
         ui.put(
             area,

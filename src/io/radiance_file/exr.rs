@@ -125,6 +125,7 @@ impl<'a> File<'a> {
     }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "it is handed to `map_err`")]
 fn in_words(error: exr::error::Error) -> String {
     format!("not a whole OpenEXR file: {error}")
 }
