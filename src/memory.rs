@@ -53,6 +53,13 @@ pub fn require(needed: u64) -> Result<(), ShortOfMemory> {
     })
 }
 
+/// The most memory this process has held, where the system tells (Linux).
+#[must_use]
+pub fn peak_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    value_of(&status, "VmHWM:").map(|kilobytes| kilobytes * 1024)
+}
+
 /// What the system could give this process without pushing other memory out to a disk, where it tells (Linux).
 fn available_bytes() -> Option<u64> {
     let machine = fs::read_to_string("/proc/meminfo").ok();
@@ -139,6 +146,14 @@ mod tests {
         };
         let expected = "1.5 GB of memory, but 1.0 GB are free";
         assert_eq!(short.to_string(), expected);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_system_tells_what_was_held() {
+        let held = std::hint::black_box(vec![1_u8; 64 << 20]);
+        let peak = peak_bytes().expect("Linux tells");
+        assert!(peak >= held.len() as u64, "{peak}");
     }
 
     #[test]

@@ -16,8 +16,8 @@ use crate::analysis::cost::Trial;
 use crate::analysis::pilot::estimate_time;
 use crate::control::CancelToken;
 use crate::render::{
-    Decision, Feature, Interval, PictureMemory, PreparedScene, RunConfig, Used, Work, even_passes,
-    reasons,
+    Bands, Decision, Feature, Interval, PictureMemory, PreparedScene, RunConfig, Used, Work,
+    even_passes, reasons,
 };
 use crate::scene::{Choice, Mode, RenderSettings, Scene, Stop};
 
@@ -98,6 +98,8 @@ struct Facts {
     used: Used,
     per_sample: PerSample,
     bytes: Bytes,
+    /// In so many parts the picture is rendered, one after the other: 1 where memory holds it at once.
+    bands: usize,
     /// On one thread, for all samples.
     estimated_cpu_seconds: f64,
     /// Whether the error or the clock may end it before.
@@ -163,6 +165,11 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let run = RunConfig::default();
     let time = estimate_time(scene, &prepared, None, &run)?;
     let time = time.ok_or_else(|| anyhow!("measuring was cancelled"))?;
+    let bands = Bands::of(&prepared, None, &run);
+    let picture = bands.as_ref().map_or_else(
+        || PictureMemory::of_render(&prepared, None, &run),
+        |bands| bands.memory(&prepared, &run),
+    );
     let facts = Facts {
         mode: scene.render.mode.name(),
         width: scene.render.width,
@@ -175,8 +182,9 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             triangles_and_structure: prepared.geometry().accelerator().bytes(),
             normals: prepared.geometry().normal_bytes(),
             textures: prepared.texture_bytes(),
-            picture: PictureMemory::of_render(&prepared, None, &run).bytes(),
+            picture: picture.bytes(),
         },
+        bands: bands.as_ref().map_or(1, Bands::count),
         estimated_cpu_seconds: seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?,
         may_stop_sooner: scene.render.stop != Stop::default(),
         estimated_seconds: time.seconds,
@@ -267,9 +275,13 @@ fn describe(facts: &Facts) -> String {
         draws.join(", ")
     };
     let _ = writeln!(text, "random numbers of a sample: {draws}");
+    let bands = match facts.bands {
+        1 => String::new(),
+        count => format!(" in {count} bands"),
+    };
     let _ = writeln!(
         text,
-        "bytes: triangles and structure {}, normals {}, textures {}, picture {}",
+        "bytes: triangles and structure {}, normals {}, textures {}, picture {}{bands}",
         facts.bytes.triangles_and_structure,
         facts.bytes.normals,
         facts.bytes.textures,

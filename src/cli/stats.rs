@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 use super::costs::MeasuredCosts;
 use super::plan::PlannedFeature;
 use crate::io;
+use crate::memory;
 use crate::render::{
     Clamped, Ending, ErrorEstimate, Interval, PreparedScene, RayCounts, RenderStats, Used,
 };
@@ -64,7 +65,7 @@ impl Stats {
             triangles: u64::from(accelerator.triangle_count()),
             accelerator: accelerator.name(),
             accelerator_bytes: accelerator.bytes(),
-            peak_memory_bytes: peak_memory_bytes(),
+            peak_memory_bytes: memory::peak_bytes(),
             threads: stats.threads,
             samples_per_pixel: stats.samples_per_pixel,
             sample_range: stats.sample_range,
@@ -141,14 +142,4 @@ impl From<&ErrorEstimate> for ErrorFacts {
             method: "halves of each pixel's sequence, extrapolated by the measured decay; 95 % intervals",
         }
     }
-}
-
-/// The most memory this process has held, where the system tells (Linux).
-fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1024)
 }

@@ -278,6 +278,28 @@ mod tests {
     }
 
     #[test]
+    fn the_largest_picture_takes_less_than_4_gigabytes_in_bands() {
+        let mut scene = io::demo_scene();
+        (scene.render.width, scene.render.height) = (16_384, 16_384);
+        for samples in [1, 16] {
+            scene.render.samples_per_pixel = samples;
+            let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+            let prepared = prepared.expect("can be rendered").expect("nobody cancels");
+            let run = RunConfig::default();
+            let whole = PictureMemory::of_render(&prepared, None, &run).bytes();
+            let bands = Bands::of(&prepared, None, &run).expect("is rendered in bands");
+            let bytes = bands.memory(&prepared, &run).bytes();
+            assert!(bytes <= 4_000_000_000 && bytes <= whole / 2, "{bytes}");
+            // What a picture with a stop or layers takes is that of the whole.
+            let layers = RunConfig {
+                layers: true,
+                ..RunConfig::default()
+            };
+            assert_eq!(Bands::of(&prepared, None, &layers), None);
+        }
+    }
+
+    #[test]
     fn what_was_not_rendered_has_no_samples() {
         let mut scene = io::demo_scene();
         (scene.render.width, scene.render.height) = (8, 8);
