@@ -4,14 +4,15 @@ use cpu_time::ProcessTime;
 
 use super::stage::{
     add, different_pixels, improper_pixels, joined, largest, mapped, matt, phong, picture, point,
-    rectangle, run, run_on, still,
+    prepared, rectangle, run, run_on, still,
 };
 use super::{Bar, Case, Effort};
 use crate::accel::{Accelerator, BuildQuality, KdParameters, KdTree, WideTree};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
 use crate::geometry::{Triangle, TriangleMesh};
-use crate::math::{DVec3, Degrees, SceneFrame};
+use crate::math::{DMat3, DVec3, Degrees, Ray, SceneFrame};
+use crate::memory::peak_bytes;
 use crate::render::Image;
 use crate::scene::{AcceleratorChoice, Background, Camera, Material, Mode, Rgb, Scene, Textures};
 
@@ -32,7 +33,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "coinciding faces of several materials",
-        tried: "three overlapping squares in one plane, by every structure, 1 and 2 threads: pixels that differ",
+        tried: "three overlapping squares in one plane, level and oblique, by every structure, 1 and 2 threads: pixels that differ",
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: coinciding_faces,
@@ -64,6 +65,13 @@ pub const CASES: &[Case] = &[
         bar: Bar::AtMost(2.0),
         is_timed: false,
         measure: stadium_references,
+    },
+    Case {
+        name: "10 million triangles",
+        tried: "a hilly land of 100,000, with --long of so many and in at most 8 GiB, built as by default: rays aimed at the middle of a triangle that meet another or none",
+        bar: Bar::Exactly(0.0),
+        is_timed: false,
+        measure: hilly_land,
     },
     Case {
         name: "empty scene",
@@ -153,6 +161,14 @@ fn repeated_faces(_: Effort) -> f64 {
 }
 
 fn coinciding_faces(_: Effort) -> f64 {
+    // In an oblique plane corners are rounded, so that the squares cut each other; the picture must be one and the same there, too.
+    let oblique = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_x(0.4);
+    let turns = [DMat3::IDENTITY, oblique];
+    turns.map(differences_of_coinciding_faces).iter().sum()
+}
+
+/// How many pixels of three overlapping squares in one plane, turned this way, depend on the structure or the threads.
+fn differences_of_coinciding_faces(turn: DMat3) -> f64 {
     let mut scene = still(64, 48);
     for (number, name) in (0..).zip(["red", "green", "blue"]) {
         let center = DVec3::new(f64::from(number) * 0.3, f64::from(number) * 0.17, 0.0);
@@ -165,7 +181,7 @@ fn coinciding_faces(_: Effort) -> f64 {
             textures: Textures::default(),
         };
         // Cut into many, so that the trees have something to arrange.
-        let square = mapped(shapes::grid(8), |p| center + u * p.x + v * p.y);
+        let square = mapped(shapes::grid(8), |p| turn * (center + u * p.x + v * p.y));
         add(&mut scene, name, square, material);
     }
     scene.render.samples_per_pixel = 4;
@@ -173,6 +189,9 @@ fn coinciding_faces(_: Effort) -> f64 {
     for mode in [Mode::Albedo, Mode::Object] {
         scene.render.mode = mode;
         let pictures = by_every_structure(&mut scene);
+        let channels = pictures[0].pixels.iter().flatten();
+        let brightest = largest(channels.map(|&channel| f64::from(channel)));
+        assert!(brightest > 0.1, "the squares are seen: {brightest}");
         different += pictures[1..]
             .iter()
             .map(|other| different_pixels(&pictures[0], other))
@@ -208,8 +227,15 @@ pub fn narrowed(mesh: &TriangleMesh) -> Vec<Triangle> {
 
 /// A ball a million times smaller than the ground it stands on.
 pub fn stadium() -> TriangleMesh {
-    let ball = mapped(shapes::icosphere(3), |p| p * 1e-6 + DVec3::Z * 1e-6);
-    joined([shapes::grid(24), ball])
+    stadium_of(24, 3)
+}
+
+/// The same, of a grid and an icosphere of that fineness.
+pub fn stadium_of(cells: u32, subdivisions: u32) -> TriangleMesh {
+    let ball = mapped(shapes::icosphere(subdivisions), |p| {
+        p * 1e-6 + DVec3::Z * 1e-6
+    });
+    joined([shapes::grid(cells), ball])
 }
 
 fn kd_tree(mesh: &TriangleMesh) -> KdTree {
@@ -294,6 +320,42 @@ fn shortest_build(mesh: &TriangleMesh, build: fn(&[Triangle]) -> usize) -> f64 {
 fn stadium_references(_: Effort) -> f64 {
     let quality = Accelerator::KdTree(kd_tree(&stadium())).quality();
     quality.references as f64 / quality.triangles as f64
+}
+
+fn hilly_land(effort: Effort) -> f64 {
+    /// The steepest slope has 42°, and rays come from at least 65° above the ground: nothing is in their way.
+    const HEIGHT: f64 = 0.1;
+    const ASIDE: f64 = 0.3;
+    let height = |p: DVec3| HEIGHT * libm::sin(7.0 * p.x) * libm::cos(5.0 * p.y);
+    let land = mapped(shapes::grid(effort.pick(224, 2237)), |p| {
+        p.with_z(height(p))
+    });
+    let count = land.triangles.len() as u64;
+    assert!(
+        count >= effort.pick(100_000, 10_000_000),
+        "{count} triangles"
+    );
+    let mut scene = still(1, 1);
+    add(&mut scene, "land", land, matt(0.5));
+    let scene = prepared(&scene);
+    let geometry = scene.geometry();
+    let mut random = Random::new(23);
+    let is_missed = |_: &u32| {
+        let id = u32::try_from(random.bits() % count).expect("ids are 32 bits long");
+        let [a, b, c] = geometry.triangle(id).in_scene().corners;
+        let target = ((a.as_dvec3() + b.as_dvec3() + c.as_dvec3()) / 3.0).as_vec3();
+        let away = (random.in_cube() * ASIDE).with_z(1.0).as_vec3();
+        let hit = geometry
+            .accelerator()
+            .intersect(&Ray::new(target + away, -away), f32::INFINITY);
+        hit.is_none_or(|hit| hit.triangle != id)
+    };
+    let missed = (0..effort.pick(10_000, 100_000)).filter(is_missed).count();
+    if effort == Effort::Long {
+        let peak = peak_bytes().unwrap_or(0);
+        assert!(peak <= 8 << 30, "the process has taken {peak} bytes");
+    }
+    missed as f64
 }
 
 fn empty_scene(_: Effort) -> f64 {

@@ -4,14 +4,17 @@ use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 use super::stage::{
-    different_pixels, largest, picture, prepared, relative, showroom, still, value,
+    add, assert_shows_something, different_pixels, largest, picture, prepared, rectangle, relative,
+    showroom, still, value,
 };
 use super::{Bar, Case, Effort};
 use crate::control::CancelToken;
+use crate::math::DVec3;
+use crate::memory::peak_bytes;
 use crate::render::{
-    Decision, Dimension, Image, Region, RenderProgress, RunConfig, Sampler, render,
+    Bands, Decision, Dimension, Image, Region, RenderProgress, RunConfig, Sampler, render,
 };
-use crate::scene::{Background, Mode, Rgb, Scene};
+use crate::scene::{Background, Camera, Material, Mode, Rgb, Scene};
 
 pub const CASES: &[Case] = &[
     Case {
@@ -20,6 +23,13 @@ pub const CASES: &[Case] = &[
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: smallest_and_largest,
+    },
+    Case {
+        name: "memory of 16,384 × 16,384 pixels",
+        tried: "GiB to render them in bands, as estimated; with --long they are rendered and compared with what they show, and it is the most that the process ever held",
+        bar: Bar::AtMost(8.0),
+        is_timed: false,
+        measure: largest_whole,
     },
     Case {
         name: "100,000 samples in a pixel: drift",
@@ -88,6 +98,71 @@ fn smallest_and_largest(_: Effort) -> f64 {
     count
 }
 
+/// Along each side of [`board`].
+const FIELDS: u32 = 16;
+
+/// A shining board of fields, each of its own colour, that fills a square picture.
+fn board(side: u32) -> Scene {
+    let mut scene = still(side, side);
+    scene.camera = Camera {
+        eye: DVec3::NEG_Y * 30.0,
+        ..Camera::default()
+    };
+    // Half of the board is as high as half of the picture.
+    let half = 30.0 * libm::tan(scene.camera.vertical_fov.radians() / 2.0);
+    let width = 2.0 * half / f64::from(FIELDS);
+    for row in 0..FIELDS {
+        for column in 0..FIELDS {
+            let middle = |number: u32| (f64::from(number) + 0.5) * width - half;
+            let center = DVec3::new(middle(column), 0.0, -middle(row));
+            let field = rectangle(center, DVec3::X * width / 2.0, DVec3::Z * width / 2.0);
+            let radiance = Rgb::from_array(color_of_field(row, column).map(f64::from));
+            let name = format!("field {row} {column}");
+            add(&mut scene, &name, field, Material::Emitter { radiance });
+        }
+    }
+    scene
+}
+
+/// The colour of a field, counted from the top and from the left.
+fn color_of_field(row: u32, column: u32) -> [f32; 3] {
+    let share = |number: u32| (number + 1) as f32 / FIELDS as f32;
+    [share(row), share(column), 0.5]
+}
+
+fn largest_whole(effort: Effort) -> f64 {
+    let side = 16_384;
+    let scene = prepared(&board(side));
+    let run = RunConfig::default();
+    let bands = Bands::of(&scene, None, &run).expect("is rendered in bands");
+    let memory = bands.memory(&scene, &run);
+    let mut bytes = memory.bytes();
+    if effort == Effort::Long {
+        let granted = memory.require();
+        granted.unwrap_or_else(|error| panic!("cannot be tried: {error}"));
+        let outcome = bands.render(&scene, &run, RenderProgress::default);
+        let wrong = wrong_pixels(&outcome.expect("nobody cancels").image);
+        assert_eq!(wrong, 0, "pixels that show another field");
+        bytes = bytes.max(peak_bytes().unwrap_or(0));
+    }
+    bytes as f64 / f64::from(1 << 30)
+}
+
+/// How many pixels of a picture of [`board`] do not show the field that is there.
+fn wrong_pixels(image: &Image) -> usize {
+    let side = image.width / FIELDS;
+    let rows = image.pixels.chunks(image.width as usize).zip(0..);
+    let wrong_in_row = |(row, number): (&[[f32; 3]], u32)| {
+        let fields = row.chunks(side as usize).zip(0..);
+        let wrong_in_field = |(pixels, column): (&[[f32; 3]], u32)| {
+            let expected = color_of_field(number / side, column);
+            pixels.iter().filter(|&&pixel| pixel != expected).count()
+        };
+        fields.map(wrong_in_field).sum::<usize>()
+    };
+    rows.map(wrong_in_row).sum()
+}
+
 fn drift(effort: Effort) -> f64 {
     let mut scene = still(1, 1);
     scene.background = Background::Constant {
@@ -116,6 +191,7 @@ fn threads(_: Effort) -> f64 {
         scene.render.mode = mode;
         scene.render.samples_per_pixel = 8;
         let alone = super::stage::run_on(&scene, 1).image;
+        assert_shows_something(&alone);
         for threads in [2, 7] {
             let image = super::stage::run_on(&scene, threads).image;
             different += different_pixels(&alone, &image);
@@ -150,4 +226,17 @@ fn cancel_latency(effort: Effort) -> f64 {
         });
         rendering.as_secs_f64() * 1e3
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_board_shows_its_fields_where_they_are_looked_for() {
+        let mut image = picture(&board(64));
+        assert_eq!(wrong_pixels(&image), 0);
+        image.pixels.rotate_left(64 * 4);
+        assert_eq!(wrong_pixels(&image), 64 * 64);
+    }
 }

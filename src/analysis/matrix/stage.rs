@@ -251,6 +251,18 @@ pub fn improper_pixels(image: &Image) -> f64 {
     image.pixels.iter().filter(|pixel| !is_light(pixel)).count() as f64
 }
 
+/// That there is something in a picture that others are compared with: a third of it is not black.
+#[track_caller]
+pub fn assert_shows_something(image: &Image) {
+    let is_lit = |pixel: &&[f32; 3]| pixel.iter().any(|&channel| channel > 0.01);
+    let lit = image.pixels.iter().filter(is_lit).count();
+    let count = image.pixels.len();
+    assert!(
+        3 * lit > count,
+        "only {lit} of {count} pixels are not black"
+    );
+}
+
 fn is_light(pixel: &[f32; 3]) -> bool {
     pixel.iter().all(|&c| c.is_finite() && c >= 0.0)
 }
