@@ -147,6 +147,17 @@ impl KdTree {
         })
     }
 
+    /// [`Self::intersect`] by a walk that does not pay for rounding, to see that its mistakes are noticed.
+    #[cfg(test)]
+    #[must_use]
+    pub fn intersect_without_margin(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
+        simd::answer(&NearestHit {
+            tree: &walk::WithoutMargin(self),
+            ray,
+            t_max,
+        })
+    }
+
     /// Whether anything is hit with `0 < t < t_max`; stops at the first such hit.
     #[must_use]
     pub fn occluded(&self, ray: &Ray, t_max: f32) -> bool {

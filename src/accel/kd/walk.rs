@@ -5,17 +5,38 @@ use super::{KdTree, MAX_DEPTH};
 use crate::accel::leaf::Visitor;
 use crate::accel::query::Tree;
 use crate::accel::simd::Simd;
-use crate::accel::slabs::{MARGIN, later};
+use crate::accel::slabs::MARGIN;
 use crate::math::Ray;
 
 impl Tree for KdTree {
+    #[inline(always)]
+    fn walk<S: Simd, V: Visitor>(&self, _simd: S, ray: &Ray, t_max: f32, visitor: &mut V) {
+        self.walk_within(ray, t_max, visitor, MARGIN);
+    }
+}
+
+/// The tree with a walk that does not pay for rounding, to see that its mistakes are noticed.
+#[cfg(test)]
+pub(super) struct WithoutMargin<'a>(pub &'a KdTree);
+
+#[cfg(test)]
+impl Tree for WithoutMargin<'_> {
+    #[inline(always)]
+    fn walk<S: Simd, V: Visitor>(&self, _simd: S, ray: &Ray, t_max: f32, visitor: &mut V) {
+        self.0.walk_within(ray, t_max, visitor, 0.0);
+    }
+}
+
+impl KdTree {
+    /// [`Tree::walk`]; inlined, so that `margin` is a constant.
+    ///
     /// A distance that bounds a stretch of the ray is moved once by the margin, for the plane it came from and for the plane it
     /// will be compared with, so no hit near a plane can fall between two cells.
     ///
     /// Leaves come nearest first for every visitor. All comparisons are written so that NaN, from a ray within a plane (0 · ∞),
     /// visits both sides.
     #[inline(always)]
-    fn walk<S: Simd, V: Visitor>(&self, _simd: S, ray: &Ray, t_max: f32, visitor: &mut V) {
+    fn walk_within<V: Visitor>(&self, ray: &Ray, t_max: f32, visitor: &mut V, margin: f32) {
         let origin = ray.origin.to_array();
         let direction = ray.direction.to_array();
         let inverse = direction.map(reciprocal);
@@ -23,12 +44,12 @@ impl Tree for KdTree {
 
         // The part of the ray inside the box of the scene.
         let mut enter = 0.0;
-        let mut exit = later(t_max);
+        let mut exit = later(t_max, margin);
         for axis in 0..3 {
             let ends = [self.bounds.min[axis], self.bounds.max[axis]]
                 .map(|end| (end - origin[axis]) * inverse[axis]);
-            enter = larger(earlier(ends[backward[axis]]), enter);
-            exit = smaller(later(ends[1 - backward[axis]]), exit);
+            enter = larger(earlier(ends[backward[axis]], margin), enter);
+            exit = smaller(later(ends[1 - backward[axis]], margin), exit);
         }
         if enter > exit {
             return;
@@ -54,9 +75,9 @@ impl Tree for KdTree {
                     } else if t > exit {
                         index = near;
                     } else {
-                        stack[waiting] = (far, larger(earlier(t), enter), exit);
+                        stack[waiting] = (far, larger(earlier(t, margin), enter), exit);
                         waiting += 1;
-                        exit = smaller(later(t), exit);
+                        exit = smaller(later(t, margin), exit);
                         index = near;
                     }
                 }
@@ -92,9 +113,15 @@ fn reciprocal(d: f32) -> f32 {
 }
 
 /// A bound that no hit at `t` or after it comes before. The smallest normal number stands in for digits lost below it.
-#[inline]
-fn earlier(t: f32) -> f32 {
-    t * (1.0 - MARGIN) - f32::MIN_POSITIVE
+#[inline(always)]
+fn earlier(t: f32, margin: f32) -> f32 {
+    t * (1.0 - margin) - f32::MIN_POSITIVE
+}
+
+/// A bound that no hit at `t` or before it comes after, likewise.
+#[inline(always)]
+fn later(t: f32, margin: f32) -> f32 {
+    t * (1.0 + margin) + f32::MIN_POSITIVE
 }
 
 /// The smaller number; `old` if `new` is NaN.
