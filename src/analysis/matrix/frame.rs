@@ -1,8 +1,8 @@
 //! Scenes of every size, near to the origin and far from it: what rendering takes out by centring and scaling.
 
 use super::stage::{
-    add, different_pixels, largest, mapped, matt, picture, rectangle, showroom, still,
-    visibly_different,
+    add, assert_shows_something, different_pixels, largest, mapped, matt, picture, rectangle,
+    showroom, still, visibly_different,
 };
 use super::{Bar, Case, Effort};
 use crate::analysis::hazards::{self, HazardKind};
@@ -125,6 +125,7 @@ fn powers_of_two(effort: Effort) -> f64 {
     let mut different = 0.0;
     for scene in scenes() {
         let base = picture(&scene);
+        assert_shows_something(&base);
         for &exponent in exponents {
             let scaled = picture(&scaled(&scene, power_of_two(exponent)));
             different += different_pixels(&base, &scaled);
@@ -143,15 +144,19 @@ fn far_beyond_single_precision(_: Effort) -> f64 {
 
 fn moved_away(_: Effort) -> f64 {
     largest_difference(|scene| {
-        let by = DVec3::new(8.0, -5.6, 2.4);
-        let moved = |distance: f64| placed(scene, 1.0, |p| p + by * distance);
-        [1e3, 1e4, 1e5, 1e6, 1e7].map(moved).into()
+        [1e3, 1e4, 1e5, 1e6, 1e7]
+            .map(|distance| placed(scene, 1.0, |p| p + AWAY * distance))
+            .into()
     })
 }
+
+/// Which way scenes are moved, by a little more than their size.
+const AWAY: DVec3 = DVec3::new(8.0, -5.6, 2.4);
 
 fn largest_difference(changed: impl Fn(&Scene) -> Vec<Scene>) -> f64 {
     largest(scenes().iter().map(|scene| {
         let base = picture(scene);
+        assert_shows_something(&base);
         let scenes = changed(scene).into_iter();
         largest(scenes.map(|scene| visibly_different(&base, &picture(&scene), 1.0)))
     }))
@@ -202,4 +207,24 @@ fn crushed(_: Effort) -> f64 {
         wrong += u32::from(is_told(&scene, HazardKind::CoarseResolution) != is_crushed);
     }
     f64::from(wrong)
+}
+
+/// That the figures notice what they are there for.
+#[cfg(test)]
+mod controls {
+    use super::*;
+
+    /// What a program sees of a moved scene that reads places in single precision.
+    #[test]
+    fn places_rounded_after_moving_are_noticed() {
+        let difference = largest_difference(|scene| {
+            let rounded = |p: DVec3| (p + AWAY * 1e5).as_vec3().as_dvec3();
+            vec![placed(scene, 1.0, rounded)]
+        });
+        let case = CASES
+            .iter()
+            .find(|case| case.name.contains("off the origin"));
+        let bar = case.expect("is there").bar;
+        assert!(!bar.is_kept_by(difference), "{difference} % differ");
+    }
 }

@@ -27,7 +27,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "what a depth cap cuts off is told",
-        tried: "a lamp behind 10 faces at 8 bounces: samples that lack light without being counted, in per cent",
+        tried: "10 faces between a lamp and a white world at 1 to 100 bounces: samples that lack light without being counted, or are counted and lack none",
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: told_depth_cap,
@@ -117,15 +117,23 @@ fn rays_through_a_stack(_: Effort) -> f64 {
 
 fn told_depth_cap(_: Effort) -> f64 {
     let mut scene = stack(10);
+    // Every path that is not cut off ends in a radiance of 1, at the lamp or in the world.
+    scene.background = white();
     scene.render.samples_per_pixel = 1024;
-    scene.render.max_bounces = 8;
-    let outcome = run(&scene);
-    // Every path ends at the lamp, misses everything after a reflection, or is cut off.
-    let bright = f64::from(outcome.image.pixel(0, 0)[0]);
-    let told = outcome.stats.depth_limited_samples as f64 / outcome.stats.rays.camera as f64;
-    scene.render.max_bounces = 100_000;
-    let whole = f64::from(picture(&scene).pixel(0, 0)[0]);
-    100.0 * (whole - bright - told).max(0.0)
+    scene.render.roulette = false;
+    let mut wrong = 0.0;
+    let mut told = Vec::new();
+    for bounces in [1, 8, 12, 100] {
+        scene.render.max_bounces = bounces;
+        let outcome = run(&scene);
+        let samples = f64::from(scene.render.samples_per_pixel);
+        let lacking = samples * (1.0 - f64::from(outcome.image.pixel(0, 0)[0]));
+        let counted = outcome.stats.depth_limited_samples as f64;
+        wrong += (lacking.round() - counted).abs();
+        told.push(counted);
+    }
+    assert!(told.is_sorted_by(|more, less| more > less), "{told:?}");
+    wrong
 }
 
 fn index_of_one(_: Effort) -> f64 {

@@ -26,6 +26,13 @@ pub const CASES: &[Case] = &[
         measure: wide_view,
     },
     Case {
+        name: "the middle of a picture",
+        tried: "fields of view of 0.001° to 179.9°, an even and an odd number of pixels: angle between the ray through the middle and the axis of the view, in radians",
+        bar: Bar::AtMost(1e-7),
+        is_timed: false,
+        measure: middle_of_view,
+    },
+    Case {
         name: "aperture 0",
         tried: "a lens of radius 0 against the pinhole: pixels that are not the same bits",
         bar: Bar::Exactly(0.0),
@@ -118,6 +125,25 @@ fn wide_view(_: Effort) -> f64 {
     }
     assert!(errors.len() > 30, "rays meet the scene's box");
     largest(errors)
+}
+
+fn middle_of_view(_: Effort) -> f64 {
+    let mut angles = Vec::new();
+    for (width, height) in [(64, 48), (63, 47)] {
+        for fov in [1e-3, 1.0, 40.0, 120.0, 179.0, 179.9] {
+            let mut scene = showroom(width, height);
+            scene.camera.aperture_radius = 0.0;
+            scene.camera.vertical_fov = Degrees(fov);
+            let prepared = prepared(&scene);
+            let axis = scene.camera.target - scene.camera.eye;
+            let angle = |v: DVec3| libm::atan2(v.cross(axis).length(), v.dot(axis));
+            let (x, y) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
+            angles.push(angle(prepared.camera().direction(x, y)));
+            let ray = prepared.camera().ray(x, y).expect("meets the objects");
+            angles.push(angle(ray.ray.direction.as_dvec3()));
+        }
+    }
+    largest(angles)
 }
 
 fn closed_aperture(_: Effort) -> f64 {

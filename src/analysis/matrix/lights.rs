@@ -3,8 +3,9 @@
 use cpu_time::ProcessTime;
 
 use super::stage::{
-    add, different_pixels, improper_pixels, lamp, largest, matt, mean_over_seeds, picture, point,
-    prepared, rectangle, relative, run, showroom, spot_of_floor, still, value, visibly_different,
+    add, assert_shows_something, different_pixels, improper_pixels, lamp, largest, matt,
+    mean_over_seeds, picture, point, prepared, rectangle, relative, run, showroom, spot_of_floor,
+    still, value, visibly_different,
 };
 use super::{Bar, Case, Effort};
 use crate::geometry::shapes::Random;
@@ -43,13 +44,13 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "behind a light",
-        tried: "a floor behind a one-sided disk, and in its plane: light and shadow rays together",
+        tried: "a floor behind a one-sided disk, and in its plane, modes direct and path: light and shadow rays together",
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: behind_light,
     },
     Case {
-        name: "intensity times 2^±60",
+        name: "intensity times 2^±60 and 2^±100",
         tried: "a scene with all kinds of light: pixels that are not the same bits times the same power of two",
         bar: Bar::Exactly(0.0),
         is_timed: false,
@@ -178,9 +179,12 @@ fn behind_light(_: Effort) -> f64 {
             *facing = Facing::Normal(normal);
         }
         scene.lights = vec![disk];
-        let outcome = run(&scene);
-        light += largest(outcome.image.pixels.iter().map(|p| f64::from(p[0])));
-        light += outcome.stats.rays.shadow as f64;
+        for mode in [Mode::Direct, Mode::Path] {
+            scene.render.mode = mode;
+            let outcome = run(&scene);
+            light += largest(outcome.image.pixels.iter().map(|p| f64::from(p[0])));
+            light += outcome.stats.rays.shadow as f64;
+        }
     }
     light
 }
@@ -213,7 +217,8 @@ fn power_of_two_brighter(_: Effort) -> f64 {
     let mut different = 0.0;
     for scene in both_modes() {
         let base = picture(&scene);
-        for exponent in [-60, 60] {
+        assert_shows_something(&base);
+        for exponent in [-100, -60, 60, 100] {
             let factor = power_of_two(exponent);
             let brighter = picture(&brighter(&scene, factor));
             let back = divided(&brighter, factor);
