@@ -1,5 +1,7 @@
 //! Files and numbers that mean harm or make no sense.
 
+use std::sync::Arc;
+
 use super::{Bar, Case, Effort};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::shapes::{self, Random};
@@ -16,7 +18,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "impossible settings",
-        tried: "not a number, infinite, negative and huge values of every kind of key: scenes that are taken",
+        tried: "not a number, infinite, negative and huge values of the keys that hold numbers: scenes that are taken, and possible values that are refused",
         bar: Bar::Exactly(0.0),
         is_timed: false,
         measure: impossible_settings,
@@ -78,57 +80,173 @@ fn impossible_meshes(_: Effort) -> f64 {
     files.iter().filter(|text| is_mesh(text.as_bytes())).count() as f64
 }
 
-/// Values that the key may not have.
-const IMPOSSIBLE: &[(&str, &[&str])] = &[
+/// What the demo becomes before its keys are tried, so that every kind of material and light is in it.
+const EVERY_KIND: &[&str] = &[
+    "background.radiance=[0, 0, 0]",
+    "lights.0.kind=disk",
+    "materials.hide.kind=mirror",
+    "materials.stone.kind=glass",
+    "materials.earth.kind=emitter",
+];
+
+/// A key, a value that it may have, and values that it may not.
+const KEYS: &[(&str, &str, &[&str])] = &[
     (
         "render.width",
+        "64",
         &["0", "-1", "65537", "1.5", "nan", "1000000000000"],
     ),
+    ("render.height", "64", &["0", "-1", "65537", "1.5", "nan"]),
     (
         "render.samples_per_pixel",
+        "4",
         &["0", "-1", "0.5", "99999999999"],
     ),
-    ("render.max_bounces", &["-1", "1048577", "inf"]),
-    ("render.clamp", &["0", "-1", "nan"]),
-    ("render.stop.noise", &["0", "-0.1", "nan"]),
-    ("render.stop.seconds", &["0", "-1", "nan"]),
-    ("render.shadow_samples", &["0", "-1", "70000"]),
+    ("render.seed", "7", &["-1", "0.5", "1e400"]),
+    ("render.max_bounces", "2", &["-1", "1048577", "inf"]),
+    ("render.clamp", "10", &["0", "-1", "nan", "inf"]),
+    ("render.stop.noise", "0.1", &["0", "-0.1", "nan", "inf"]),
+    ("render.stop.seconds", "10", &["0", "-1", "nan", "inf"]),
+    ("render.stop.passes", "1", &["0", "-1", "0.5"]),
+    ("render.shadow_samples", "2", &["0", "-1", "70000"]),
+    (
+        "render.ambient_occlusion.samples",
+        "2",
+        &["0", "-1", "70000"],
+    ),
     (
         "render.ambient_occlusion.radius",
+        "0.1",
         &["0", "-1", "nan", "inf"],
     ),
     (
         "camera.eye",
+        "[0, -6, 2.5]",
         &["[nan, 0, 0]", "[0, inf, 0]", "[0, 0]", "[1e200, 0, 0]"],
     ),
-    ("camera.up", &["[0, 0, 0]", "[nan, 0, 1]"]),
-    ("camera.vertical_fov", &["0", "180", "-5", "nan"]),
-    ("camera.aperture_radius", &["-1", "nan", "inf"]),
-    ("camera.focus_distance", &["0", "-1", "nan"]),
+    (
+        "camera.target",
+        "[0, 1, 0]",
+        &["[nan, 0, 0]", "[0, 0]", "[1e200, 0, 0]"],
+    ),
+    ("camera.up", "[0, 0, 2]", &["[0, 0, 0]", "[nan, 0, 1]"]),
+    ("camera.vertical_fov", "30", &["0", "180", "-5", "nan"]),
+    ("camera.aperture_radius", "0.1", &["-1", "nan", "inf"]),
+    ("camera.focus_distance", "inf", &["0", "-1", "nan"]),
     (
         "background.radiance",
+        "[1, 1, 1]",
         &["[1e39, 0, 0]", "[-1, 0, 0]", "[nan, 0, 0]"],
     ),
+    (
+        "lights.0.center",
+        "[0, 0, 5]",
+        &["[nan, 0, 0]", "[0, inf, 0]", "[0, 0]"],
+    ),
+    (
+        "lights.0.normal",
+        "[0, 0, -1]",
+        &["[0, 0, 0]", "[nan, 0, 1]"],
+    ),
+    ("lights.0.radius", "0.5", &["0", "-1", "nan", "inf"]),
+    (
+        "lights.0.radiance",
+        "[1, 2, 3]",
+        &["[-1, 0, 0]", "[nan, 0, 0]", "[inf, 0, 0]", "[1e300, 0, 0]"],
+    ),
+    (
+        "lights.1.position",
+        "[0, 1, 5]",
+        &["[nan, 0, 0]", "[0, inf, 0]", "[0, 0]"],
+    ),
+    (
+        "lights.1.intensity",
+        "[1, 2, 3]",
+        &["[-1, 0, 0]", "[nan, 0, 0]", "[inf, 0, 0]", "[1e300, 0, 0]"],
+    ),
+    (
+        "materials.fleece.diffuse",
+        "[0.5, 0.5, 0.5]",
+        &["[-1, 0, 0]", "[nan, 0, 0]", "[0, 0]", "[1e300, 0, 0]"],
+    ),
+    (
+        "materials.fleece.specular",
+        "[0.5, 0.5, 0.5]",
+        &["[-1, 0, 0]", "[inf, 0, 0]", "[1e300, 0, 0]"],
+    ),
+    (
+        "materials.fleece.shininess",
+        "1e7",
+        &["-1", "nan", "inf", "1e300"],
+    ),
+    (
+        "materials.hide.reflectance",
+        "[0.9, 0.9, 0.9]",
+        &["[-1, 0, 0]", "[nan, 0, 0]", "[1e300, 0, 0]"],
+    ),
+    (
+        "materials.stone.ior",
+        "1.3",
+        &["0", "-1", "nan", "inf", "1e300"],
+    ),
+    (
+        "materials.stone.attenuation",
+        "[0.1, 0, 0]",
+        &["[-1, 0, 0]", "[nan, 0, 0]", "[inf, 0, 0]", "[1e300, 0, 0]"],
+    ),
+    (
+        "materials.earth.radiance",
+        "[1, 1, 1]",
+        &["[-1, 0, 0]", "[nan, 0, 0]", "[1e300, 0, 0]"],
+    ),
+    ("objects.1.scale", "2", &["0", "nan", "inf"]),
+    (
+        "objects.1.rotate",
+        "[10, 20, 30]",
+        &["[nan, 0, 0]", "[0, inf, 0]", "[0, 0]"],
+    ),
+    (
+        "objects.1.translate",
+        "[1, 2, 3]",
+        &["[nan, 0, 0]", "[0, inf, 0]", "[0, 0]"],
+    ),
+    ("objects.1.crease_angle", "30", &["-1", "181", "nan"]),
+    (
+        "objects.1.copies.count",
+        "[2, 1, 1]",
+        &["[0, 1, 1]", "[-1, 1, 1]", "[1, 1]"],
+    ),
+    (
+        "objects.1.copies.step",
+        "[3, 0, 0]",
+        &["[nan, 0, 0]", "[0, 0]"],
+    ),
+    ("objects.1.material", "hide", &["nobody"]),
+    ("display.exposure", "1", &["nan", "inf", "200"]),
+    ("display.gamma", "2", &["0", "nan", "11"]),
+    ("output.png_bits", "16", &["12", "-8"]),
 ];
 
 fn impossible_settings(_: Effort) -> f64 {
-    let demo = io::demo_scene();
-    let mut taken = 0;
-    for (key, values) in IMPOSSIBLE {
-        for value in *values {
-            let changes = [
-                "background.radiance=[0, 0, 0]".to_owned(),
-                format!("{key}={value}"),
-            ];
-            let Ok(scene) = scene_file::apply_overrides(&demo, &changes) else {
-                continue;
-            };
-            // Some numbers are only impossible together with the size of the scene.
-            let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
-            taken += u32::from(prepared.is_ok());
-        }
-    }
-    f64::from(taken)
+    let mut demo = io::demo_scene();
+    let meshes = demo.meshes.values_mut();
+    meshes.for_each(|mesh| *mesh = Arc::new(shapes::icosphere(1)));
+    let changes: Vec<_> = EVERY_KIND.iter().map(|&change| change.to_owned()).collect();
+    let every_kind = scene_file::apply_overrides(&demo, &changes);
+    let every_kind = every_kind.unwrap_or_else(|error| panic!("the demo has these: {error}"));
+    let is_taken = |key: &str, value: &str| {
+        let changes = [format!("{key}={value}")];
+        let Ok(scene) = scene_file::apply_overrides(&every_kind, &changes) else {
+            return false;
+        };
+        // Some numbers are only impossible together with the size of the scene.
+        PreparedScene::prepare(&scene, None, &CancelToken::new()).is_ok()
+    };
+    let wrong = KEYS.iter().map(|(key, possible, impossible)| {
+        let taken = impossible.iter().filter(|value| is_taken(key, value));
+        taken.count() + usize::from(!is_taken(key, possible))
+    });
+    wrong.sum::<usize>() as f64
 }
 
 fn damaged_meshes(effort: Effort) -> f64 {
