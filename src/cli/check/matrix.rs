@@ -96,9 +96,41 @@ pub fn run(effort: Effort, only: Option<&str>, as_json: bool) -> Result<ExitCode
             all.len()
         ))?;
     }
-    Ok(if failed == 0 {
+    Ok(exit_code(&all))
+}
+
+/// Whether all cases pass, as programs ask.
+fn exit_code(cases: &[CaseFacts]) -> ExitCode {
+    if cases.iter().all(|case| case.passed) {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE
-    })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_case_that_fails_makes_the_command_fail() {
+        let facts = |measured: f64, passed: bool| {
+            let case = matrix::cases().next().expect("there are cases");
+            let finding = Finding {
+                measured,
+                passed,
+                seconds: 0.1,
+                panic: None,
+            };
+            CaseFacts::new(case, finding)
+        };
+        let all = [facts(0.0, true), facts(7.0, false), facts(0.0, true)];
+        assert_eq!(exit_code(&all), ExitCode::FAILURE);
+        assert_eq!(exit_code(&all[..1]), ExitCode::SUCCESS);
+        assert!(all[0].line().starts_with("pass"), "{}", all[0].line());
+        assert!(all[1].line().starts_with("FAIL"), "{}", all[1].line());
+        // No figure is no pass, and is written as none.
+        let broken = facts(f64::NAN, false);
+        assert_eq!(exit_code(&[broken]), ExitCode::FAILURE);
+    }
 }
