@@ -517,7 +517,7 @@ fn an_edit_does_not_give_up_a_long_render() {
     window.until("it goes on", |app| {
         app.picture().and_then(Picture::goes_on_from).is_some()
     });
-    window.operate("Shadows: Soft");
+    window.operate("Shadows: Off");
     window.harness.run_steps(5);
     let number = |window: &Window| window.app().picture().map(|picture| picture.number);
     assert_eq!(number(&window), Some(1));
@@ -534,11 +534,11 @@ fn an_edit_does_not_give_up_a_long_render() {
     };
     window.until("another runs", runs_as(2));
     assert_eq!(window.app().renders().entries().len(), 1);
-    window.operate("Shadows: Hard");
+    window.operate("Shadows: Soft");
     window.until("it starts anew", |app| {
         app.picture().is_some_and(|picture| {
             let shadows = picture.scene.render.shadows;
-            picture.is_running() && shadows == raymini::scene::Shadows::Hard
+            picture.is_running() && shadows == raymini::scene::Shadows::Soft
         })
     });
     assert_eq!(window.app().renders().entries().len(), 1);
