@@ -35,8 +35,8 @@ pub struct PreparedDisk {
     /// how far away it starts.
     axis: DVec3,
     height: f64,
-    /// What puts a rounded point of the disk in front of it.
-    lift: Vec3,
+    /// How far a rounded point of the disk is moved to lie in front of it, wherever it is on the disk.
+    lift: f32,
 }
 
 /// What a point of a light sends to a point of a surface.
@@ -210,7 +210,7 @@ impl PreparedDisk {
             radii: [x * radius, y * radius],
             axis: normal.as_dvec3(),
             height: normal.as_dvec3().dot(center.as_dvec3()),
-            lift: normal * normal.abs().dot(error),
+            lift: normal.abs().dot(error),
         }
     }
 
@@ -224,7 +224,7 @@ impl PreparedDisk {
 
     /// What the disk's point `position`, standing for the whole area, sends to `from`.
     fn seen_from(&self, from: Vec3, position: Vec3) -> LightSample {
-        let position = self.in_front(position);
+        let position = self.in_front(position, from);
         let towards = position - from;
         let per_distance = towards.length_recip();
         let wi = towards * per_distance;
@@ -242,10 +242,22 @@ impl PreparedDisk {
         }
     }
 
-    /// A point of the disk, in front of it by more than what rounding may have moved it, so that a ceiling it lies in does not
-    /// shadow it.
-    pub fn in_front(&self, position: Vec3) -> Vec3 {
-        position + self.lift
+    /// A point of the disk as seen from `from`, in front of it by more than what rounding may have moved it, so that a ceiling it lies
+    /// in does not shadow it.
+    pub fn in_front(&self, position: Vec3, from: Vec3) -> Vec3 {
+        position + self.normal * self.lift_at(position, from)
+    }
+
+    /// How far [`Self::in_front`] moves. Of a disk larger than the scene, what rounds at its rim could reach through the whole scene:
+    /// there, what counts is what rounds at `position`, on the way to it, and of corners, of which none is beyond 1.
+    fn lift_at(&self, position: Vec3, from: Vec3) -> f32 {
+        if self.radius <= 1.0 {
+            return self.lift;
+        }
+        let largest = |v: Vec3| v.abs().max_element();
+        let size = 1.0 + largest(self.center) + largest(position) + largest(position - from);
+        let there = self.normal.abs().element_sum() * size * robust::gamma(6);
+        self.lift.min(there)
     }
 
     /// A box around the disk and around the points that [`PreparedLight::sample`] gives, which are off the disk by their rounding, as are
@@ -278,9 +290,14 @@ impl PreparedDisk {
         let t = self.intersect_plane(ray, f32::INFINITY)?;
         let along = self.normal.dot(ray.direction);
         // How far behind the surface the disk lies there, against what rounds: corners, of which none is beyond 1, the
-        // disk's centre, and distances.
+        // disk's centre, its plane as far from that as the ray meets it, and distances.
         let behind = (t - t_max) * -along;
-        let rounded = 1.0 + self.center.abs().max_element() + self.radius - t * along;
+        let from_center = if self.radius > 1.0 {
+            self.radius.min(ray.at(t).distance(self.center))
+        } else {
+            self.radius
+        };
+        let rounded = 1.0 + self.center.abs().max_element() + from_center - t * along;
         (t < t_max || (along < 0.0 && behind <= rounded * robust::gamma(8))).then_some(t)
     }
 

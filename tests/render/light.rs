@@ -91,6 +91,30 @@ fn a_near_disk_that_no_path_meets_gives_its_light() {
     }
 }
 
+/// Over all of a floor, however far beyond it the disk goes: what is rounded at its rim must not count where it is near.
+#[test]
+fn a_disk_far_larger_than_the_scene_lights_it_as_a_sky() {
+    for radius in [1e3, 1e5, 1e7, 1e10] {
+        for (mode, visible) in [
+            (Mode::Direct, true),
+            (Mode::Direct, false),
+            (Mode::Path, true),
+            (Mode::Path, false),
+        ] {
+            let mut scene = looking_at_floor(0.0, diffuse(0.5));
+            scene.render.mode = mode;
+            scene.render.max_bounces = 1;
+            let mut light = disk(DVec3::Z, radius);
+            if let Light::Disk { visible: seen, .. } = &mut light {
+                *seen = visible;
+            }
+            scene.lights.push(light);
+            let what = format!("{mode:?}, R {radius}, visible: {visible}");
+            assert_near(value(&scene), 0.5, 1e-2, &what);
+        }
+    }
+}
+
 #[test]
 fn the_back_of_a_disk_gives_nothing() {
     let mut scene = looking_at_floor(0.0, diffuse(1.0));

@@ -140,7 +140,7 @@ impl<K: Kernel> Shading<'_, K> {
         }
         let pdf = warp::cosine_pdf_around(normal, wi);
         let weight = power_heuristic(pdf, disk.pdf_solid_angle(&ray, t));
-        let ray = self.point.ray_to(disk.in_front(ray.at(t)));
+        let ray = self.point.ray_to(disk.in_front(ray.at(t), ray.origin));
         Some(ShadowRay {
             direction: ray.direction,
             light: reflected * (emitted * (weight / pdf)),
