@@ -199,8 +199,10 @@ fn convert_mesh(input: &Path, changes: &Changes, format: MeshFormat, output: &Pa
     let cannot_write = || format!("{name}: cannot write the mesh");
     let loaded = io::load_mesh(input, &CancelToken::new(), &Progress::new())?;
     let file = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;
-    for warning in io::mesh_warnings(&input.display().to_string(), &file) {
-        super::warn(&warning);
+    let shown = input.display().to_string();
+    let lost_digits = io::lost_digits_warning(&shown, [&file.mesh]);
+    for warning in io::mesh_warnings(&shown, &file).iter().chain(&lost_digits) {
+        super::warn(warning);
     }
     let has_parts = !file.parts.is_empty();
     let mut mesh = Arc::new(file.mesh);

@@ -20,7 +20,7 @@ use crate::scene::{Background, Scene, SceneError, Textures};
 use contents::{load_background, load_contents, read_mesh};
 
 pub(super) use contents::work_of;
-pub use warnings::{image_warnings, mesh_warnings, texture_warnings};
+pub use warnings::{image_warnings, lost_digits_warning, mesh_warnings, texture_warnings};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.
@@ -204,6 +204,9 @@ pub fn override_scene(
             && let Some(file) = read_mesh(&mesh, cancel, &Progress::new())?
         {
             loaded.warnings.extend(mesh_warnings(&mesh, &file));
+            loaded
+                .warnings
+                .extend(lost_digits_warning(&mesh, [&file.mesh]));
             scene.meshes.insert(mesh, Arc::new(file.mesh));
         }
     }

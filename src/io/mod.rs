@@ -50,7 +50,8 @@ pub use image_file::{
 };
 pub use load::{
     LoadError, LoadedScene, demo_scene, image_warnings, load_image, load_mesh, load_scene,
-    load_scenes, mesh_warnings, override_scene, reload_scene, texture_warnings,
+    load_scenes, lost_digits_warning, mesh_warnings, override_scene, reload_scene,
+    texture_warnings,
 };
 pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};

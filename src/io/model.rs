@@ -169,6 +169,7 @@ pub fn of_mesh_file(path: &Path, file: MeshFile, cancel: &CancelToken) -> Option
     show_vertex_colors(&mut scene);
     let remarks = materials.remarks.sentences();
     warnings.extend(remarks.map(|remark| format!("{shown}: {remark}")));
+    warnings.extend(lost_digits_of(&scene, &shown));
     resolve_images(&mut scene, path, &mut warnings);
     Some(Model {
         scene,
@@ -198,6 +199,7 @@ pub fn of_gltf(path: &Path, gltf: &Gltf) -> Model {
     for object in &mut scene.objects {
         object.crease_angle = presets::object().crease_angle;
     }
+    warnings.extend(lost_digits_of(&scene, &shown.to_string()));
     resolve_images(&mut scene, path, &mut warnings);
     let bounds = scene.bounds();
     // Meshes that differ in their material alone have the same vertices and faces in the file.
@@ -224,6 +226,11 @@ pub fn of_gltf(path: &Path, gltf: &Gltf) -> Model {
         scene,
         warnings,
     }
+}
+
+/// What is to be said of the digits of the meshes of `scene`, which are those of the file called `name`.
+fn lost_digits_of(scene: &Scene, name: &str) -> Option<String> {
+    super::load::lost_digits_warning(name, scene.meshes.values().map(|mesh| &**mesh))
 }
 
 /// A material of an image alone.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::load::{LoadedScene, texture_warnings, work_of};
+use super::load::{LoadedScene, lost_digits_warning, texture_warnings, work_of};
 use super::mesh_file::{self, MeshError};
 use super::mesh_source::MeshSource;
 use super::model::{self, Model};
@@ -49,7 +49,7 @@ pub fn load_again(
     };
     let file = path.to_string_lossy();
     let warnings = source.warnings().iter();
-    let warnings = warnings
+    let mut warnings: Vec<String> = warnings
         .map(|warning| format!("{file}: {warning}"))
         .collect();
     let (parts, whole): (Vec<_>, Vec<_>) = names
@@ -67,6 +67,8 @@ pub fn load_again(
         let whole = source.into_whole(&file)?;
         meshes.push((name.clone(), Arc::new(whole.mesh)));
     }
+    let read = meshes.iter().map(|(_, mesh)| &**mesh);
+    warnings.extend(lost_digits_warning(&file, read));
     Ok(Some(ReadAgain { meshes, warnings }))
 }
 

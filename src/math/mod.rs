@@ -1,4 +1,4 @@
-//! Numbers every layer above agrees on: vectors, boxes, rays, frames, colour and robust small numerics.
+//! Numbers every layer above agrees on: vectors, boxes, rays, frames, colour, robust small numerics, and numbers for people.
 //!
 //! Lengths are in scene units, angles in radians unless a type says [`Degrees`]. Points and directions of the
 //! description are `f64` ([`DVec3`]); of the prepared scene `f32` ([`Vec3`]).
@@ -7,6 +7,7 @@ mod angle;
 mod bounds;
 pub mod color;
 mod compensated_sum;
+mod digits;
 mod direction;
 mod frame;
 mod ray;
@@ -17,6 +18,7 @@ pub mod warp;
 pub use angle::Degrees;
 pub use bounds::{Bounds, DBounds};
 pub use compensated_sum::{CompensatedSum, two_sum};
+pub use digits::{percent, three_digits};
 pub use direction::{direction_of, length_of};
 pub use frame::{SceneFrame, power_of_two};
 pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};

@@ -7,5 +7,6 @@ mod command_line;
 mod compare;
 mod convert;
 mod faults;
+mod lost_digits;
 mod parts;
 mod report;

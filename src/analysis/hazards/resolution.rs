@@ -8,18 +8,10 @@ use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Place, Severity, Subject, stops};
 use crate::analysis::report::{percent, three_digits};
 use crate::control::CancelToken;
-use crate::geometry::{TriangleMesh, face_normal};
-use crate::math::{DBounds, DVec3, SceneFrame, length_of};
+use crate::geometry::{LostDigits, MeshSize, TriangleMesh, face_normal, spacing_at};
+use crate::math::{DBounds, DVec3, SceneFrame};
 use crate::render::PreparedScene;
 use crate::scene::{Object, Placement, Scene, SceneError};
-
-/// The largest move of a corner, as a share of the median edge, that can be neglected: faces turn by about half a degree.
-const MOST_OF_EDGE: f64 = 1e-2;
-/// The same as a share of the object's size.
-const MOST_OF_SIZE: f64 = 1e-3;
-
-/// Edges of so many triangles, evenly spread over the mesh, stand for all where the median is looked for.
-const MOST_MEASURED: usize = 100_000;
 
 /// Examines what rounding does to every object. `None` when cancelled.
 ///
@@ -36,7 +28,7 @@ pub fn examine(
     let mut hazards = Vec::new();
     for (number, object) in scene.objects.iter().enumerate() {
         let mesh = scene.mesh_of(object)?;
-        let Some(measures) = Measures::of(mesh) else {
+        let Some(size) = MeshSize::of(mesh) else {
             continue;
         };
         let shared = geometry.shared_frame(number);
@@ -57,7 +49,7 @@ pub fn examine(
         } else {
             let corners = Coarseness {
                 length: moved.farthest,
-                extent: mesh.bounds().size().max_element(),
+                extent: size.bounds.size().max_element(),
                 of: Rounded::Shared,
             };
             let points = Coarseness {
@@ -68,10 +60,10 @@ pub fn examine(
             vec![corners, points]
         };
         let coarse = coarseness.iter();
-        hazards.extend(coarse.filter_map(|c| c.hazard(object, &measures, bounds.center())));
+        hazards.extend(coarse.filter_map(|c| c.hazard(object, &size, bounds.center())));
         hazards.extend(collapsed_faces(object, moved.collapsed));
         if told.insert(&object.mesh) {
-            hazards.extend(lost_digits(object, mesh, &measures));
+            hazards.extend(lost_digits(object, mesh, &size));
         }
     }
     Ok(Some(hazards))
@@ -81,40 +73,6 @@ pub fn examine(
 fn rounding_within(bounds: &DBounds, frame: &SceneFrame) -> f64 {
     let [min, max] = [bounds.min, bounds.max].map(|corner| frame.prepared_from_world(corner).abs());
     spacing_at(min.max(max).max_element()) / 2.0 / frame.scale()
-}
-
-/// How large a mesh is, in its own unit.
-struct Measures {
-    /// The diagonal of its box.
-    size: f64,
-    median_edge: f64,
-}
-
-impl Measures {
-    /// `None` where there is nothing, or all corners are one.
-    fn of(mesh: &TriangleMesh) -> Option<Self> {
-        let bounds = mesh.bounds();
-        if bounds.is_empty() {
-            return None;
-        }
-        let size = length_of(bounds.size());
-        let step = mesh.triangles.len().div_ceil(MOST_MEASURED).max(1);
-        let faces = (0..mesh.triangles.len()).step_by(step);
-        let mut edges: Vec<f64> = faces
-            .flat_map(|face| {
-                let [a, b, c] = mesh.corners(face);
-                [b - a, c - b, a - c].map(length_of)
-            })
-            .collect();
-        let middle = edges.len() / 2;
-        let (_, &mut median_edge, _) = edges.select_nth_unstable_by(middle, f64::total_cmp);
-        (size > 0.0 && median_edge > 0.0).then_some(Self { size, median_edge })
-    }
-
-    /// A length of the mesh's unit against what can be neglected: over the median edge, and whether it is too much.
-    fn is_notable(&self, length: f64) -> bool {
-        length > MOST_OF_EDGE * self.median_edge || length > MOST_OF_SIZE * self.size
-    }
 }
 
 /// How the corners of an object become `f32`: where they stand in the scene, or in a frame of the mesh's own where copies share
@@ -225,17 +183,17 @@ struct Coarseness {
 
 impl Coarseness {
     /// The hazard that it is to `object` around `center`, if it is one.
-    fn hazard(&self, object: &Object, measures: &Measures, center: DVec3) -> Option<Hazard> {
-        if !measures.is_notable(self.length) {
+    fn hazard(&self, object: &Object, size: &MeshSize, center: DVec3) -> Option<Hazard> {
+        if !size.shows(self.length) {
             return None;
         }
         let mut tally = Tally::default();
         tally.add(|| place_of(&[], center));
-        let of_edge = self.length / measures.median_edge;
+        let of_edge = self.length / size.median_edge;
         let moved = format!(
             "by up to {} of the median edge ({} of the object's size) when they are rounded to 32 bits",
             percent(of_edge),
-            percent(self.length / measures.size),
+            percent(self.length / size.diagonal),
         );
         let extent = three_digits(self.extent);
         let nearer = "Move it nearer to the middle of the scene, or make what makes the scene so large smaller or leave it out: a far \
@@ -286,65 +244,21 @@ fn collapsed_faces(object: &Object, collapsed: Tally) -> Option<Hazard> {
     })
 }
 
-/// Of coordinates that have all digits of an `f32`, half have its last bit. So few may be enough where many are round.
-const LEAST_SHARE_OF_LAST_BITS: f64 = 0.1;
-
 /// A mesh whose coordinates were `f32` far from their origin before they were written.
-fn lost_digits(object: &Object, mesh: &TriangleMesh, measures: &Measures) -> Option<Hazard> {
-    let bounds = mesh.bounds();
-    let largest = bounds.min.abs().max(bounds.max.abs()).to_array();
-    let spacing = largest.map(spacing_at).into_iter().fold(0.0, f64::max);
-    if !measures.is_notable(spacing) {
-        return None;
-    }
-    let (mut numbers, mut odd) = (0_u64, 0_u64);
-    for &vertex in mesh.triangles.iter().flatten() {
-        for coordinate in mesh.positions[vertex as usize].to_array() {
-            let narrow = narrowed(coordinate);
-            if f64::from(narrow) != coordinate {
-                return None;
-            }
-            // Only coordinates as far out as the figure is about tell.
-            if spacing_at(coordinate) * 2.0 >= spacing {
-                numbers += 1;
-                odd += u64::from(narrow.to_bits() & 1);
-            }
-        }
-    }
-    if (odd as f64) < LEAST_SHARE_OF_LAST_BITS * numbers as f64 || odd == 0 {
-        return None;
-    }
+fn lost_digits(object: &Object, mesh: &TriangleMesh, size: &MeshSize) -> Option<Hazard> {
+    let lost = LostDigits::of_measured(mesh, size)?;
     let mut tally = Tally::default();
-    tally.add(|| place_of(&[], object.placement().world_from_object(bounds.center())));
-    let of_edge = spacing / measures.median_edge;
+    let center = size.bounds.center();
+    tally.add(|| place_of(&[], object.placement().world_from_object(center)));
     Some(Hazard {
         figure: Some(Figure {
-            value: of_edge,
+            value: lost.of_edge,
             of: "distance of neighbouring 32-bit numbers over the median edge",
         }),
-        message: format!(
-            "the coordinates in the file were rounded to 32 bits up to {} from their origin, where these are {} of the median edge \
-             apart",
-            three_digits(largest.into_iter().fold(0.0, f64::max)),
-            percent(of_edge)
-        ),
+        message: lost.to_string(),
         advice: "What was lost is not in the file. Move the object to the origin in the program that made it, write it again, and \
                  move it back by translate."
             .to_owned(),
         ..hazard(object, HazardKind::LostDigits, Severity::Warning, tally)
     })
-}
-
-/// The distance of the `f32` numbers around `value`.
-fn spacing_at(value: f64) -> f64 {
-    let narrow = narrowed(value.abs());
-    f64::from(narrow.next_up()) - f64::from(narrow)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the rounding is the question"
-)]
-fn narrowed(value: f64) -> f32 {
-    value as f32
 }

@@ -1,12 +1,13 @@
 //! The report as a page to read.
 
-use super::digits::{percent, samples, three_digits};
+use super::digits::samples;
 use super::fit::TimeTo;
 use super::reference::Origin;
 use super::study::{Study, Variant};
 use super::summary::{Honesty, Summary, SummaryPoint};
 use super::svg::{correction, seeds_in_words, settings, signed};
 use crate::analysis::bench::Spread;
+use crate::math::{percent, three_digits};
 use crate::render::NOISE_TARGETS;
 
 /// From this share of a measured mean square on, true errors depend much on how well the reference's own error is known.

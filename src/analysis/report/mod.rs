@@ -21,9 +21,9 @@ mod svg;
 mod test_data;
 mod trial;
 
+pub use crate::math::{percent, three_digits};
 pub use chart::{Axis, Chart, Curve, Level, Line, Point, Unit};
 pub use csv::to_csv;
-pub use digits::{percent, three_digits};
 pub use error::{ComparisonError, ReportError};
 pub use files::REPORT_FILES;
 pub use fit::TimeTo;

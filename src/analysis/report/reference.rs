@@ -5,8 +5,8 @@ use crate::render::{
 };
 use crate::scene::{Choice, LightSampling, Mode, Scene, SceneError, Stop};
 
-use super::digits::{percent, three_digits};
 use crate::io::WrittenError;
+use crate::math::{percent, three_digits};
 
 /// What renders are measured against.
 #[derive(Clone, Debug)]

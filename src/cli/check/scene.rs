@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 
-use crate::analysis::hazards::{self, Hazard, Place, Severity, Subject};
+use crate::analysis::hazards::{self, Hazard, HazardKind, Place, Severity, Subject};
 use crate::control::CancelToken;
 
 /// What is printed.
@@ -27,8 +27,8 @@ pub(super) fn run(path: &Path, json: bool) -> Result<()> {
         .ok_or_else(|| anyhow!("examining was cancelled"))?;
     let facts = Facts {
         scene: path.display().to_string(),
+        warnings: told_once(loaded.warnings, &hazards),
         hazards,
-        warnings: loaded.warnings,
         seconds: started.elapsed().as_secs_f64(),
     };
     let text = if json {
@@ -37,6 +37,17 @@ pub(super) fn run(path: &Path, json: bool) -> Result<()> {
         describe(&facts)
     };
     crate::cli::say(&text)
+}
+
+/// The `warnings` of reading files without those that `hazards` tell with more about them.
+fn told_once(mut warnings: Vec<String>, hazards: &[Hazard]) -> Vec<String> {
+    let told: Vec<_> = hazards
+        .iter()
+        .filter(|hazard| hazard.kind == HazardKind::LostDigits)
+        .map(|hazard| hazard.message.as_str())
+        .collect();
+    warnings.retain(|warning| !told.iter().any(|told| warning.contains(told)));
+    warnings
 }
 
 /// The facts as lines for people: each hazard in one line, with where it is and what to do below.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::LoadError;
-use super::warnings::{image_warnings, outside_warning, texture_warnings};
+use super::warnings::{image_warnings, lost_digits_warning, outside_warning, texture_warnings};
 use crate::control::{CancelToken, Progress};
 use crate::io::builtin;
 use crate::io::mesh_file::{self, MeshError, MeshFile};
@@ -96,7 +96,7 @@ fn load_meshes(
                 .iter()
                 .map(|warning| format!("{name}: {warning}")),
         );
-        let mut whole = None;
+        let (mut whole, mut new) = (None, Vec::new());
         let mut parts = read.taker();
         for &index in &objects {
             if cancel.is_cancelled() {
@@ -111,6 +111,7 @@ fn load_meshes(
                 (name, Some(part)) => {
                     let taken = parts.take(name, part);
                     let taken = taken.map_err(|error| error_at(index, error))?;
+                    new.push(Arc::clone(&taken));
                     scene.meshes.insert(mesh, taken);
                 }
             }
@@ -118,8 +119,11 @@ fn load_meshes(
         if let Some((index, mesh)) = whole {
             let file = read.into_whole(&name);
             let file = file.map_err(|error| error_at(index, error))?;
-            scene.meshes.insert(mesh, Arc::new(file.mesh));
+            let file = Arc::new(file.mesh);
+            new.push(Arc::clone(&file));
+            scene.meshes.insert(mesh, file);
         }
+        warnings.extend(lost_digits_warning(&name, new.iter().map(|mesh| &**mesh)));
         progress.advance(work_of(&name) * (objects.len() as u64 - 1));
     }
     Ok(Some(()))

@@ -291,4 +291,36 @@ fn the_demo_scene_is_whole() {
     assert_eq!(scene.objects.len(), 4);
     assert!(scene.triangle_count() > 30_000);
     assert_eq!(scene.validate(), Ok(()));
+    let meshes = scene.meshes.values().map(|mesh| &**mesh);
+    assert_eq!(lost_digits_warning("demo", meshes), None);
+}
+
+/// Of a file that several objects show, and of a mesh that is set by name.
+#[test]
+fn a_mesh_that_lost_digits_is_warned_of_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let mut ball = crate::geometry::shapes::icosphere(2);
+    for p in &mut ball.positions {
+        *p = (*p + crate::math::DVec3::X * 3e5).as_vec3().as_dvec3();
+    }
+    let mut bytes = Vec::new();
+    crate::io::off::write(&ball, &mut bytes).expect("is written");
+    std::fs::write(path("far.off"), bytes).expect("is written");
+    let twice = "[[objects]]\nmesh = \"far.off\"\n[[objects]]\nmesh = \"far.off\"\n";
+    std::fs::write(path("scene.toml"), twice).expect("is written");
+    for name in ["far.off", "scene.toml"] {
+        let warnings = load(&path(name)).expect("is right").warnings;
+        assert_eq!(warnings.len(), 1, "{warnings:#?}");
+        assert!(
+            warnings[0].contains("far.off: the coordinates in the file were rounded to 32 bits")
+        );
+    }
+    let near = "[[objects]]\nmesh = \"builtin:ground\"\n";
+    std::fs::write(path("near.toml"), near).expect("is written");
+    let mut loaded = load(&path("near.toml")).expect("is right");
+    assert_eq!(loaded.warnings, Vec::<String>::new());
+    let assignment = format!("objects.0.mesh={}", path("far.off").display());
+    override_scene(&mut loaded, &[assignment], &CancelToken::new()).expect("is right");
+    assert_eq!(loaded.warnings.len(), 1, "{:#?}", loaded.warnings);
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::geometry::{LostDigits, TriangleMesh};
 use crate::io::builtin;
 use crate::io::mesh_file::MeshFile;
 use crate::io::part_name::file_and_part;
@@ -15,6 +16,20 @@ pub fn mesh_warnings(name: &str, file: &MeshFile) -> Vec<String> {
         .iter()
         .map(|warning| format!("{name}: {warning}"))
         .collect()
+}
+
+/// What is to be said of `meshes` of the file called `name` where digits of their coordinates were lost before it was written: of the one
+/// that lost most.
+#[must_use]
+pub fn lost_digits_warning<'a>(
+    name: &str,
+    meshes: impl IntoIterator<Item = &'a TriangleMesh>,
+) -> Option<String> {
+    let lost = meshes.into_iter().filter_map(LostDigits::of);
+    let worst = lost.max_by(|a, b| a.of_edge.total_cmp(&b.of_edge))?;
+    Some(format!(
+        "{name}: {worst}; what was lost is not in the file: move it to the origin in the program that made it, and write it again"
+    ))
 }
 
 /// What an image file loaded as a background leaves to say to the user; `name` is what the user calls it.
