@@ -354,6 +354,53 @@ fn normals_that_oppose_their_faces_are_counted_by_corners() {
     );
 }
 
+/// A cube and a tetrahedron are the coarsest meshes whose smooth normals lean as far as those of a sphere's corners do: 54.7° and 70.5°.
+#[test]
+fn normals_that_lean_far_away_from_their_faces_are_told() {
+    let folder = Folder::new();
+    let smooth = |mesh: &str| object(mesh, "smooth = true", MATT);
+    let ball = icosphere(3);
+    let leaning = |degrees: f64| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let normal = |&p: &DVec3| p * cosine + p.any_orthonormal_vector() * sine;
+        let normals = ball.positions.iter().map(normal).collect();
+        folder.mesh(
+            "leaning.off",
+            &TriangleMesh {
+                normals: Some(normals),
+                ..ball.clone()
+            },
+        );
+        folder.hazards(&smooth("leaning.off"))
+    };
+    assert_eq!(leaning(60.0), Vec::<Value>::new());
+    let hazards = leaning(82.0);
+    assert_eq!(hazards.len(), 1, "{hazards:#?}");
+    let found = (&hazards[0]["kind"], &hazards[0]["severity"]);
+    assert_eq!(found, (&json!("leaning_normals"), &json!("warning")));
+    // Corners are off the middles of their faces by some 5°.
+    assert_eq!(hazards[0]["count"], 1280);
+
+    let mut coarse = cuboid(-DVec3::ONE, DVec3::ONE);
+    coarse.normals = Some(coarse.positions.clone());
+    folder.mesh("coarse.off", &coarse);
+    assert_eq!(folder.hazards(&smooth("coarse.off")), Vec::<Value>::new());
+    let corners = [
+        DVec3::new(1.0, 1.0, 1.0),
+        DVec3::new(1.0, -1.0, -1.0),
+        DVec3::new(-1.0, 1.0, -1.0),
+        DVec3::new(-1.0, -1.0, 1.0),
+    ];
+    let coarse = TriangleMesh {
+        positions: corners.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
+        normals: Some(corners.to_vec()),
+        ..TriangleMesh::default()
+    };
+    folder.mesh("coarse.off", &coarse);
+    assert_eq!(folder.hazards(&smooth("coarse.off")), Vec::<Value>::new());
+}
+
 /// The figure against rounding done here: the ground's half side of 10ˢ fixes the power of two by which all is divided.
 #[test]
 fn a_small_ball_far_out_in_a_large_scene_is_crushed() {
@@ -512,6 +559,11 @@ fn lights_that_cut_touch_or_nearly_touch_a_surface_are_told() {
         (&json!(1), &json!("warning"))
     );
     assert!((figure(&near) - 0.0002).abs() < 1e-9);
+    // Of a face of side 20, the place that is touched.
+    for (axis, expected) in [1.0, 2.0, 0.0].into_iter().enumerate() {
+        let found = near["where"][0]["position"][axis].as_f64();
+        assert!((found.expect("a number") - expected).abs() < 1e-9, "{near}");
+    }
     let in_plane = folder.hazard(&disk(0.0, "[0, 0, 1]"), "light_touching");
     assert_eq!(
         (&in_plane["severity"], figure(&in_plane)),
@@ -565,6 +617,80 @@ fn faces_of_two_objects_in_one_place_are_coincident() {
     );
 }
 
+/// Two squares of side 3 that overlap in a plane, askew, which one ray meets in this order and the next in that.
+#[test]
+fn faces_that_overlap_in_a_plane_are_told_where_they_are_seen() {
+    let folder = Folder::new();
+    let square = |name: &str, [x, y]: [f64; 2], z: f64| {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let positions = corners.map(|[u, v]| DVec3::new(x + 1.5 * u, y + 1.5 * v, z));
+        folder.mesh(
+            name,
+            &TriangleMesh {
+                positions: positions.to_vec(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                ..TriangleMesh::default()
+            },
+        );
+    };
+    square("first.off", [0.0, 0.0], 0.0);
+    let two = |rotate: &str, material: &str| {
+        let both = ["first", "second"].map(|name| {
+            let material = if name == "second" { material } else { "m" };
+            format!(
+                "[[objects]]\nname = \"{name}\"\nmesh = \"{name}.off\"\nrotate = {rotate}\nmaterial = \"{material}\"\n"
+            )
+        });
+        format!(
+            "{}[materials.m]\n{MATT}\n[materials.red]\ndiffuse = [0.5, 0, 0]\n",
+            both.concat()
+        )
+    };
+    square("second.off", [0.4, 0.5], 0.0);
+    for rotate in ["[31, 17, 5]", "[0, 0, 0]"] {
+        let told = folder.hazard(&two(rotate, "red"), "overlapping_faces");
+        assert_eq!(
+            (&told["objects"], &told["severity"]),
+            (&json!(["first", "second"]), &json!("warning"))
+        );
+        // The picture has 192 pixels.
+        let count = told["count"].as_u64().expect("a number");
+        assert!((4..192).contains(&count), "{count}");
+        let place = &told["where"][0];
+        assert_eq!(place["faces"].as_array().map(Vec::len), Some(2), "{place}");
+        let alike = folder.hazard(&two(rotate, "m"), "overlapping_faces");
+        assert_eq!(alike["severity"], "note");
+    }
+    // One above the other, and side by side.
+    for (place, z) in [([0.4, 0.5], 0.01), ([3.0, 0.0], 0.0)] {
+        square("second.off", place, z);
+        for rotate in ["[31, 17, 5]", "[0, 0, 0]"] {
+            let hazards = folder.hazards(&two(rotate, "red"));
+            assert_eq!(hazards, Vec::<Value>::new(), "{place:?} {z}");
+        }
+    }
+    // A body that stands on a floor hides where both are in one plane.
+    let standing = format!(
+        "[[objects]]\nmesh = \"ground.off\"\n{}",
+        object("cube.off", "translate = [0, 0, -1]", MATT)
+    );
+    assert_eq!(folder.hazards(&standing), Vec::<Value>::new());
+}
+
+#[test]
+fn nothing_overlaps_in_the_demo() {
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/demo.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .args(["check", "--json"])
+        .arg(demo)
+        .output()
+        .expect("starts");
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("is JSON");
+    let hazards = facts["hazards"].as_array().expect("a list");
+    let is_told = |hazard: &Value| hazard["kind"] == "overlapping_faces";
+    assert!(!hazards.iter().any(is_told), "{hazards:#?}");
+}
+
 /// The lower half of the picture is a mirror that halves a sky of radiance 1; without it, a third of the light is missing:
 /// (½ · ½) / (½ + ½ · ½).
 #[test]
@@ -595,6 +721,80 @@ fn what_max_bounces_takes_away_is_measured() {
         assert!((figure(&hazards[0]) - 1.0 / 3.0).abs() < 1e-6);
         assert_eq!(check(&text(mode, 1)), Vec::<Value>::new());
     }
+}
+
+/// The hazard of the kind `depth_loss` that is found in a scene file of this text.
+fn depth_loss(folder: &Folder, text: &str) -> Value {
+    folder.write("deep.toml", text);
+    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args(["check", "deep.toml", "--json"])
+        .output()
+        .expect("starts");
+    let facts: Value = serde_json::from_slice(&output.stdout).expect("is JSON");
+    let hazards = facts["hazards"].as_array().expect("a list");
+    let found = hazards.iter().find(|hazard| hazard["kind"] == "depth_loss");
+    found.expect("is told").clone()
+}
+
+/// All that is seen is a mirror, which shows nothing at 0 bounces: what chance allows is told even where no seed differs.
+#[test]
+fn a_picture_that_loses_all_its_light_says_how_certain_that_is() {
+    let folder = Folder::new();
+    let text = "[camera]\neye = [0, 0, 1]\ntarget = [0, 1, 0]\n[background]\nradiance = [1, 1, 1]\n\
+                [materials.m]\nkind = \"mirror\"\n\
+                [[objects]]\nmesh = \"ground.off\"\nscale = 1000.0\nmaterial = \"m\"\n\
+                [render]\nwidth = 16\nheight = 12\nmode = \"path\"\nmax_bounces = 0\n";
+    let told = depth_loss(&folder, text);
+    assert!((figure(&told) - 1.0).abs() < 1e-12);
+    // 16 seeds of 192 samples, of which none more may have had light.
+    let message = told["message"].as_str().expect("text");
+    assert!(message.contains("(99.9 % to 100 %)"), "{message}");
+}
+
+/// A closed room that reflects 99 % and has a lamp of this half side below its ceiling.
+fn closed_room(folder: &Folder, lamp: f64, settings: &str) -> String {
+    folder.mesh("room.off", &cuboid(-DVec3::ONE, DVec3::ONE));
+    let corners = [[-lamp, -lamp], [lamp, -lamp], [lamp, lamp], [-lamp, lamp]];
+    let square = TriangleMesh {
+        positions: corners.map(|[x, y]| DVec3::new(x, y, 0.8)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..TriangleMesh::default()
+    };
+    folder.mesh("lamp.off", &square);
+    format!(
+        "[camera]\neye = [0.5, 0.3, 0.2]\ntarget = [-1, 0, 0]\nvertical_fov = 80\n\
+         [materials.m]\ndiffuse = [0.99, 0.99, 0.99]\n\
+         [materials.lamp]\nkind = \"emitter\"\nradiance = [100, 100, 100]\n\
+         [[objects]]\nmesh = \"room.off\"\nmaterial = \"m\"\n\
+         [[objects]]\nmesh = \"lamp.off\"\nmaterial = \"lamp\"\n\
+         [render]\nwidth = 16\nheight = 12\nmode = \"path\"\nmax_bounces = 8\nroulette = true\n{settings}\n"
+    )
+}
+
+/// Light that bounces on without end: all but the first 8 or 9 of its terms are missing, 0.989ᵏ. Of what 64 bounces bring, only 82 %
+/// are.
+#[test]
+fn what_is_missing_is_told_of_all_light() {
+    let folder = Folder::new();
+    let told = depth_loss(&folder, &closed_room(&folder, 0.05, ""));
+    assert!((0.86..0.96).contains(&figure(&told)), "{told}");
+    let advice = told["advice"].as_str().expect("text");
+    assert!(!advice.contains("to 64"), "{advice}");
+}
+
+/// A lamp that is met by chance alone, and by next to no path.
+#[test]
+fn what_too_few_paths_tell_is_not_given_for_certain() {
+    let folder = Folder::new();
+    let text = closed_room(&folder, 1e-5, "light_sampling = \"bsdf\"");
+    let told = depth_loss(&folder, &text);
+    assert_eq!(told["figure"], Value::Null);
+    let message = told["message"].as_str().expect("text");
+    assert!(
+        message.contains("how much light that takes away cannot be told"),
+        "{message}"
+    );
 }
 
 /// A floor lit by a small square right above what is seen, which scattering finds with the probability A / (π h²).

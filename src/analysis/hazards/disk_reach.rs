@@ -22,6 +22,11 @@ impl DiskSpace {
         }
     }
 
+    /// The middle of the disk.
+    pub fn center(&self) -> DVec3 {
+        self.center
+    }
+
     /// Between which heights the part of a triangle lies that is right over or under the disk and no higher or lower than
     /// `limit` radii; `None` where no part is.
     pub fn heights(&self, corners: [DVec3; 3], limit: f64) -> Option<[f64; 2]> {
@@ -121,22 +126,35 @@ fn has_over(polygon: &[DVec3], x: f64, y: f64) -> bool {
 }
 
 /// The distance of a point to a triangle.
+pub fn distance_to_triangle(point: DVec3, corners: [DVec3; 3]) -> f64 {
+    (point - nearest_on_triangle(point, corners)).length()
+}
+
+/// The point of a triangle that is nearest to `point`.
 ///
 /// Source: Ericson, Real-Time Collision Detection, 2004, 5.1.5, with the edges by themselves.
-pub fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+pub fn nearest_on_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let normal = (b - a).cross(c - a);
     let is_over = |from: DVec3, to: DVec3| normal.dot((to - from).cross(point - from)) >= 0.0;
     if normal != DVec3::ZERO && is_over(a, b) && is_over(b, c) && is_over(c, a) {
-        return normal.normalize_or_zero().dot(point - a).abs();
+        let normal = normal.normalize_or_zero();
+        return point - normal * normal.dot(point - a);
     }
-    let to_edge = |from: DVec3, to: DVec3| {
+    let on_edge = |from: DVec3, to: DVec3| {
         let along = to - from;
         let t = (point - from).dot(along) / along.length_squared();
         // An edge without length is its start.
         let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
-        (point - from - along * t).length()
+        from + along * t
     };
-    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
+    let nearer = |p: DVec3, q: DVec3| {
+        if point.distance_squared(q) < point.distance_squared(p) {
+            q
+        } else {
+            p
+        }
+    };
+    nearer(nearer(on_edge(a, b), on_edge(b, c)), on_edge(c, a))
 }
 
 #[cfg(test)]

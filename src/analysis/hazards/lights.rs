@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::disk_reach::{DiskSpace, distance_to_triangle};
-use super::mesh_use::{bounds_of_first_copy, middle_of};
+use super::disk_reach::{DiskSpace, distance_to_triangle, nearest_on_triangle};
+use super::mesh_use::{bounds_of_first_copy, narrowed};
 use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Place, Severity, Subject, stops};
 use crate::accel::BoxTree;
 use crate::analysis::report::three_digits;
 use crate::control::CancelToken;
-use crate::math::{Bounds, DBounds, DVec3, SceneFrame, Vec3};
+use crate::math::{Bounds, DBounds, DVec3, SceneFrame};
 use crate::scene::{Light, Object, Scene, SceneError};
 
 /// How near a face is to a disk light, in radii, to touch it nearly.
@@ -62,16 +62,17 @@ pub fn examine(
                 if stops(cancel, face) {
                     return Ok(None);
                 }
-                let in_world = mesh
-                    .corners(face)
-                    .map(|corner| placement.world_from_object(corner) + offset);
-                let corners = in_world.map(|corner| frame.prepared_from_world(corner));
+                let corners = mesh.corners(face).map(|corner| {
+                    frame.prepared_from_world(placement.world_from_object(corner) + offset)
+                });
                 let bounds = narrowed(&DBounds::of_points(corners));
                 tree.overlapping(&bounds, |light| {
-                    let Some(nearness) = lights[light as usize].nearness(corners) else {
+                    let reach = &lights[light as usize];
+                    let Some(nearness) = reach.nearness(corners) else {
                         return;
                     };
-                    let position = middle_of(in_world);
+                    let nearest = nearest_on_triangle(reach.middle(), corners);
+                    let position = frame.world_from_prepared(nearest);
                     found
                         .entry((light, number))
                         .or_default()
@@ -88,16 +89,6 @@ pub fn examine(
         found.hazards(scene, light as usize, &scene.objects[object], frame)
     });
     Ok(Some(hazards.collect()))
-}
-
-/// A box in `f32` around one in `f64`, larger by what rounds.
-fn narrowed(bounds: &DBounds) -> Bounds {
-    let slack =
-        |corner: DVec3| corner.as_vec3().abs().max_element() * f32::EPSILON + f32::MIN_POSITIVE;
-    Bounds {
-        min: bounds.min.as_vec3() - Vec3::splat(slack(bounds.min)),
-        max: bounds.max.as_vec3() + Vec3::splat(slack(bounds.max)),
-    }
 }
 
 /// How far around a light faces count, in prepared units.
@@ -141,7 +132,7 @@ impl Reach {
                 // A prepared scene's disks have a direction.
                 let normal = facing.normal(center).unwrap_or(DVec3::Z);
                 let (center, radius) = (frame.prepared_from_world(center), radius * frame.scale());
-                let in_plane = ROUNDING * center.abs().max_element().max(radius).max(1.0) / radius;
+                let in_plane = ROUNDING * center.abs().max_element().max(1.0) / radius;
                 let reach = NEAR.max(2.0 * in_plane);
                 // √(1 − n²) per axis is how far the rim goes.
                 let across = (DVec3::ONE - normal * normal)
@@ -169,6 +160,14 @@ impl Reach {
             },
             Self::Disk { bounds, .. } => bounds,
         })
+    }
+
+    /// Where the light is.
+    fn middle(&self) -> DVec3 {
+        match *self {
+            Self::Point { position } => position,
+            Self::Disk { space, .. } => space.center(),
+        }
     }
 
     /// How near a face is; `None` where it is not near, or behind a disk, whose back is black.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Hazard, HazardKind, Place, Severity, Subject, tally::Tally};
 use crate::geometry::TriangleMesh;
-use crate::math::{DBounds, DVec3};
+use crate::math::{Bounds, DBounds, DVec3, Vec3};
 use crate::scene::{Copies, Material, Object, Scene, SceneError};
 
 /// A mesh and the objects that show it: what is wrong with it is found once.
@@ -105,4 +105,14 @@ pub fn bounds_of_first_copy(object: &Object, mesh: &TriangleMesh) -> DBounds {
 pub fn middle_of([a, b, c]: [DVec3; 3]) -> DVec3 {
     // Thirds first: sums of large corners may overflow.
     a / 3.0 + b / 3.0 + c / 3.0
+}
+
+/// A box in `f32` around one in `f64`, larger by what rounds.
+pub fn narrowed(bounds: &DBounds) -> Bounds {
+    let slack =
+        |corner: DVec3| corner.as_vec3().abs().max_element() * f32::EPSILON + f32::MIN_POSITIVE;
+    Bounds {
+        min: bounds.min.as_vec3() - Vec3::splat(slack(bounds.min)),
+        max: bounds.max.as_vec3() + Vec3::splat(slack(bounds.max)),
+    }
 }

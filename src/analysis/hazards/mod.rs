@@ -5,11 +5,12 @@
 //! to them is measured, not guessed. What depends on light is measured on a small pilot picture. Every part takes time
 //! proportional to N log N, and a small multiple of the memory of the largest mesh.
 //!
-//! Left out: faces that overlap in a plane without having the same three corners; bodies that overlap; what no sample of the
+//! Left out: faces that overlap in a plane where no ray from the eye arrives first; bodies that overlap; what no sample of the
 //! pilot meets.
 
 mod coincident;
 mod dark;
+mod depth;
 mod disk_reach;
 mod edges;
 mod energy;
@@ -19,6 +20,7 @@ mod lights;
 mod materials;
 mod mesh_use;
 mod normals;
+mod overlaps;
 mod pilot;
 mod resolution;
 mod tally;
@@ -42,7 +44,7 @@ pub struct Hazard {
     /// What of the scene it is about.
     #[serde(flatten)]
     pub subject: Subject,
-    /// How many faces, edges, corners or samples; those of one copy where there are copies.
+    /// How many faces, edges, corners, rays or samples; those of one copy where there are copies.
     pub count: u64,
     /// The first few of them.
     #[serde(rename = "where")]
@@ -85,6 +87,9 @@ pub enum HazardKind {
     DuplicateFaces,
     /// Faces of different objects or copies with the same three corners.
     CoincidentFaces,
+    /// Faces of different objects that overlap in a plane and are seen, as far as rays from the eye of a pilot picture tell: the count is
+    /// that of rays.
+    OverlappingFaces,
     /// Edges with one face.
     OpenEdges,
     /// Edges with more than two faces.
@@ -95,6 +100,8 @@ pub enum HazardKind {
     InsideOut,
     /// Corners whose normal in the file points away from the side their face looks to.
     OpposedNormals,
+    /// Faces whose normals in the file lean far away from them.
+    LeaningNormals,
     /// Normals in the file that are zero.
     ZeroNormals,
     /// A material that reflects more light than arrives. The figure is the largest share that is reflected.
@@ -107,7 +114,8 @@ pub enum HazardKind {
     LightCut,
     /// A light that faces touch or nearly touch. The figure is the distance, over the radius where there is one.
     LightTouching,
-    /// Light that is missing because paths end at `render.max_bounces`. The figure is the missing share.
+    /// Light that is missing because paths end at `render.max_bounces`. The figure is the missing share, or the least it is; there is none
+    /// where too few paths meet light to tell.
     DepthLoss,
     /// Rare samples so bright that each of them shows. The figure is the expected share of such pixels.
     Fireflies,
@@ -206,6 +214,10 @@ pub fn examine(scene: &Scene, cancel: &CancelToken) -> Result<Option<Vec<Hazard>
     let Some(mut hazards) = examine_description(scene, &prepared, cancel)? else {
         return Ok(None);
     };
+    let Some(found) = overlaps::examine(scene, &pilot_scene, &prepared, cancel)? else {
+        return Ok(None);
+    };
+    hazards.extend(found);
     let Some(found) = energy::examine(scene, &pilot_scene, &prepared, cancel)? else {
         return Ok(None);
     };

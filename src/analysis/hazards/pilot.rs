@@ -99,7 +99,7 @@ pub fn bounded(scene: Scene, prepared: &PreparedScene) -> Scene {
 }
 
 /// The scene with its sides scaled by `factor`, where that shortens them, down to [`SHORTEST_SIDE`] for the longer one.
-fn resized(mut scene: Scene, factor: f64) -> Scene {
+pub fn resized(mut scene: Scene, factor: f64) -> Scene {
     let settings = &mut scene.render;
     let least = f64::from(SHORTEST_SIDE) / f64::from(settings.width.max(settings.height));
     let factor = factor.max(least).min(1.0);
@@ -190,5 +190,16 @@ impl Pilot {
         let mean = |picture: &Vec<f64>| picture.iter().sum::<f64>() / picture.len() as f64;
         let few = self.luminances.iter().take(FEW_SEEDS as usize);
         few.map(mean).collect()
+    }
+
+    /// How many samples of the first [`FEW_SEEDS`] meet light.
+    pub fn lit(&self) -> u64 {
+        let few = self.luminances.iter().take(FEW_SEEDS as usize);
+        few.flatten().filter(|&&luminance| luminance > 0.0).count() as u64
+    }
+
+    /// The share of samples whose path `render.max_bounces` ended.
+    pub fn ended(&self) -> f64 {
+        self.depth_limited as f64 / self.samples() as f64
     }
 }
