@@ -349,6 +349,9 @@ mod tests {
                     }
                 }
             }
+            for id in std::mem::take(&mut delta.free) {
+                self.0.remove(&id);
+            }
             sent
         }
 
@@ -572,7 +575,7 @@ mod tests {
         canvas.put(piece([2048, 0], [2048, 64], 2));
         canvas.flush(&ctx, size);
         assert_eq!(screen.take(&ctx), 2048 * 64);
-        assert_eq!(screen.0.len(), 4);
+        assert_eq!(canvas.layers().count(), 4);
         let at = |x| screen.texel(&canvas, [x, 3], size).map(|color| color.r());
         assert_eq!([2047, 2048, 4095, 4096].map(at), [1, 2, 2, 1].map(Some));
     }

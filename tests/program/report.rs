@@ -277,7 +277,7 @@ fn a_reference_that_is_worse_than_the_renders_is_told() {
     // What shares its random numbers with a reference looks better than it is.
     for (seed, is_shared) in [("8", true), ("9", true), ("7", false), ("10", false)] {
         let set = format!("render.seed={seed}");
-        let few = ["--seeds", "2", "--spp", "8", "--reference", "told.exr"];
+        let few = ["--seeds", "2", "--spp", "16", "--reference", "told.exr"];
         let others = ["--set", &set, "-o", "out"];
         let output = report(
             folder.path(),
