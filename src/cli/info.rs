@@ -10,11 +10,10 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::analysis::report::percent;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{TriangleMesh, Winding};
 use crate::io::{self, Model, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
-use crate::math::DBounds;
+use crate::math::{DBounds, percent};
 use crate::render::Image;
 use crate::scene::{Choice, Material, Object, Scene};
 

@@ -9,9 +9,10 @@ use super::scene_arguments::SceneArguments;
 use super::values;
 use crate::analysis::report::{
     ReferenceOptions, ReportError, ReportOptions, ReportPlan, ReportProgress, Study, Summary,
-    parse_radiance, percent, three_digits,
+    parse_radiance,
 };
 use crate::control::CancelToken;
+use crate::math::{percent, three_digits};
 use crate::render::RunConfig;
 
 /// What `raymini report` takes.

@@ -86,7 +86,7 @@ impl LostDigits {
         if !size.shows(spacing) {
             return None;
         }
-        let (mut numbers, mut odd) = (0_u64, 0_u64);
+        let (mut numbers, mut odd, mut is_whole) = (0_u64, 0_u64, true);
         for &vertex in mesh.triangles.iter().flatten() {
             for coordinate in mesh.positions[vertex as usize].to_array() {
                 let narrow = narrowed(coordinate);
@@ -97,10 +97,14 @@ impl LostDigits {
                 if spacing_at(coordinate) * 2.0 >= spacing {
                     numbers += 1;
                     odd += u64::from(narrow.to_bits() & 1);
+                    is_whole &= coordinate.fract() == 0.0;
                 }
             }
         }
-        let is_lost = odd > 0 && odd as f64 >= LEAST_SHARE_OF_LAST_BITS * numbers as f64;
+        // Up to 2²⁴ whole numbers are all there: whoever counts in small units has lost nothing.
+        let is_exact = is_whole && spacing <= 1.0;
+        let is_lost =
+            !is_exact && odd > 0 && odd as f64 >= LEAST_SHARE_OF_LAST_BITS * numbers as f64;
         is_lost.then(|| Self {
             farthest,
             of_edge: spacing / size.median_edge,

@@ -217,8 +217,8 @@ pub enum Event {
     PictureSaved {
         /// The file.
         path: PathBuf,
-        /// The number of the render.
-        number: usize,
+        /// Which picture.
+        picture: PictureId,
         /// Whether the picture was finished.
         is_whole: bool,
         /// Whether nothing more came of its render.

@@ -1,4 +1,4 @@
-//! Background work: one lane per kind of work, one running job per lane, results by channel.
+//! Background work: one lane per kind of work, of whose jobs the newest counts, results by channel.
 //!
 //! ```text
 //! window ──start(lane, work)──▶ thread ──send(event)──▶ channel ──next_event()──▶ window

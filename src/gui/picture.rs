@@ -16,8 +16,8 @@ use crate::io::WrittenError;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
 
-/// From this time on a render is work that nobody wants to lose: edits do not start it anew, it is remembered, kept on disk until it is
-/// saved, and asked about when the window closes.
+/// From this time on a render is work that nobody wants to lose: edits start it anew only where the picture follows them, it is remembered, it
+/// stays on disk until it is saved or the next begins, and closing the window asks.
 pub const LONG: Duration = Duration::from_secs(30);
 
 /// How a render ended.
@@ -73,8 +73,8 @@ pub struct Picture {
     pub outcome: Outcome,
     /// Whether another took its place because the scene was edited while this one was looked at, and it is nothing to remember.
     is_replaced: bool,
-    /// Whether a file has all of it.
-    pub is_saved: bool,
+    /// Whether it is in a file.
+    is_saved: bool,
     /// Whether its own job prepares its scene first.
     pub is_preparing: bool,
     /// From the click to the first tile, or the coarse picture, on its way to the screen.
@@ -241,10 +241,19 @@ impl Picture {
         }
     }
 
-    /// Takes note that a file has all there will be of it.
-    pub fn set_saved(&mut self) {
+    /// Takes note that a file has what there will be of it; `is_all`: with its light and its layers, not only as a screen shows it.
+    pub fn set_saved(&mut self, is_all: bool) {
         self.is_saved = true;
-        self.forget_kept();
+        if is_all {
+            self.forget_kept();
+        }
+    }
+
+    /// Leaves on disk what it was to go on from, if it does not yet.
+    pub fn leave_kept(&self) {
+        if let Some(kept) = &self.kept {
+            kept.leave();
+        }
     }
 
     /// Takes note that another takes its place because the scene was edited. Only one that took long is remembered then.
@@ -267,8 +276,7 @@ impl Picture {
     /// Whether it ended, took long, and is in no file.
     #[must_use]
     pub fn is_unsaved_work(&self) -> bool {
-        let has_ended = matches!(self.outcome, Outcome::Finished { .. } | Outcome::Cancelled);
-        has_ended && self.is_long() && !self.is_saved && self.first_tile.is_some()
+        !self.is_running() && self.is_long() && !self.is_saved && self.first_tile.is_some()
     }
 
     /// What holds the render back, for the threads that render.
@@ -331,6 +339,9 @@ impl Picture {
     /// Takes note that it goes on with a render that was interrupted when `share_done` of it, `0..=1`, was done, after `time`.
     pub fn go_on_after(&mut self, time: Duration, share_done: f64) {
         self.before = Some((time, share_done));
+        if let Some(kept) = &self.kept {
+            kept.accept();
+        }
     }
 
     /// Which part was done when it was interrupted, where it was, `0..=1`.

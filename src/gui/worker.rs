@@ -306,7 +306,7 @@ pub struct RenderRequest {
     pub progress: RenderProgress,
     /// How long tiles may wait to be shown together.
     pub tile_delay: Duration,
-    /// Where it is kept while it runs.
+    /// Where it is kept on disk.
     pub kept: Option<Arc<KeptRender>>,
     /// Whether it goes on from what is kept there.
     pub goes_on: bool,
@@ -365,12 +365,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let prepared = prepared.with_primary_hits(&request.primary_hits);
     let layers = run.layers_of(&prepared);
     let keeper = RenderKeeper::new(job, request, layers, memory, run.thread_count());
-    if request.goes_on && keeper.is_none() {
-        let reason = "there is not the memory to go on from what was kept";
-        return job.send(Event::RenderLost(reason.to_owned()));
-    }
-    let start = keeper.as_ref().filter(|_| request.goes_on);
-    let start = match start.map(|keeper| keeper.start(&prepared)).transpose() {
+    let start = match start(request, keeper.as_ref(), &prepared) {
         Ok(start) => start,
         Err(reason) => return job.send(Event::RenderLost(reason)),
     };
@@ -436,6 +431,29 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     if let Some(outcome) = outcome {
         finish(job, request, outcome);
     }
+}
+
+/// Where a render goes on, if it does not begin.
+///
+/// # Errors
+/// Why it cannot, in words.
+fn start(
+    request: &RenderRequest,
+    keeper: Option<&RenderKeeper<'_>>,
+    prepared: &PreparedScene,
+) -> Result<Option<Start>, String> {
+    if !request.goes_on {
+        return Ok(None);
+    }
+    let keeper = keeper.ok_or(
+        "there is not the memory to go on from what was kept, which is offered again at the next start",
+    )?;
+    let start = keeper.start(prepared);
+    if let (Err(_), Some(kept)) = (&start, &request.kept) {
+        // It is of no use to anybody.
+        kept.accept();
+    }
+    start.map(Some)
 }
 
 /// What the picture of a render takes.

@@ -479,7 +479,6 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
     assert_eq!(renders(&killed).len(), 1);
     copy_folder(&killed, &again);
 
-    // An edit starts no other one, where one runs; and closing asks.
     window.ask_to_close();
     assert!(matches!(window.app().dialog(), Some(Dialog::Pictures)));
     assert!(!is_told_to_close(&window));

@@ -101,8 +101,16 @@ fn the_time_that_is_left_is_told_and_stands_still_in_a_pause() {
     assert!(told(&window).contains(" left"), "{}", told(&window));
     window.press(Modifiers::NONE, Key::P);
     assert!(picture(&window).is_paused());
-    // What was begun is a few samples.
-    std::thread::sleep(Duration::from_millis(60));
+    // What was begun is a few samples, however long they take.
+    let done = |window: &Window| picture(window).progress.samples.done();
+    let mut before = done(&window);
+    loop {
+        std::thread::sleep(Duration::from_millis(100));
+        let now = done(&window);
+        if std::mem::replace(&mut before, now) == now {
+            break;
+        }
+    }
     window.harness.run_steps(2);
     let (words, left) = (told(&window), picture(&window).remaining());
     assert!(

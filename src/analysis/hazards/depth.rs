@@ -6,8 +6,8 @@
 use super::dark::why_black;
 use super::pilot::{self, Pilot};
 use super::{Figure, Hazard, HazardKind, Severity, Subject};
-use crate::analysis::report::percent;
 use crate::control::CancelToken;
+use crate::math::percent;
 use crate::render::PreparedScene;
 use crate::scene::{RenderSettings, Scene, SceneError};
 

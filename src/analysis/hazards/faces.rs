@@ -3,10 +3,9 @@
 use super::mesh_use::MeshUse;
 use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Severity, stops};
-use crate::analysis::report::three_digits;
 use crate::control::CancelToken;
 use crate::geometry::{Buckets, Welded, face_normal};
-use crate::math::DVec3;
+use crate::math::{DVec3, three_digits};
 
 /// Height over longest edge below which a face is a sliver. A face of a well-made mesh has more than a hundredth; from here on,
 /// the seventh digit of a coordinate turns a face by more than 0.05°.

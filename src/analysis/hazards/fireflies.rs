@@ -3,7 +3,7 @@
 use super::pilot::Pilot;
 use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Place, Severity, Subject};
-use crate::analysis::report::{percent, three_digits};
+use crate::math::{percent, three_digits};
 use crate::scene::Scene;
 
 /// What a sample must add to its pixel to show, of the picture's mean luminance; it must also double it.

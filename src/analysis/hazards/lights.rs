@@ -7,9 +7,8 @@ use super::mesh_use::{bounds_of_first_copy, narrowed};
 use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Place, Severity, Subject, stops};
 use crate::accel::BoxTree;
-use crate::analysis::report::three_digits;
 use crate::control::CancelToken;
-use crate::math::{Bounds, DBounds, DVec3, SceneFrame};
+use crate::math::{Bounds, DBounds, DVec3, SceneFrame, three_digits};
 use crate::scene::{Light, Object, Scene, SceneError};
 
 /// How near a face is to a disk light, in radii, to touch it nearly.

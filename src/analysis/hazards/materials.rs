@@ -1,7 +1,7 @@
 //! Materials that reflect more light than arrives.
 
 use super::{Figure, Hazard, HazardKind, Severity, Subject};
-use crate::analysis::report::percent;
+use crate::math::percent;
 use crate::scene::Scene;
 
 /// Examines all materials.

@@ -9,10 +9,9 @@ use super::mesh_use::{bounds_of_first_copy, is_glass, narrowed};
 use super::tally::Tally;
 use super::{Hazard, HazardKind, Place, Severity, Subject, stops};
 use crate::accel::{BoxTree, Hit};
-use crate::analysis::report::three_digits;
 use crate::control::CancelToken;
 use crate::geometry::{face_normal, spacing_at};
-use crate::math::{Bounds, DBounds, DVec3, Ray, SceneFrame, Vec3};
+use crate::math::{Bounds, DBounds, DVec3, Ray, Vec3, three_digits};
 use crate::render::{PreparedGeometry, PreparedScene, is_nothing};
 use crate::scene::{Scene, SceneError};
 
@@ -22,7 +21,7 @@ const PARALLEL: f64 = 1e-2;
 /// How far inside of a face a point is to be, in prepared units: faces side by side overlap by what their corners are rounded.
 const INSIDE: f64 = 8.0 / (1 << 24) as f64;
 
-/// How far apart faces are that rounding does not mix up, in prepared units, of which a scene is one to two across.
+/// How far apart faces near the eye are that rounding does not mix up, in prepared units, of which a scene is one to two across.
 const APART: f64 = 1e-5;
 
 /// The most faces that are compared with what the eye sees: some seconds of work.
@@ -95,16 +94,20 @@ pub fn examine(
         }
     }
     let hazard = |(pair, places): ([usize; 2], BTreeMap<u32, [usize; 2]>)| {
-        let mut tally = Tally::default();
+        let (mut tally, mut apart) = (Tally::default(), APART);
         for (index, faces) in places {
-            let position = looks[index as usize].position;
+            let Look {
+                position, rounding, ..
+            } = looks[index as usize];
+            apart = apart.max(2.0 * rounding);
             tally.add(|| Place {
                 faces: faces.to_vec(),
                 position: Some(frame.world_from_prepared(position).to_array()),
                 pixel: None,
             });
         }
-        hazard(scene, frame, pair, (tally, looks.len()))
+        let apart = three_digits(apart / frame.scale());
+        hazard(scene, pair, (tally, looks.len()), &apart)
     };
     let mut hazards: Vec<_> = found.into_iter().map(hazard).collect::<Result<_, _>>()?;
     hazards.extend((left_out > 0).then(|| unexamined(left_out)));
@@ -214,17 +217,16 @@ fn rounding_across(corners: &[DVec3; 3], normal: DVec3) -> f64 {
     normal.abs().dot(largest.map(spacing_at)) / 2.0
 }
 
-/// The hazard of two objects that overlap where `tally` says, of so many looks.
+/// The hazard of two objects that overlap where `tally` says, of so many looks. `apart`: the distance from which on they do not.
 fn hazard(
     scene: &Scene,
-    frame: &SceneFrame,
     pair: [usize; 2],
     (tally, looks): (Tally, usize),
+    apart: &str,
 ) -> Result<Hazard, SceneError> {
     let [a, b] = pair.map(|number| &scene.objects[number]);
     let has_glass = is_glass(scene, a)? || is_glass(scene, b)?;
     let is_alike = scene.material_of(a)? == scene.material_of(b)?;
-    let apart = three_digits(APART / frame.scale());
     let (severity, advice) = if has_glass {
         let advice = format!(
             "Move them apart or into each other by more than {apart}: light that crosses both at once is bent by one of them only."

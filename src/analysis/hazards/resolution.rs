@@ -6,10 +6,9 @@ use std::sync::Arc;
 use super::mesh_use::middle_of;
 use super::tally::Tally;
 use super::{Figure, Hazard, HazardKind, Place, Severity, Subject, stops};
-use crate::analysis::report::{percent, three_digits};
 use crate::control::CancelToken;
 use crate::geometry::{LostDigits, MeshSize, TriangleMesh, face_normal, spacing_at};
-use crate::math::{DBounds, DVec3, SceneFrame};
+use crate::math::{DBounds, DVec3, SceneFrame, percent, three_digits};
 use crate::render::PreparedScene;
 use crate::scene::{Object, Placement, Scene, SceneError};
 

@@ -21,7 +21,6 @@ mod svg;
 mod test_data;
 mod trial;
 
-pub use crate::math::{percent, three_digits};
 pub use chart::{Axis, Chart, Curve, Level, Line, Point, Unit};
 pub use csv::to_csv;
 pub use error::{ComparisonError, ReportError};

@@ -91,8 +91,8 @@ impl ReportPlan {
                 let mut renders = variants.iter().flat_map(|v| seeds_of(v, options.seeds));
                 if let Some(seed) = seed_of_picture(path).filter(|&own| renders.any(|s| s == own)) {
                     warnings.push(format!(
-                        "{}: rendered with seed {seed}, as one of the renders that are measured against it, whose error comes out too \
-                         small: choose another with --set render.seed=N",
+                        "{}: rendered with seed {seed}, as one of the renders that are measured against it, whose error may come out \
+                         too small: choose another with --set render.seed=N",
                         path.display()
                     ));
                 }

@@ -2,7 +2,7 @@
 //!
 //! Whatever was edited is on disk a second later: it is written at most every half second, by a job, while there is something that
 //! is not saved. Restored work is removed from where it was found only when this window keeps it itself.
-//! A render is kept too while it runs, and goes on when it is restored.
+//! A render is kept too while it runs, and if it took long until it is saved or the next begins; it goes on when it is restored.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -86,6 +86,11 @@ impl App {
 
     /// Removes what was kept, as the window closes: the user has decided about it.
     pub(super) fn end_keeping(&mut self) {
+        // What was to be gone on with, and is not yet, is offered again.
+        self.waiting_render = None;
+        if let Some(picture) = &self.picture {
+            picture.leave_kept();
+        }
         if let Some(session) = self.keeping.session.take() {
             session.end();
         }

@@ -9,6 +9,7 @@ use crate::gui::event::Event;
 use crate::gui::jobs::{Lane, News};
 use crate::gui::picture::Outcome;
 use crate::gui::time_estimate::TimeState;
+use crate::io::holds_layers;
 
 impl App {
     /// Takes in what background jobs have to say, for a few milliseconds at most.
@@ -111,13 +112,13 @@ impl App {
             Event::SceneSaved { file, path, result } => self.scene_saved(ctx, file, path, result),
             Event::PictureSaved {
                 path,
-                number,
+                picture,
                 is_whole,
                 is_final,
                 result,
             } => {
                 if matches!(result, Ok(Some(()))) && is_final {
-                    self.picture_is_saved(number);
+                    self.picture_is_saved(picture, holds_layers(&path));
                 }
                 self.picture_saved(&path, is_whole, result);
             }

@@ -104,17 +104,18 @@ impl App {
 
     /// What goes on that can be stopped, the first where it is several things.
     pub(super) fn what_to_stop(&self) -> Option<Stoppable> {
-        let all = [
-            (self.region.is_drawing, Stoppable::Region),
-            (self.waiting_render.is_some(), Stoppable::Preparing),
-            (self.is_rendering(), Stoppable::Render),
-            (self.report.is_running(), Stoppable::Report),
-            (self.is_measuring_costs(), Stoppable::Measuring),
-            (self.loading.is_some(), Stoppable::Loading),
-            (self.is_saving_picture(), Stoppable::Saving),
-            (self.awaits_preparation(), Stoppable::Preparing),
+        type GoesOn = fn(&App) -> bool;
+        let all: [(GoesOn, Stoppable); 8] = [
+            (|app| app.region.is_drawing, Stoppable::Region),
+            (|app| app.waiting_render.is_some(), Stoppable::Preparing),
+            (Self::is_rendering, Stoppable::Render),
+            (|app| app.report.is_running(), Stoppable::Report),
+            (Self::is_measuring_costs, Stoppable::Measuring),
+            (|app| app.loading.is_some(), Stoppable::Loading),
+            (Self::is_saving_picture, Stoppable::Saving),
+            (Self::awaits_preparation, Stoppable::Preparing),
         ];
-        let first = all.into_iter().find(|(goes_on, _)| *goes_on);
+        let first = all.into_iter().find(|(goes_on, _)| goes_on(self));
         first.map(|(_, what)| what)
     }
 

@@ -13,7 +13,7 @@ use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
 use crate::gui::opened_picture::OpenedPicture;
 use crate::gui::panels::with_image;
-use crate::gui::picture::Outcome;
+use crate::gui::picture::{Outcome, Picture};
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
@@ -221,7 +221,7 @@ impl App {
         self.unwanted_preparation = None;
         self.problem = None;
         self.hide_past_render();
-        if !self.is_live {
+        if !self.is_live || self.picture.as_ref().is_some_and(Picture::is_long) {
             // What a render has reached stays among the renders.
             self.end_picture(Outcome::Cancelled);
         }

@@ -55,8 +55,9 @@ impl App {
     pub(super) fn awaits_preparation(&self) -> bool {
         let known = self.prepared.as_ref();
         let is_first = known.is_none_or(|state| state.prepared.is_none());
-        let is_to_come = !self.is_prepared() && !self.is_preparation_unwanted();
-        self.waiting_render.is_some() || is_first && is_to_come
+        // Scenes are compared only where that decides.
+        let is_to_come = || !self.is_prepared() && !self.is_preparation_unwanted();
+        self.waiting_render.is_some() || is_first && is_to_come()
     }
 
     /// Gives up preparing the scene as it is, and the render that waits for it: the preview shows what was placed by now, and a render
@@ -72,6 +73,10 @@ impl App {
             self.unwanted_preparation = Some(self.document.scene.clone());
             self.messages
                 .news("Preparing cancelled: Render prepares the scene again");
+        }
+        if self.picture.is_none() {
+            // There is none to follow every change.
+            self.is_live = false;
         }
     }
 

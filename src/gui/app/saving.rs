@@ -12,7 +12,8 @@ use crate::gui::dialogs::question::{self, Decision};
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
-use crate::gui::picture::Outcome;
+use crate::gui::picture::{Outcome, Picture};
+use crate::gui::picture_buffer::PictureId;
 use crate::gui::worker;
 use crate::scene::Scene;
 
@@ -102,7 +103,7 @@ impl App {
         let buffer = Arc::clone(&picture.buffer);
         let mut scene = picture.scene.clone();
         scene.output = self.document.scene.output;
-        let (number, is_final) = (picture.number, !picture.is_running());
+        let is_final = !picture.is_running();
         let last = picture.errors().last();
         let (is_whole, error) = match picture.outcome {
             Outcome::Opened { error, .. } => (true, error),
@@ -119,7 +120,7 @@ impl App {
             let result = worker::save_picture(&buffer, &scene, error, &path, &cancel);
             job.send(Event::PictureSaved {
                 path,
-                number,
+                picture: buffer.id(),
                 is_whole,
                 is_final,
                 result,
@@ -127,10 +128,12 @@ impl App {
         });
     }
 
-    /// A file has all there will be of the picture of render `number`.
-    pub(super) fn picture_is_saved(&mut self, number: usize) {
-        if let Some(picture) = self.picture_of_mut(number) {
-            picture.set_saved();
+    /// A file has what there will be of the picture `id`; `is_all`: with its light and its layers.
+    pub(super) fn picture_is_saved(&mut self, id: PictureId, is_all: bool) {
+        let present = self.picture.as_mut();
+        let present = present.filter(|picture| picture.buffer.id() == id);
+        if let Some(picture) = present.or_else(|| self.renders.with_id_mut(id)) {
+            picture.set_saved(is_all);
         }
     }
 
@@ -187,6 +190,8 @@ impl App {
 
     /// Does not close the window as soon as nothing runs any more: there is something to be read in it.
     fn stay_open(&mut self) {
+        self.after_saving
+            .take_if(|intent| matches!(intent, Intent::Close));
         let is_other = |dialog: &Dialog| !matches!(dialog, Dialog::Running);
         self.dialog.take_if(|dialog| !is_other(dialog));
         self.asked_later.retain(is_other);
@@ -248,7 +253,6 @@ impl App {
             return self.close_unless_asked(ctx);
         };
         match question::running_ui(ctx, what, share) {
-            // Who gives up what runs does not mind other pictures.
             Some(true) => self.give_up_and_close(ctx, what),
             Some(false) => {}
             None => self.dialog = Some(Dialog::Running),
@@ -268,7 +272,9 @@ impl App {
     /// What runs that somebody asked for, the first where it is several things.
     pub(super) fn running_work(&self) -> Option<RunningWork> {
         let picture = self.picture.as_ref();
-        let picture = picture.filter(|picture| picture.is_running() && !self.is_live);
+        // One that follows every change is asked about when it has taken long over the last.
+        let is_asked_for = |picture: &&Picture| !self.is_live || picture.is_long();
+        let picture = picture.filter(|picture| picture.is_running() && is_asked_for(picture));
         let render = picture.map(|picture| RunningWork {
             what: Stoppable::Render,
             share: Some(picture.progress.samples.fraction()),
@@ -288,9 +294,13 @@ impl App {
     /// Gives `what` up so that the window can close, which it does unless something else runs that is to be asked about.
     pub(super) fn give_up_and_close(&mut self, ctx: &egui::Context, what: Stoppable) {
         self.stop(what);
+        let is_given_up =
+            |picture: &Picture| what == Stoppable::Render && picture.is_unsaved_work();
+        let given_up = usize::from(self.picture.as_ref().is_some_and(is_given_up));
         match self.running_work() {
             // It ends as soon as its job takes notice, with the window or before.
             Some(next) if next.what != what => self.ask(Dialog::Running),
+            _ if self.unsaved_pictures().len() > given_up => self.ask(Dialog::Pictures),
             _ => self.close(ctx),
         }
     }

@@ -6,6 +6,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
@@ -53,12 +54,15 @@ pub fn scene_of_render(folder: &Path) -> PathBuf {
     folder.join(SCENE)
 }
 
-/// The place of a render on disk. It is removed with this value, which a process that is killed does not live to do.
+/// The place of a render on disk. It is removed with this value, which a process that is killed does not live to do. One that such a process
+/// left is not removed before it is [accepted](Self::accept).
 #[derive(Debug)]
 pub struct KeptRender {
     session: Arc<Session>,
     folder: PathBuf,
     about: RenderAbout,
+    /// Whether it was left by another process, and nobody went on with it yet.
+    is_found: AtomicBool,
     logs: Mutex<Logs>,
 }
 
@@ -86,6 +90,7 @@ impl KeptRender {
             session,
             folder: folder.join(format!("{PREFIX}{number}")),
             about,
+            is_found: AtomicBool::new(false),
             logs: Mutex::default(),
         }
     }
@@ -101,6 +106,7 @@ impl KeptRender {
         let in_words = |error| format!("{}: {error}", folder.display());
         self.session
             .write_render(|| fs::rename(folder, &self.folder).map_err(in_words))?;
+        self.is_found.store(true, Ordering::Relaxed);
         let newest = self.log_files().last().map(|(number, _)| *number);
         let first_own = newest.map_or(0, |newest| newest.saturating_add(1));
         *self.logs() = Logs {
@@ -174,6 +180,21 @@ impl KeptRender {
         }
     }
 
+    /// Takes note that it is gone on with, or of no use: from now on it goes with this value.
+    pub fn accept(&self) {
+        self.is_found.store(false, Ordering::Relaxed);
+    }
+
+    /// Leaves it to be found by the next window, where another process left it and it is not [accepted](Self::accept).
+    pub fn leave(&self) {
+        if self.is_found.swap(false, Ordering::Relaxed) {
+            let in_words = |error: std::io::Error| error.to_string();
+            let leave = || self.session.leave_render(&self.folder).map_err(in_words);
+            // Where it cannot be moved, it goes with the session.
+            let _ = self.session.write_render(leave);
+        }
+    }
+
     /// Closes the log that grows: the render ends.
     pub fn end_log(&self) {
         self.logs().current = None;
@@ -242,6 +263,7 @@ impl KeptRender {
 impl Drop for KeptRender {
     fn drop(&mut self) {
         self.logs().current = None;
+        self.leave();
         // What stays goes with the session.
         let _ = fs::remove_dir_all(&self.folder);
     }
@@ -322,7 +344,45 @@ mod tests {
         keep(&kept, false);
         assert_eq!(names(&kept), ["blocks-6", "checkpoint"]);
         let folder = kept.folder.clone();
+        kept.accept();
         drop(kept);
+        assert!(!folder.exists());
+    }
+
+    /// However often it is asked for, until something comes of it.
+    #[test]
+    fn a_render_that_nobody_goes_on_with_is_found_again() {
+        let data = tempfile::tempdir().unwrap();
+        let mut scene = demo_scene();
+        (scene.render.width, scene.render.height) = (4, 3);
+        let about = RenderAbout {
+            name: "demo".to_owned(),
+            path: None,
+            region: Region::full(4, 3),
+        };
+        let Begun { session, .. } = begin(data.path()).unwrap();
+        let session = Arc::new(session);
+        let killed = session.place_render(about.clone());
+        killed.begin_log(&scene, "demo").unwrap();
+        let mut folder = killed.folder.clone();
+        for is_accepted in [false, false, true] {
+            let kept = session.place_render(about.clone());
+            kept.take(&folder).unwrap();
+            assert_eq!(names(&kept), ["blocks-1"]);
+            if is_accepted {
+                kept.accept();
+            }
+            drop(kept);
+            let Begun {
+                session: other,
+                lost,
+            } = begin(data.path()).unwrap();
+            assert_eq!(lost.len(), usize::from(!is_accepted));
+            if let Some(found) = lost.first().and_then(|lost| lost.render()) {
+                folder = found.to_owned();
+            }
+            other.end();
+        }
         assert!(!folder.exists());
     }
 }

@@ -111,6 +111,22 @@ impl Session {
         if *is_over { Ok(()) } else { write() }
     }
 
+    /// Moves the render in `folder` to where the next window finds it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn leave_render(&self, folder: &Path) -> io::Result<()> {
+        let missing = || io::Error::from(io::ErrorKind::NotFound);
+        let sessions = self.folder.parent().ok_or_else(missing)?;
+        // Filled here and moved as a whole: who begins meanwhile removes folders with nothing in them.
+        let left = tempfile::Builder::new()
+            .prefix("left-")
+            .tempdir_in(&self.folder)?
+            .keep();
+        fs::rename(folder, left.join(folder.file_name().ok_or_else(missing)?))?;
+        fs::rename(&left, sessions.join(left.file_name().ok_or_else(missing)?))
+    }
+
     fn held(&self) -> MutexGuard<'_, Held> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -196,6 +196,12 @@ impl Renders {
         entry.picture.as_mut()
     }
 
+    /// The picture with this identity, if it is still kept, to change what is known of it.
+    pub fn with_id_mut(&mut self, id: PictureId) -> Option<&mut Picture> {
+        let mut pictures = self.entries.iter_mut().filter_map(|e| e.picture.as_mut());
+        pictures.find(|picture| picture.buffer.id() == id)
+    }
+
     /// Render `number`.
     #[must_use]
     pub fn entry(&self, number: usize) -> Option<&Entry> {
@@ -232,7 +238,8 @@ impl Renders {
         entry.picture.map(Freed::of).into_iter().collect()
     }
 
-    /// Gives up what does not fit into `budget` bytes, the oldest first.
+    /// Gives up what does not fit into `budget` bytes, the oldest first: of pictures that nobody would miss, then of others; that of the
+    /// newest stays.
     fn trim(&mut self, present: &Scene, budget: u64) -> Vec<Freed> {
         let mut freed = Vec::new();
         while self.entries.len() > MOST_RENDERS || self.scene_bytes(present) > budget {
@@ -241,22 +248,30 @@ impl Renders {
         }
         let budget = budget - self.scene_bytes(present);
         let mut bytes: u64 = self.entries.iter().map(Entry::pixel_bytes).sum();
-        for entry in &self.entries {
-            if bytes <= budget {
-                return freed;
-            }
-            if let Some(picture) = &entry.picture {
+        let Some((_, older)) = self.entries.split_last_mut() else {
+            return freed;
+        };
+        for is_missed in [false, true] {
+            let is_it = |picture: &&mut Picture| picture.is_unsaved_work() == is_missed;
+            for entry in older.iter_mut() {
+                if bytes <= budget {
+                    return freed;
+                }
                 let before = entry.pixel_bytes();
-                freed.push(Freed(None, picture.buffer.take_layers()));
+                if let Some(picture) = entry.picture.as_mut().filter(is_it) {
+                    freed.push(Freed(None, picture.buffer.take_layers()));
+                }
                 bytes -= before - entry.pixel_bytes();
             }
-        }
-        for entry in &mut self.entries {
-            if bytes <= budget {
-                return freed;
+            for entry in older.iter_mut() {
+                if bytes <= budget {
+                    return freed;
+                }
+                let before = entry.pixel_bytes();
+                let given_up = entry.picture.take_if(|picture| is_it(&picture));
+                freed.extend(given_up.map(Freed::of));
+                bytes -= before - entry.pixel_bytes();
             }
-            bytes -= entry.pixel_bytes();
-            freed.extend(entry.picture.take().map(Freed::of));
         }
         freed
     }
@@ -417,6 +432,29 @@ mod tests {
         assert_eq!(renders.free_pixels().len(), 2);
         assert_eq!(kept(&renders), [0, 0, 0]);
         assert!(renders.free_pixels().is_empty());
+    }
+
+    #[test]
+    fn pictures_that_took_long_and_are_in_no_file_go_last() {
+        let present = Scene::default();
+        let mut renders = Renders::default();
+        for number in 1..=3 {
+            let mut picture = picture(number);
+            if number == 1 {
+                picture.go_on_after(LONG, 0.5);
+            }
+            renders.keep(picture, &present);
+        }
+        assert_eq!(renders.unsaved().count(), 1);
+        let kept = |renders: &Renders| -> Vec<u64> {
+            let entries = renders.entries.iter();
+            entries.map(|entry| entry.pixel_bytes() / PLANE).collect()
+        };
+        renders.trim(&present, 8 * PLANE);
+        assert_eq!(kept(&renders), [4, 0, 4]);
+        // What came last stays, however little room there is.
+        renders.trim(&present, 0);
+        assert_eq!(kept(&renders), [0, 0, 4]);
     }
 
     #[test]

@@ -5,9 +5,10 @@ use egui_plot::{
     FilledArea, HoverPosition, Line as PlotLine, LineStyle, PlotPoints, PlotUi, Points,
 };
 
-use crate::analysis::report::{Chart, Curve, Line, Point, percent, three_digits};
+use crate::analysis::report::{Chart, Curve, Line, Point};
 use crate::gui::log_plot::{End, bounds_of, color_of_curve, level_ui, log_plot_ui, place};
 use crate::gui::theme;
+use crate::math::{percent, three_digits};
 
 /// The colour of variant number `number`; the scene as it is has the accent's.
 pub(super) fn color_of(number: usize) -> Color32 {

@@ -3,8 +3,9 @@
 use egui::{Align, Grid, Layout, RichText, Ui, Vec2};
 
 use super::chart::{chart_ui, color_of, legend_ui};
-use crate::analysis::report::{Chart, Study, Summary, TimeTo, percent, three_digits, to_chart};
+use crate::analysis::report::{Chart, Study, Summary, TimeTo, to_chart};
 use crate::gui::widgets::counted;
+use crate::math::{percent, three_digits};
 use crate::render::NOISE_TARGETS;
 
 /// Height of the chart, in points.
