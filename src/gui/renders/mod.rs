@@ -423,8 +423,8 @@ mod tests {
         assert_eq!(kept(&renders), [4, 4, 4, 4]);
         renders.trim(&present, 11 * PLANE);
         assert_eq!(kept(&renders), [1, 1, 4, 4]);
-        renders.trim(&present, 3 * PLANE);
-        assert_eq!(kept(&renders), [0, 1, 1, 1]);
+        renders.trim(&present, 6 * PLANE);
+        assert_eq!(kept(&renders), [0, 1, 1, 4]);
         assert!(renders.picture(1).is_none());
         assert_eq!(renders.entry(1).unwrap().facts.hash(), Some("0123456789"));
         assert_eq!(renders.forget(2).len(), 1);
