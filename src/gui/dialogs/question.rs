@@ -5,7 +5,6 @@ use egui::RichText;
 use super::{Intent, buttons_ui, modal_ui};
 use crate::gui::commands::Stoppable;
 use crate::gui::picture::LONG;
-use crate::gui::status_bar::duration;
 use crate::gui::widgets::primary_button;
 
 /// What the user decided.
@@ -131,8 +130,9 @@ pub fn pictures_ui(ctx: &egui::Context, names: &[&str]) -> Option<bool> {
         if names.len() > MOST {
             ui.label(format!("and {} more", names.len() - MOST));
         }
-        let least = duration(LONG);
-        let text = format!("{they} in no file, took {least} or more to render, and would be lost.");
+        let least = LONG.as_secs();
+        let text =
+            format!("{they} in no file, took {least} s or more to render, and would be lost.");
         ui.label(RichText::new(text).weak());
         buttons_ui(ui, |ui| {
             let stay = ui
