@@ -63,8 +63,8 @@ pub use model_writing::{ModelFormat, WriteError, write_model};
 pub use origin::{Origin, WrittenError, WrittenOrigin};
 pub use part_name::file_and_part;
 pub use picture_file::{
-    PICTURE_FORMATS, PictureError, PictureFile, parse_image, read_image, read_image_unless,
-    read_layers,
+    PICTURE_FORMATS, PictureError, PictureFile, parse_image, parse_layers, read_image,
+    read_image_unless, read_layers,
 };
 pub use radiance_file::{
     RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, parse_radiance,

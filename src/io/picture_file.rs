@@ -77,14 +77,23 @@ pub fn read_layers(
     progress: &Progress,
 ) -> Result<Option<Vec<(Layer, Image)>>, PictureError> {
     read(path, cancel, progress, |bytes| {
-        if is_png(bytes) {
-            return Ok(Some(Vec::new()));
-        }
-        let names = Layer::ALL.map(Layer::name);
-        let images = read_named_values(bytes, &names, cancel, progress)?;
-        let layer = |(place, image): (usize, RawImage)| (Layer::ALL[place], image.into());
-        Ok(images.map(|images| images.into_iter().map(layer).collect()))
+        layers_of(bytes, cancel, progress)
     })
+}
+
+/// The layers of the picture in `bytes`, which are those of a whole file.
+fn layers_of(
+    bytes: &[u8],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<Vec<(Layer, Image)>> {
+    if is_png(bytes) {
+        return Ok(Some(Vec::new()));
+    }
+    let names = Layer::ALL.map(Layer::name);
+    let images = read_named_values(bytes, &names, cancel, progress)?;
+    let layer = |(place, image): (usize, RawImage)| (Layer::ALL[place], image.into());
+    Ok(images.map(|images| images.into_iter().map(layer).collect()))
 }
 
 /// What `understand` makes of the file at `path`; errors name it.
@@ -109,11 +118,24 @@ fn read<T>(
 ///
 /// # Errors
 /// Those of [`read_image`] that are about the content.
-#[expect(clippy::missing_panics_doc, reason = "nobody cancels")]
 pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError> {
     let parsed = parse(bytes, &CancelToken::new(), &Progress::new());
-    let parsed = parsed.map(|file| file.expect("nobody cancels"));
-    parsed.map_err(|reason| PictureError {
+    whole(name, parsed)
+}
+
+/// The layers of the picture in `bytes`, like [`parse_image`].
+///
+/// # Errors
+/// Those of [`parse_image`].
+pub fn parse_layers(name: &str, bytes: &[u8]) -> Result<Vec<(Layer, Image)>, PictureError> {
+    let parsed = layers_of(bytes, &CancelToken::new(), &Progress::new());
+    whole(name, parsed)
+}
+
+/// What was read while nobody could cancel; errors name it.
+fn whole<T>(name: &str, read: Reading<T>) -> Result<T, PictureError> {
+    let read = read.map(|read| read.expect("nobody cancels"));
+    read.map_err(|reason| PictureError {
         name: name.to_owned(),
         reason,
     })

@@ -1,4 +1,4 @@
-use raymini::io::{WrittenOrigin, parse_image};
+use raymini::io::{WrittenOrigin, parse_image, parse_layers};
 use raymini::scene::RadianceMap;
 
 use super::{assert_message, measured};
@@ -34,6 +34,20 @@ pub fn check(bytes: &[u8]) {
             for warning in &file.warnings {
                 assert_message(warning);
             }
+        }
+        Err(error) => {
+            assert_memory(peak, 0, bytes);
+            assert_message(&error.to_string());
+        }
+    }
+    let (layers, peak) = measured(|| parse_layers("picture", bytes));
+    match layers {
+        Ok(layers) => {
+            let pixels = layers.iter().map(|(_, image)| {
+                assert_size(image.width, image.height, image.pixels.len(), bytes);
+                image.pixels.len()
+            });
+            assert_memory(peak, pixels.sum(), bytes);
         }
         Err(error) => {
             assert_memory(peak, 0, bytes);
