@@ -1,6 +1,6 @@
 //! The question that stands between unsaved work and its loss.
 
-use egui::RichText;
+use egui::{RichText, Ui};
 
 use super::{Intent, buttons_ui, modal_ui};
 use crate::gui::commands::Stoppable;
@@ -39,7 +39,7 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent) -> Decision 
         ui.label(RichText::new(what).weak());
         buttons_ui(ui, |ui| {
             let mut decision = Decision::None;
-            let mut choice = |ui: &mut egui::Ui, button: egui::Button<'_>, tooltip, meaning| {
+            let mut choice = |ui: &mut Ui, button: egui::Button<'_>, tooltip, meaning| {
                 let response = ui.add(button).on_hover_text(tooltip);
                 if response.clicked() {
                     decision = meaning;
@@ -94,21 +94,28 @@ pub fn running_ui(ctx: &egui::Context, what: Stoppable, share: Option<f64>) -> O
             None => "The window closes as soon as it is done.".to_owned(),
         };
         ui.label(RichText::new(text).weak());
-        buttons_ui(ui, |ui| {
-            let go_on = ui
-                .add(primary_button("Go on"))
-                .on_hover_text("Leave the window open");
-            let give_up = ui
-                .button("Give up and close")
-                .on_hover_text("What it has reached is lost, but for pictures that were saved");
-            give_up
-                .clicked()
-                .then_some(true)
-                .or(go_on.clicked().then_some(false))
-        })
+        stay_or_close_ui(
+            ui,
+            ("Go on", "Leave the window open"),
+            (
+                "Give up and close",
+                "What it has reached is lost, but for pictures that were saved",
+            ),
+        )
     });
     let is_over = response.should_close() || is_confirmed(ctx);
     response.inner.or(is_over.then_some(false))
+}
+
+/// Two buttons, each a name and a tooltip: to leave the window open, which is what is likely wanted, and to close it. Returns whether it is to
+/// close, once that is decided.
+fn stay_or_close_ui(ui: &mut Ui, stay: (&str, &str), close: (&str, &str)) -> Option<bool> {
+    buttons_ui(ui, |ui| {
+        let stays = ui.add(primary_button(stay.0)).on_hover_text(stay.1);
+        let closes = ui.button(close.0).on_hover_text(close.1);
+        let stays = stays.clicked().then_some(false);
+        closes.clicked().then_some(true).or(stays)
+    })
 }
 
 /// Asks before pictures of these names, which are in no file, are lost with the window. `Some(true)` to lose them, `Some(false)` to leave the
@@ -134,18 +141,17 @@ pub fn pictures_ui(ctx: &egui::Context, names: &[&str]) -> Option<bool> {
         let text =
             format!("{they} in no file, took {least} s or more to render, and would be lost.");
         ui.label(RichText::new(text).weak());
-        buttons_ui(ui, |ui| {
-            let stay = ui
-                .add(primary_button("Leave open"))
-                .on_hover_text("Leave the window open, to save what is under Renders");
-            let close = ui
-                .button("Close without saving")
-                .on_hover_text("Close the window; the pictures are lost");
-            close
-                .clicked()
-                .then_some(true)
-                .or(stay.clicked().then_some(false))
-        })
+        stay_or_close_ui(
+            ui,
+            (
+                "Leave open",
+                "Leave the window open, to save what is under Renders",
+            ),
+            (
+                "Close without saving",
+                "Close the window; the pictures are lost",
+            ),
+        )
     });
     let is_over = response.should_close() || is_confirmed(ctx);
     response.inner.or(is_over.then_some(false))
