@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::TriangleMesh;
+use super::triangle::narrowed;
 use crate::math::{DBounds, length_of, percent, three_digits};
 
 /// The largest move of a corner, as a share of the median edge, that can be neglected: faces turn by about half a degree.
@@ -128,14 +129,6 @@ impl fmt::Display for LostDigits {
 pub fn spacing_at(value: f64) -> f64 {
     let narrow = narrowed(value.abs());
     f64::from(narrow.next_up()) - f64::from(narrow)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the rounding is the question"
-)]
-fn narrowed(value: f64) -> f32 {
-    value as f32
 }
 
 #[cfg(test)]

@@ -226,11 +226,12 @@ fn largest<const N: usize>(values: [f64; N]) -> f64 {
     values.into_iter().fold(0.0, |m, value| value.abs().max(m))
 }
 
+/// The nearest `f32`.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the rounding is the purpose"
 )]
-fn narrowed(value: f64) -> f32 {
+pub(super) fn narrowed(value: f64) -> f32 {
     value as f32
 }
 
