@@ -11,9 +11,10 @@ use crate::math::percent;
 use crate::render::PreparedScene;
 use crate::scene::{RenderSettings, Scene, SceneError};
 
-/// The missing share of the light that is told.
+/// The missing share of the light that is told: less is a fraction of the steps of a picture of 8 bits.
 const LEAST_LOSS: f64 = 1e-3;
-/// The missing share that is warned of, and that matters where it is missing still.
+/// The missing share that is warned of, and that matters where it is missing still: it is some two steps of 8 bits, which who compares two
+/// pictures sees.
 const NOTABLE_LOSS: f64 = 1e-2;
 
 /// How many times as many bounces paths may have where it is looked for what is missing.
@@ -21,7 +22,7 @@ const MORE_BOUNCES: u32 = 4;
 /// How many bounces they may have then at least.
 const LEAST_BOUNCES: u32 = 64;
 
-/// The share of paths that still end which does not matter.
+/// The share of paths that still end which does not matter: did they bring as much light as the others, it would be a tenth of what does.
 const FEW_ENDED: f64 = 1e-3;
 
 /// So many samples must meet light for their mean to tell how much there is.

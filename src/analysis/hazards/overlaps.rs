@@ -15,13 +15,15 @@ use crate::math::{Bounds, DBounds, DVec3, Ray, Vec3, three_digits};
 use crate::render::{PreparedGeometry, PreparedScene, is_nothing};
 use crate::scene::{Scene, SceneError};
 
-/// The sine of the largest angle between faces that lie in one plane. Surfaces that cross are as near to each other, but in a line alone.
+/// The sine of the largest angle between faces that lie in one plane: rounding turns faces by as much whose edges are a hundred units in the
+/// last place. Surfaces that cross are as near to each other, but in a line alone.
 const PARALLEL: f64 = 1e-2;
 
 /// How far inside of a face a point is to be, in prepared units: faces side by side overlap by what their corners are rounded.
 const INSIDE: f64 = 8.0 / (1 << 24) as f64;
 
-/// How far apart faces near the eye are that rounding does not mix up, in prepared units, of which a scene is one to two across.
+/// How far apart faces near the eye are that rounding does not mix up, in prepared units, of which a scene is one to two across: some 170
+/// units in the last place.
 const APART: f64 = 1e-5;
 
 /// The most faces that are compared with what the eye sees: some seconds of work.
