@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::mesh_use::{bounds_of_first_copy, is_glass, middle_of};
+use super::mesh_use::{bounds_of_first_copy, middle_of};
+use super::pair::{Pair, Shows};
 use super::tally::Tally;
-use super::{Hazard, HazardKind, Place, Severity, Subject};
+use super::{Hazard, HazardKind, Place};
 use crate::control::CancelToken;
 use crate::geometry::TriangleMesh;
 use crate::math::{DBounds, DMat3, DVec3, SceneFrame, Vec3};
@@ -226,26 +227,19 @@ fn pairs_among(
 }
 
 fn hazard(scene: &Scene, numbers: [usize; 2], tally: Tally) -> Result<Hazard, SceneError> {
-    let [a, b] = numbers.map(|number| &scene.objects[number]);
-    let has_glass = is_glass(scene, a)? || is_glass(scene, b)?;
-    let is_alike = scene.material_of(a)? == scene.material_of(b)?;
-    let (severity, advice) = if has_glass {
-        (
-            Severity::Warning,
+    let pair = Pair::of(scene, numbers)?;
+    let advice = match pair.shows {
+        Shows::Glass => {
             "Let only one of them have the face, or move them apart or into each other a little: light that crosses both at once is \
-             bent by one of them only.",
-        )
-    } else if is_alike {
-        (
-            Severity::Note,
-            "Nothing needs to be done: both look the same there. One of them can be removed.",
-        )
-    } else {
-        (
-            Severity::Warning,
+             bent by one of them only."
+        }
+        Shows::Alike => {
+            "Nothing needs to be done: both look the same there. One of them can be removed."
+        }
+        Shows::Either => {
             "Remove one of them, or move one a little: the one that comes first in the scene is seen, unless rounding decides \
-             otherwise.",
-        )
+             otherwise."
+        }
     };
     let who = if numbers[0] == numbers[1] {
         "of two copies"
@@ -253,34 +247,18 @@ fn hazard(scene: &Scene, numbers: [usize; 2], tally: Tally) -> Result<Hazard, Sc
         "of both"
     };
     Ok(Hazard {
-        kind: HazardKind::CoincidentFaces,
-        severity,
-        subject: Subject::Pair {
-            objects: [a.name.clone(), b.name.clone()],
-            meshes: [a.mesh.clone(), b.mesh.clone()],
-        },
-        count: tally.count,
         message: format!(
             "{} {who} in the same place, all three corners",
             tally.of("face lies", "faces lie")
         ),
-        places: tally.places,
-        figure: None,
         advice: advice.to_owned(),
+        ..pair.hazard(HazardKind::CoincidentFaces, tally)
     })
 }
 
 fn unexamined(candidates: usize) -> Hazard {
-    Hazard {
-        kind: HazardKind::Unexamined,
-        severity: Severity::Note,
-        subject: Subject::Picture {},
-        count: (candidates - MOST_COMPARED) as u64,
-        places: Vec::new(),
-        figure: None,
-        message: format!(
-            "of {candidates} faces that may lie in the same place as others, {MOST_COMPARED} were compared"
-        ),
-        advice: "Examine parts of the scene by themselves.".to_owned(),
-    }
+    let message = format!(
+        "of {candidates} faces that may lie in the same place as others, {MOST_COMPARED} were compared"
+    );
+    Hazard::unexamined(candidates - MOST_COMPARED, message)
 }

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::disk_reach::{DiskSpace, distance_to_triangle, nearest_on_triangle};
-use super::mesh_use::{bounds_of_first_copy, narrowed};
+use super::mesh_use::narrowed;
+use super::placed_copy::PlacedCopy;
 use super::tally::Tally;
-use super::{Figure, Hazard, HazardKind, Place, Severity, Subject, stops};
+use super::{Figure, Hazard, HazardKind, Place, Severity, Subject};
 use crate::accel::BoxTree;
 use crate::control::CancelToken;
 use crate::math::{Bounds, DBounds, DVec3, SceneFrame, three_digits};
@@ -38,49 +39,31 @@ pub fn examine(
     let tree = BoxTree::build(&boxes);
     let mut found: BTreeMap<(u32, usize), Found> = BTreeMap::new();
     for (number, object) in scene.objects.iter().enumerate() {
-        let mesh = scene.mesh_of(object)?;
-        let placement = object.placement();
-        let around = bounds_of_first_copy(object, mesh);
-        if around.is_empty() {
-            continue;
-        }
-        for offset in object.copies.offsets() {
+        for copy in PlacedCopy::all_of(object, scene.mesh_of(object)?, frame) {
             if cancel.is_cancelled() {
                 return Ok(None);
             }
-            let of_copy = DBounds {
-                min: frame.prepared_from_world(around.min + offset),
-                max: frame.prepared_from_world(around.max + offset),
-            };
-            let mut is_near = false;
-            tree.overlapping(&narrowed(&of_copy), |_| is_near = true);
-            if !is_near {
+            if !copy.is_near(&tree, |_| true) {
                 continue;
             }
-            for face in 0..mesh.triangles.len() {
-                if stops(cancel, face) {
-                    return Ok(None);
-                }
-                let corners = mesh.corners(face).map(|corner| {
-                    frame.prepared_from_world(placement.world_from_object(corner) + offset)
-                });
-                let bounds = narrowed(&DBounds::of_points(corners));
-                tree.overlapping(&bounds, |light| {
-                    let reach = &lights[light as usize];
-                    let Some(nearness) = reach.nearness(corners) else {
-                        return;
-                    };
-                    let nearest = nearest_on_triangle(reach.middle(), corners);
-                    let position = frame.world_from_prepared(nearest);
-                    found
-                        .entry((light, number))
-                        .or_default()
-                        .add(nearness, || Place {
-                            faces: vec![face],
-                            position: Some(position.to_array()),
-                            pixel: None,
-                        });
-                });
+            let add = |light: u32, face, corners| {
+                let reach = &lights[light as usize];
+                let Some(nearness) = reach.nearness(corners) else {
+                    return;
+                };
+                let nearest = nearest_on_triangle(reach.middle(), corners);
+                let position = frame.world_from_prepared(nearest);
+                found
+                    .entry((light, number))
+                    .or_default()
+                    .add(nearness, || Place {
+                        faces: vec![face],
+                        position: Some(position.to_array()),
+                        pixel: None,
+                    });
+            };
+            if copy.for_each_face_near(&tree, cancel, add).is_none() {
+                return Ok(None);
             }
         }
     }

@@ -21,7 +21,9 @@ mod materials;
 mod mesh_use;
 mod normals;
 mod overlaps;
+mod pair;
 mod pilot;
+mod placed_copy;
 mod resolution;
 mod tally;
 
@@ -55,6 +57,22 @@ pub struct Hazard {
     pub message: String,
     /// What to do, or why nothing needs to be done.
     pub advice: String,
+}
+
+impl Hazard {
+    /// That so many faces were not examined, as `message` says.
+    fn unexamined(faces: usize, message: String) -> Self {
+        Self {
+            kind: HazardKind::Unexamined,
+            severity: Severity::Note,
+            subject: Subject::Picture {},
+            count: faces as u64,
+            places: Vec::new(),
+            figure: None,
+            message,
+            advice: "Examine parts of the scene by themselves.".to_owned(),
+        }
+    }
 }
 
 /// How much a hazard matters.

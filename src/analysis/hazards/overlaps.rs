@@ -5,9 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use super::mesh_use::{bounds_of_first_copy, is_glass, narrowed};
+use super::mesh_use::narrowed;
+use super::pair::{Pair, Shows};
+use super::placed_copy::PlacedCopy;
 use super::tally::Tally;
-use super::{Hazard, HazardKind, Place, Severity, Subject, stops};
+use super::{Hazard, HazardKind, Place};
 use crate::accel::{BoxTree, Hit};
 use crate::control::CancelToken;
 use crate::geometry::{face_normal, spacing_at};
@@ -48,50 +50,34 @@ pub fn examine(
     let mut found: BTreeMap<[usize; 2], BTreeMap<u32, [usize; 2]>> = BTreeMap::new();
     let (mut compared, mut left_out) = (0, 0);
     for (number, object) in scene.objects.iter().enumerate() {
-        let mesh = scene.mesh_of(object)?;
-        let around = bounds_of_first_copy(object, mesh);
-        if around.is_empty() || is_nothing(&scene.material_of(object)?, &scene.render) {
+        if is_nothing(&scene.material_of(object)?, &scene.render) {
             continue;
         }
-        let placement = object.placement();
-        for offset in object.copies.offsets() {
+        for copy in PlacedCopy::all_of(object, scene.mesh_of(object)?, frame) {
             if cancel.is_cancelled() {
                 return Ok(None);
             }
-            let of_copy = DBounds {
-                min: frame.prepared_from_world(around.min + offset),
-                max: frame.prepared_from_world(around.max + offset),
-            };
-            let mut is_near = false;
-            tree.overlapping(&narrowed(&of_copy), |look| {
-                is_near |= looks[look as usize].object != number;
-            });
-            if !is_near {
+            if !copy.is_near(&tree, |look| looks[look as usize].object != number) {
                 continue;
             }
-            let faces = mesh.triangles.len();
+            let faces = copy.faces();
             if compared + faces > MOST_COMPARED {
                 left_out += faces;
                 continue;
             }
             compared += faces;
-            for face in 0..faces {
-                if stops(cancel, face) {
-                    return Ok(None);
+            let compare = |index: u32, face, corners| {
+                let look = &looks[index as usize];
+                if look.object != number && look.is_overlapped_by(corners) {
+                    let mut both = [(look.object, look.face), (number, face)];
+                    both.sort_unstable();
+                    let pair = both.map(|(object, _)| object);
+                    let faces = both.map(|(_, face)| face);
+                    found.entry(pair).or_default().entry(index).or_insert(faces);
                 }
-                let corners = mesh.corners(face).map(|corner| {
-                    frame.prepared_from_world(placement.world_from_object(corner) + offset)
-                });
-                tree.overlapping(&narrowed(&DBounds::of_points(corners)), |index| {
-                    let look = &looks[index as usize];
-                    if look.object != number && look.is_overlapped_by(corners) {
-                        let mut both = [(look.object, look.face), (number, face)];
-                        both.sort_unstable();
-                        let pair = both.map(|(object, _)| object);
-                        let faces = both.map(|(_, face)| face);
-                        found.entry(pair).or_default().entry(index).or_insert(faces);
-                    }
-                });
+            };
+            if copy.for_each_face_near(&tree, cancel, compare).is_none() {
+                return Ok(None);
             }
         }
     }
@@ -226,53 +212,30 @@ fn hazard(
     (tally, looks): (Tally, usize),
     apart: &str,
 ) -> Result<Hazard, SceneError> {
-    let [a, b] = pair.map(|number| &scene.objects[number]);
-    let has_glass = is_glass(scene, a)? || is_glass(scene, b)?;
-    let is_alike = scene.material_of(a)? == scene.material_of(b)?;
-    let (severity, advice) = if has_glass {
-        let advice = format!(
+    let pair = Pair::of(scene, pair)?;
+    let advice = match pair.shows {
+        Shows::Glass => format!(
             "Move them apart or into each other by more than {apart}: light that crosses both at once is bent by one of them only."
-        );
-        (Severity::Warning, advice)
-    } else if is_alike {
-        let advice = "Nothing needs to be done: both look the same there.".to_owned();
-        (Severity::Note, advice)
-    } else {
-        let advice = format!(
+        ),
+        Shows::Alike => "Nothing needs to be done: both look the same there.".to_owned(),
+        Shows::Either => format!(
             "Move one of them by more than {apart}, or take away what lies in the other: the picture may be speckled there, or show \
              the wrong one."
-        );
-        (Severity::Warning, advice)
+        ),
     };
     Ok(Hazard {
-        kind: HazardKind::OverlappingFaces,
-        severity,
-        subject: Subject::Pair {
-            objects: [a.name.clone(), b.name.clone()],
-            meshes: [a.mesh.clone(), b.mesh.clone()],
-        },
-        count: tally.count,
         message: format!(
             "faces of both overlap in one plane, so that rounding decides which is seen: along {} of {looks} rays from the eye",
             tally.count
         ),
-        places: tally.places,
-        figure: None,
         advice,
+        ..pair.hazard(HazardKind::OverlappingFaces, tally)
     })
 }
 
 fn unexamined(faces: usize) -> Hazard {
-    Hazard {
-        kind: HazardKind::Unexamined,
-        severity: Severity::Note,
-        subject: Subject::Picture {},
-        count: faces as u64,
-        places: Vec::new(),
-        figure: None,
-        message: format!(
-            "{faces} faces near what is seen were not compared with it: whether they overlap others in a plane is not known"
-        ),
-        advice: "Examine parts of the scene by themselves.".to_owned(),
-    }
+    let message = format!(
+        "{faces} faces near what is seen were not compared with it: whether they overlap others in a plane is not known"
+    );
+    Hazard::unexamined(faces, message)
 }
