@@ -33,7 +33,7 @@ use std::io::{self, Write};
 use foldhash::fast::RandomState;
 
 use super::mesh_file::MeshFile;
-use super::mesh_reading::{Cursor, Malformed, Place, Solid, Watch, number, whole};
+use super::mesh_reading::{Cursor, Malformed, Place, Solid, Watch, whole};
 use super::mesh_writing::Decimals;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
@@ -132,7 +132,7 @@ struct Reader<'a> {
     items: u64,
 }
 
-impl<'a> Reader<'a> {
+impl Reader<'_> {
     /// Reads all sections; `None` when cancelled.
     fn sections(&mut self) -> Result<Option<()>, Malformed> {
         self.expect("$MeshFormat")?;
@@ -156,13 +156,13 @@ impl<'a> Reader<'a> {
 
     fn format(&mut self) -> Result<(), Malformed> {
         const EXPECTED: &str = "the version 2, 2.1, 2.2 or 4.1";
-        let word = self.next_word(EXPECTED)?;
+        let word = self.cursor.next_word(EXPECTED)?;
         self.version = match word {
             b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
             b"4.1" => Version::Four,
             _ => return Err(Malformed::at_token(self.cursor.line(), EXPECTED, word)),
         };
-        let word = self.next_word("0 for text")?;
+        let word = self.cursor.next_word("0 for text")?;
         if word != b"0" {
             let line = self.cursor.line();
             return Err(Malformed::at_token(
@@ -191,8 +191,7 @@ impl<'a> Reader<'a> {
             "{} after line {begun}",
             String::from_utf8_lossy(&end[..end.len().min(40)])
         );
-        let line = self.cursor.line();
-        Err(Malformed::in_line(line, expected, "the end of the file"))
+        Err(self.cursor.at_end(expected))
     }
 
     /// Reads nodes behind their keyword; `None` when cancelled.
@@ -200,9 +199,10 @@ impl<'a> Reader<'a> {
         let blocks = match self.version {
             Version::Two => 1,
             Version::Four => {
-                let blocks = self.count("the number of blocks of nodes")?;
+                let blocks = self.cursor.next_count("the number of blocks of nodes")?;
                 for _ in 0..3 {
-                    self.count("the number of nodes, the least and the largest")?;
+                    self.cursor
+                        .next_count("the number of nodes, the least and the largest")?;
                 }
                 blocks
             }
@@ -211,19 +211,22 @@ impl<'a> Reader<'a> {
         for _ in 0..blocks {
             let mut more = 0;
             if self.version == Version::Four {
-                let dimension = self.count("the dimension of a block")?;
-                self.next_word("the tag of a block")?;
-                let has_parameters = self.count("whether nodes have parameters, 0 or 1")? == 1;
+                let dimension = self.cursor.next_count("the dimension of a block")?;
+                self.cursor.next_word("the tag of a block")?;
+                let has_parameters = self
+                    .cursor
+                    .next_count("whether nodes have parameters, 0 or 1")?
+                    == 1;
                 more = if has_parameters { dimension } else { 0 };
             }
-            let count = self.count("the number of nodes")?;
+            let count = self.cursor.next_count("the number of nodes")?;
             numbers.clear();
             if self.version == Version::Four {
                 for _ in 0..count {
                     if self.go_on().is_none() {
                         return Ok(None);
                     }
-                    numbers.push(self.count("the number of a node")?);
+                    numbers.push(self.cursor.next_count("the number of a node")?);
                 }
             }
             for index in 0..count {
@@ -231,12 +234,12 @@ impl<'a> Reader<'a> {
                     return Ok(None);
                 }
                 let number = match self.version {
-                    Version::Two => self.count("the number of a node")?,
+                    Version::Two => self.cursor.next_count("the number of a node")?,
                     Version::Four => numbers[usize::try_from(index).expect("as many are there")],
                 };
                 self.node(number)?;
                 for _ in 0..more {
-                    self.coordinate()?;
+                    self.cursor.next_coordinate()?;
                 }
             }
         }
@@ -245,7 +248,8 @@ impl<'a> Reader<'a> {
     }
 
     fn node(&mut self, number: u64) -> Result<(), Malformed> {
-        let position = DVec3::new(self.coordinate()?, self.coordinate()?, self.coordinate()?);
+        let mut coordinate = || self.cursor.next_coordinate();
+        let position = DVec3::new(coordinate()?, coordinate()?, coordinate()?);
         let line = self.cursor.line();
         let index = u32::try_from(self.solid.positions.len())
             .map_err(|_| Malformed::in_line(line, "fewer than 2^32 nodes", "another"))?;
@@ -266,9 +270,10 @@ impl<'a> Reader<'a> {
         let blocks = match self.version {
             Version::Two => 1,
             Version::Four => {
-                let blocks = self.count("the number of blocks of elements")?;
+                let blocks = self.cursor.next_count("the number of blocks of elements")?;
                 for _ in 0..3 {
-                    self.count("the number of elements, the least and the largest")?;
+                    self.cursor
+                        .next_count("the number of elements, the least and the largest")?;
                 }
                 blocks
             }
@@ -276,19 +281,19 @@ impl<'a> Reader<'a> {
         for _ in 0..blocks {
             let mut cell = Cell::Other;
             if self.version == Version::Four {
-                self.count("the dimension of a block")?;
-                self.next_word("the tag of a block")?;
-                cell = Cell::of(self.count("the kind of a block's elements")?);
+                self.cursor.next_count("the dimension of a block")?;
+                self.cursor.next_word("the tag of a block")?;
+                cell = Cell::of(self.cursor.next_count("the kind of a block's elements")?);
             }
-            for _ in 0..self.count("the number of elements")? {
+            for _ in 0..self.cursor.next_count("the number of elements")? {
                 if self.go_on().is_none() {
                     return Ok(None);
                 }
-                self.count("the number of an element")?;
+                self.cursor.next_count("the number of an element")?;
                 if self.version == Version::Two {
-                    cell = Cell::of(self.count("the kind of an element")?);
-                    for _ in 0..self.count("the number of tags")? {
-                        self.next_word("a tag")?;
+                    cell = Cell::of(self.cursor.next_count("the kind of an element")?);
+                    for _ in 0..self.cursor.next_count("the number of tags")? {
+                        self.cursor.next_word("a tag")?;
                     }
                 }
                 self.cell(cell)?;
@@ -337,32 +342,12 @@ impl<'a> Reader<'a> {
         index.ok_or_else(|| Malformed::at_token(line, "the number of a node", word))
     }
 
-    fn coordinate(&mut self) -> Result<f64, Malformed> {
-        let expected = "a finite coordinate";
-        let word = self.next_word(expected)?;
-        let value = number(word).filter(|value| value.is_finite());
-        value.ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
-    }
-
-    fn count(&mut self, expected: &str) -> Result<u64, Malformed> {
-        let word = self.next_word(expected)?;
-        whole(word).ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
-    }
-
     fn expect(&mut self, keyword: &'static str) -> Result<(), Malformed> {
-        let word = self.next_word(keyword)?;
+        let word = self.cursor.next_word(keyword)?;
         if word == keyword.as_bytes() {
             return Ok(());
         }
         Err(Malformed::at_token(self.cursor.line(), keyword, word))
-    }
-
-    fn next_word(&mut self, expected: &str) -> Result<&'a [u8], Malformed> {
-        if !self.cursor.find_word() {
-            let line = self.cursor.line();
-            return Err(Malformed::in_line(line, expected, "the end of the file"));
-        }
-        Ok(self.cursor.word().unwrap_or_default())
     }
 
     /// Reports at times how far it is; `None` when cancelled.

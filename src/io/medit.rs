@@ -86,15 +86,15 @@ enum Items {
     Cells(usize),
 }
 
-impl<'a> Reader<'a> {
+impl Reader<'_> {
     /// Reads all sections; `None` when cancelled.
     fn sections(&mut self) -> Result<Option<()>, Malformed> {
-        let first = self.next_word("MeshVersionFormatted")?;
+        let first = self.cursor.next_word("MeshVersionFormatted")?;
         if !first.eq_ignore_ascii_case(FIRST) {
             let line = self.cursor.line();
             return Err(Malformed::at_token(line, "MeshVersionFormatted", first));
         }
-        self.count("the version of the format")?;
+        self.cursor.next_count("the version of the format")?;
         while self.cursor.find_word() {
             let line = self.cursor.line();
             let keyword = self.cursor.word().unwrap_or_default().to_ascii_lowercase();
@@ -119,7 +119,7 @@ impl<'a> Reader<'a> {
     }
 
     fn dimension(&mut self) -> Result<(), Malformed> {
-        let word = self.next_word("the dimension, 2 or 3")?;
+        let word = self.cursor.next_word("the dimension, 2 or 3")?;
         self.dimensions = match word {
             b"2" => 2,
             b"3" => 3,
@@ -164,7 +164,7 @@ impl<'a> Reader<'a> {
             let expected = format!("Vertices before {what}");
             return Err(Malformed::in_line(line, expected, "none"));
         }
-        let count = self.count(&format!("the number of {what}"))?;
+        let count = self.cursor.next_count(&format!("the number of {what}"))?;
         let possible = self.cursor.remaining() / LEAST_BYTES;
         if items == Items::Vertices {
             if !self.solid.positions.is_empty() {
@@ -205,7 +205,7 @@ impl<'a> Reader<'a> {
             }
             // The reference.
             let line = self.cursor.line();
-            let word = self.next_word(&item())?;
+            let word = self.cursor.next_word(&item())?;
             if number(word).is_none() {
                 return Err(Malformed::at_token(line, "a reference, a number", word));
             }
@@ -216,11 +216,8 @@ impl<'a> Reader<'a> {
     fn vertex(&mut self, item: &dyn Fn() -> String) -> Result<(), Malformed> {
         let mut position = DVec3::ZERO;
         for axis in 0..self.dimensions {
-            let word = self.next_word(&item())?;
-            let value = number(word).filter(|value| value.is_finite());
-            position[axis] = value.ok_or_else(|| {
-                Malformed::at_token(self.cursor.line(), "a finite coordinate", word)
-            })?;
+            let word = self.cursor.next_word(&item())?;
+            position[axis] = self.cursor.coordinate(word)?;
         }
         if u32::try_from(self.solid.positions.len()).is_err() {
             let line = self.cursor.line();
@@ -236,7 +233,7 @@ impl<'a> Reader<'a> {
 
     /// The next number as that of a vertex, from 0.
     fn index(&mut self, item: &dyn Fn() -> String) -> Result<u32, Malformed> {
-        let word = self.next_word(&item())?;
+        let word = self.cursor.next_word(&item())?;
         let count = self.solid.positions.len();
         let index = whole(word).and_then(|index| index.checked_sub(1));
         let index = index.and_then(|index| u32::try_from(index).ok());
@@ -246,19 +243,6 @@ impl<'a> Reader<'a> {
                 let expected = format!("a vertex number from 1 to {count}");
                 Malformed::at_token(self.cursor.line(), expected, word)
             })
-    }
-
-    fn count(&mut self, expected: &str) -> Result<u64, Malformed> {
-        let word = self.next_word(expected)?;
-        whole(word).ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
-    }
-
-    fn next_word(&mut self, expected: &str) -> Result<&'a [u8], Malformed> {
-        if !self.cursor.find_word() {
-            let line = self.cursor.line();
-            return Err(Malformed::in_line(line, expected, "the end of the file"));
-        }
-        Ok(self.cursor.word().unwrap_or_default())
     }
 }
 

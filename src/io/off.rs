@@ -56,7 +56,7 @@ use super::mesh_reading::{
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use crate::math::{DVec2, DVec3};
-use header::{Header, Keyword, at_end, expect_end_of_line};
+use header::{Header, Keyword, expect_end_of_line};
 
 /// Reads an OFF file from its bytes.
 ///
@@ -176,7 +176,7 @@ impl<'a> Reader<'a> {
     ) -> Result<(), Malformed> {
         if !self.cursor.find_word() {
             let expected = format!("vertex {} of {}", index + 1, header.vertices);
-            return Err(at_end(&self.cursor, expected));
+            return Err(self.cursor.at_end(expected));
         }
         let line = self.cursor.line();
         let mut values = [0.0; 7];
@@ -209,8 +209,7 @@ impl<'a> Reader<'a> {
     /// Reads the next word as a finite number.
     fn coordinate(&mut self) -> Result<f64, Malformed> {
         let word = self.cursor.word().unwrap_or_default();
-        let value = number(word).filter(|value| value.is_finite());
-        value.ok_or_else(|| Malformed::at_token(self.cursor.line(), "a finite coordinate", word))
+        self.cursor.coordinate(word)
     }
 
     fn add_vertex(&mut self, header: &Header, values: &[f64]) -> Result<(), Malformed> {
@@ -335,7 +334,7 @@ impl<'a> Reader<'a> {
             }
             if !self.cursor.find_word() {
                 let expected = format!("tetrahedron {} of {}", index + 1, header.faces);
-                return Err(at_end(&self.cursor, expected));
+                return Err(self.cursor.at_end(expected));
             }
             let line = self.cursor.line();
             self.first_face.get_or_insert(Place::Line(line));
@@ -406,7 +405,7 @@ impl<'a> Reader<'a> {
         };
         if !self.cursor.find_word() {
             let expected = format!("face {} of {}", index + 1, header.faces);
-            return Err(at_end(&self.cursor, expected));
+            return Err(self.cursor.at_end(expected));
         }
         let line = self.cursor.line();
         let word = self.cursor.word().unwrap_or_default();

@@ -1,5 +1,7 @@
 //! A place in the text, and the words and numbers found there.
 
+use super::Malformed;
+
 /// Walks over bytes word by word and line by line.
 ///
 /// Words are separated by blanks. A line ends with LF, CR or CR LF; `#` hides the rest of its line. The text need not be
@@ -125,6 +127,63 @@ impl<'a> Cursor<'a> {
         !line_end.is_empty()
     }
 }
+
+/// Words that have to be there, and what is wrong where something else is.
+impl<'a> Cursor<'a> {
+    /// The next word, on this line or a later one.
+    ///
+    /// # Errors
+    /// That `expected` is not there, where the text ends.
+    pub fn next_word(&mut self, expected: &str) -> Result<&'a [u8], Malformed> {
+        if !self.find_word() {
+            return Err(self.at_end(expected));
+        }
+        Ok(self.word().unwrap_or_default())
+    }
+
+    /// The next word as an unsigned whole number.
+    ///
+    /// # Errors
+    /// That `expected` is not there, where the text ends or says something else.
+    pub fn next_count(&mut self, expected: &str) -> Result<u64, Malformed> {
+        let word = self.next_word(expected)?;
+        self.count(word, expected)
+    }
+
+    /// The next word as a coordinate.
+    ///
+    /// # Errors
+    /// That it is not there, where the text ends or says something else.
+    pub fn next_coordinate(&mut self) -> Result<f64, Malformed> {
+        let word = self.next_word(COORDINATE)?;
+        self.coordinate(word)
+    }
+
+    /// The value of `word`, which was the last one, as an unsigned whole number.
+    ///
+    /// # Errors
+    /// That `expected` is not there, where it is no such number.
+    pub fn count(&self, word: &[u8], expected: &str) -> Result<u64, Malformed> {
+        whole(word).ok_or_else(|| Malformed::at_token(self.line(), expected, word))
+    }
+
+    /// The value of `word`, which was the last one, as a coordinate.
+    ///
+    /// # Errors
+    /// That it is no finite number.
+    pub fn coordinate(&self, word: &[u8]) -> Result<f64, Malformed> {
+        let value = number(word).filter(|value| value.is_finite());
+        value.ok_or_else(|| Malformed::at_token(self.line(), COORDINATE, word))
+    }
+
+    /// Says that the text ends where `expected` was to stand.
+    pub fn at_end(&self, expected: impl Into<String>) -> Malformed {
+        Malformed::in_line(self.line(), expected, "the end of the file")
+    }
+}
+
+/// What messages call a coordinate.
+const COORDINATE: &str = "a finite coordinate";
 
 /// What a byte is, looked up: this is asked of every byte of a text.
 const KINDS: [Kind; 256] = {

@@ -97,7 +97,7 @@ impl Header {
         let mut glued: &[u8] = &[];
         let mut ahead = cursor.clone();
         let Some(first) = ahead.find_word().then(|| ahead.word()).flatten() else {
-            return Err(at_end(cursor, EXPECTED));
+            return Err(cursor.at_end(EXPECTED));
         };
         let line = ahead.line();
         if let Some((found, rest)) = Keyword::of(first) {
@@ -132,7 +132,7 @@ fn read_dimension<'a>(
         return Err(in_three_dimensions(cursor.line(), "4nOFF"));
     }
     let word = if glued.is_empty() {
-        next_word(cursor, EXPECTED)?
+        cursor.next_word(EXPECTED)?
     } else {
         std::mem::take(glued)
     };
@@ -158,24 +158,24 @@ fn read_counts<'a>(
     const FACES: &str = "the number of faces";
     const EDGES: &str = "the number of edges";
     let word = if glued.is_empty() {
-        next_word(cursor, VERTICES)?
+        cursor.next_word(VERTICES)?
     } else {
         glued
     };
     if word.eq_ignore_ascii_case(b"BINARY") {
         return Err(Malformed::at_token(cursor.line(), "OFF as text", word));
     }
-    let vertices = count(cursor, word, VERTICES)?;
+    let vertices = cursor.count(word, VERTICES)?;
     if vertices > u64::from(u32::MAX) {
         let expected = "fewer than 2^32 vertices";
         return Err(Malformed::at_token(cursor.line(), expected, word));
     }
     let on_one_line = cursor.line_has_word();
-    let word = next_word(cursor, FACES)?;
-    let faces = count(cursor, word, FACES)?;
+    let word = cursor.next_word(FACES)?;
+    let faces = cursor.count(word, FACES)?;
     let has_edges = !on_one_line || cursor.line_has_word();
     if has_edges {
-        let word = next_word(cursor, EDGES)?;
+        let word = cursor.next_word(EDGES)?;
         if number(word).is_none() {
             return Err(Malformed::at_token(cursor.line(), EDGES, word));
         }
@@ -196,26 +196,10 @@ fn in_three_dimensions(line: u64, found: &str) -> Malformed {
     Malformed::in_line(line, "OFF of three dimensions", found)
 }
 
-fn count(cursor: &Cursor, word: &[u8], expected: &str) -> Result<u64, Malformed> {
-    whole(word).ok_or_else(|| Malformed::at_token(cursor.line(), expected, word))
-}
-
-fn next_word<'a>(cursor: &mut Cursor<'a>, expected: &str) -> Result<&'a [u8], Malformed> {
-    if !cursor.find_word() {
-        return Err(at_end(cursor, expected));
-    }
-    Ok(cursor.word().unwrap_or_default())
-}
-
 /// Says what stands on the line that should end here.
 pub fn expect_end_of_line(cursor: &mut Cursor, expected: &str) -> Result<(), Malformed> {
     match cursor.word() {
         Some(word) => Err(Malformed::at_token(cursor.line(), expected, word)),
         None => Ok(()),
     }
-}
-
-/// Says that the file ends where `expected` was to stand.
-pub fn at_end(cursor: &Cursor, expected: impl Into<String>) -> Malformed {
-    Malformed::in_line(cursor.line(), expected, "the end of the file")
 }

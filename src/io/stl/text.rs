@@ -4,7 +4,7 @@ use super::binary::too_many_vertices;
 use super::weld::Weld;
 use crate::geometry::TriangleMesh;
 use crate::io::mesh_file::MeshFile;
-use crate::io::mesh_reading::{Cursor, Malformed, Place, Tally, Watch, number};
+use crate::io::mesh_reading::{Cursor, Malformed, Place, Tally, Watch};
 use crate::math::DVec3;
 
 /// Whether the bytes begin as a text does: with `solid`, and no zero byte soon after, as there is in binary files.
@@ -44,7 +44,7 @@ struct Reader<'a> {
     solid: Option<u64>,
 }
 
-impl<'a> Reader<'a> {
+impl Reader<'_> {
     /// Reads all solids, of which the last may be left open; `None` when cancelled.
     fn solids(&mut self, mut watch: Watch) -> Result<Option<()>, Malformed> {
         let mut index = 0;
@@ -84,12 +84,12 @@ impl<'a> Reader<'a> {
         self.expect(&["normal"])?;
         for _ in 0..3 {
             // What the normal is does not matter, but that there is one.
-            self.next_word("the three numbers of the normal")?;
+            self.cursor.next_word("the three numbers of the normal")?;
         }
         self.expect(&["outer", "loop"])?;
         self.corners.clear();
         loop {
-            let word = self.next_word("vertex or endloop")?;
+            let word = self.cursor.next_word("vertex or endloop")?;
             if word.eq_ignore_ascii_case(b"endloop") {
                 break;
             }
@@ -100,7 +100,8 @@ impl<'a> Reader<'a> {
                     word,
                 ));
             }
-            let position = DVec3::new(self.coordinate()?, self.coordinate()?, self.coordinate()?);
+            let mut coordinate = || self.cursor.next_coordinate();
+            let position = DVec3::new(coordinate()?, coordinate()?, coordinate()?);
             let vertex = self.weld.vertex(position);
             let place = Place::Line(self.cursor.line());
             self.corners
@@ -115,27 +116,12 @@ impl<'a> Reader<'a> {
 
     fn expect(&mut self, keywords: &[&str]) -> Result<(), Malformed> {
         for keyword in keywords {
-            let word = self.next_word(keyword)?;
+            let word = self.cursor.next_word(keyword)?;
             if !word.eq_ignore_ascii_case(keyword.as_bytes()) {
                 return Err(Malformed::at_token(self.cursor.line(), *keyword, word));
             }
         }
         Ok(())
-    }
-
-    fn coordinate(&mut self) -> Result<f64, Malformed> {
-        let expected = "a finite coordinate";
-        let word = self.next_word(expected)?;
-        let value = number(word).filter(|value| value.is_finite());
-        value.ok_or_else(|| Malformed::at_token(self.cursor.line(), expected, word))
-    }
-
-    fn next_word(&mut self, expected: &str) -> Result<&'a [u8], Malformed> {
-        if !self.cursor.find_word() {
-            let line = self.cursor.line();
-            return Err(Malformed::in_line(line, expected, "the end of the file"));
-        }
-        Ok(self.cursor.word().unwrap_or_default())
     }
 
     fn finish(self) -> MeshFile {
