@@ -42,6 +42,18 @@ pub fn file_and_part(name: &str) -> (&str, Option<&str>) {
     }
 }
 
+/// A name for what shows the mesh called `name`: that of its part, or of its file without folder and extension.
+#[must_use]
+pub fn short_name(name: &str) -> &str {
+    match split(name) {
+        Some((_, part)) if !part.is_empty() => part,
+        _ => {
+            let file = name.rsplit(['/', '\\', ':']).next().unwrap_or(name);
+            file.split('.').next().unwrap_or(file)
+        }
+    }
+}
+
 fn ends_with(text: &str, extension: &str) -> bool {
     let start = text.len().checked_sub(extension.len());
     start.is_some_and(|start| {
@@ -71,6 +83,18 @@ mod tests {
             assert_eq!(split(name), expected, "{name}");
         }
         assert_eq!(with_part("a.obj", "red"), "a.obj#red");
+    }
+
+    #[test]
+    fn what_shows_a_mesh_is_called_like_its_part_or_its_file() {
+        for (name, expected) in [
+            ("a/b.obj#red", "red"),
+            ("a/b.obj#", "b"),
+            ("c:\\a\\b.stl", "b"),
+            ("builtin:ram", "ram"),
+        ] {
+            assert_eq!(short_name(name), expected, "{name}");
+        }
     }
 
     #[test]

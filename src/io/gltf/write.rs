@@ -48,7 +48,7 @@ pub fn write(scene: &Scene, camera: Option<&Camera>, out: &mut dyn Write) -> io:
             .entry((&object.mesh, material))
             .or_insert(writer.meshes.len());
         if number == writer.meshes.len() {
-            writer.add_mesh(mesh_name(object), mesh, material);
+            writer.add_mesh(part_name::short_name(&object.mesh), mesh, material);
         }
         nodes.push(node_of(object, number));
     }
@@ -140,22 +140,6 @@ fn beyond_f32(mesh: &TriangleMesh) -> Option<&'static str> {
         Some("it has texture coordinates")
     } else {
         None
-    }
-}
-
-/// A name for the mesh of an object: that of its part, or of its file.
-fn mesh_name(object: &Object) -> &str {
-    let file_name = || {
-        let file = object
-            .mesh
-            .rsplit(['/', '\\', ':'])
-            .next()
-            .unwrap_or(&object.mesh);
-        file.split('.').next().unwrap_or(file)
-    };
-    match part_name::split(&object.mesh) {
-        Some((_, part)) if !part.is_empty() => part,
-        _ => file_name(),
     }
 }
 

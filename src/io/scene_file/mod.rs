@@ -214,22 +214,9 @@ fn check_materials(tree: &Node, name: &str, scene: &Scene) -> Result<(), SceneFi
 
 /// Objects without a name get that of their mesh file, or of their part of it.
 fn name_objects(scene: &mut Scene) {
-    for object in scene
-        .objects
-        .iter_mut()
-        .filter(|object| object.name.is_empty())
-    {
-        if let Some((_, part)) = part_name::split(&object.mesh).filter(|(_, part)| !part.is_empty())
-        {
-            object.name = part.to_owned();
-            continue;
-        }
-        let file = object
-            .mesh
-            .rsplit(['/', '\\', ':'])
-            .next()
-            .unwrap_or(&object.mesh);
-        object.name = file.split('.').next().unwrap_or(file).to_owned();
+    let objects = scene.objects.iter_mut();
+    for object in objects.filter(|object| object.name.is_empty()) {
+        object.name = part_name::short_name(&object.mesh).to_owned();
     }
 }
 
