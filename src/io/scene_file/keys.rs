@@ -105,11 +105,7 @@ impl<'a> Keys<'a> {
                 }
             }
             Direction::Writing { text } => {
-                let _ = write!(text, "\n[{path}]\n");
-                fields(&mut Keys {
-                    path,
-                    direction: Direction::Writing { text },
-                });
+                write_table(text, &format!("[{path}]"), path, fields);
             }
         }
     }
@@ -136,28 +132,17 @@ impl<'a> Keys<'a> {
                     return;
                 };
                 for entry in entries {
-                    if !problems.is_empty() {
-                        return;
-                    }
-                    let mut item = T::default();
                     let path = format!("{path}.{}", entry.key);
-                    read_table(&entry.node, path, name, problems, |keys| {
-                        fields(keys, &mut item);
-                    });
+                    let Some(item) = read_item(&entry.node, path, name, problems, &fields) else {
+                        return;
+                    };
                     map.insert(entry.key.clone(), item);
                 }
             }
             Direction::Writing { text } => {
                 for (item_name, item) in map {
                     let path = format!("{path}.{}", key_text(item_name));
-                    let _ = write!(text, "\n[{path}]\n");
-                    fields(
-                        &mut Keys {
-                            path,
-                            direction: Direction::Writing { text },
-                        },
-                        item,
-                    );
+                    write_table(text, &format!("[{path}]"), path, |keys| fields(keys, item));
                 }
             }
         }
@@ -190,26 +175,17 @@ impl<'a> Keys<'a> {
                     return;
                 };
                 for (index, node) in items.iter().enumerate() {
-                    if !problems.is_empty() {
+                    let path = format!("{path}.{index}");
+                    let Some(item) = read_item(node, path, name, problems, &fields) else {
                         return;
-                    }
-                    let mut item = T::default();
-                    read_table(node, format!("{path}.{index}"), name, problems, |keys| {
-                        fields(keys, &mut item);
-                    });
+                    };
                     list.push(item);
                 }
             }
             Direction::Writing { text } => {
+                let header = format!("[[{path}]]");
                 for item in list {
-                    let _ = write!(text, "\n[[{path}]]\n");
-                    fields(
-                        &mut Keys {
-                            path: path.clone(),
-                            direction: Direction::Writing { text },
-                        },
-                        item,
-                    );
+                    write_table(text, &header, path.clone(), |keys| fields(keys, item));
                 }
             }
         }
@@ -322,6 +298,31 @@ fn read_table(
     };
     fields(&mut keys);
     keys.finish();
+}
+
+/// Reads the table `node` as one of several; `None` where something was wrong before.
+fn read_item<T: Default>(
+    node: &Node,
+    path: String,
+    name: &str,
+    problems: &mut Vec<SceneFileError>,
+    fields: impl Fn(&mut Keys<'_>, &mut T),
+) -> Option<T> {
+    if !problems.is_empty() {
+        return None;
+    }
+    let mut item = T::default();
+    read_table(node, path, name, problems, |keys| fields(keys, &mut item));
+    Some(item)
+}
+
+/// Writes a table with `fields`, below its `header`.
+fn write_table(text: &mut String, header: &str, path: String, fields: impl FnOnce(&mut Keys<'_>)) {
+    let _ = write!(text, "\n{header}\n");
+    fields(&mut Keys {
+        path,
+        direction: Direction::Writing { text },
+    });
 }
 
 fn wrong_kind(name: &str, node: &Node, path: &str, expected: &str) -> SceneFileError {
