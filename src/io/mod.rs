@@ -29,6 +29,8 @@ mod part_name;
 mod picture_file;
 pub mod ply;
 mod radiance_file;
+#[cfg(test)]
+mod random_edits;
 mod ray_file;
 mod remarks;
 mod render_description;

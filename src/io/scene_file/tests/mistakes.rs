@@ -1,6 +1,7 @@
 //! What is wrong with a file, and where: told whatever its size.
 
 use super::*;
+use crate::io::random_edits;
 
 fn message(text: &str) -> String {
     parse(text).expect_err("the file is wrong").to_string()
@@ -277,11 +278,7 @@ fn messages_show_the_beginning_of_what_is_long() {
 fn random_edits_never_panic() {
     let base =
         write(&parse("[[objects]]\nmesh = \"x\"\n[[lights]]\n[materials.a]").expect("is right"));
-    let mut state = 1_u32;
-    let mut next = |below: usize| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as usize % below
-    };
+    let mut next = random_edits::numbers();
     for _ in 0..3000 {
         let mut bytes = base.clone().into_bytes();
         for _ in 0..=next(3) {
