@@ -97,10 +97,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<()> {
     let flip = mean_flip(&a.image, &b.image)?;
     let facts = facts(&names, [&a, &b], &metrics, flip, difference);
     if arguments.json {
-        super::say(
-            &serde_json::to_string_pretty(&facts)
-                .context("the numbers cannot be written as JSON")?,
-        )
+        super::say_json(&facts)
     } else {
         super::say(&describe(&names, &facts))
     }

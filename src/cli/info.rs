@@ -141,9 +141,7 @@ impl Box3 {
 pub(super) fn run(arguments: &InfoArguments) -> Result<()> {
     let facts = facts(&arguments.file)?;
     if arguments.json {
-        super::say(
-            &serde_json::to_string_pretty(&facts).context("the facts cannot be written as JSON")?,
-        )
+        super::say_json(&facts)
     } else {
         super::say(&describe(&arguments.file, &facts))
     }

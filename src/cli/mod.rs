@@ -29,6 +29,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow};
 use clap::{Parser, Subcommand};
+use serde::Serialize;
 
 use crate::analysis::hazards::why_black;
 use crate::control::{CancelToken, Progress};
@@ -132,6 +133,12 @@ fn say(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints what a program may read to the standard output.
+fn say_json(facts: &impl Serialize) -> Result<()> {
+    let json = serde_json::to_string_pretty(facts);
+    say(&json.context("the facts cannot be written as JSON")?)
 }
 
 impl Command {

@@ -194,7 +194,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         contributions,
     };
     if arguments.json {
-        return super::say(&serde_json::to_string_pretty(&facts)?);
+        return super::say_json(&facts);
     }
     super::say(describe(&facts).trim_end())?;
     let written = facts

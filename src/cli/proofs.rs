@@ -115,7 +115,7 @@ pub(super) fn run(pairs: u16, json: bool) -> Result<()> {
         cases: super::progress_bar::show(how_far, measure)?,
     };
     if json {
-        super::say(&serde_json::to_string_pretty(&proofs)?)?;
+        super::say_json(&proofs)?;
     } else {
         super::say(proofs.describe().trim_end())?;
     }

@@ -126,10 +126,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     let name = arguments.scene.name();
     let facts = BenchFacts::new(name, assembly.triangle_count(), config, &sets, &reports);
     if arguments.json {
-        super::say(
-            &serde_json::to_string_pretty(&facts)
-                .context("the numbers cannot be written as JSON")?,
-        )
+        super::say_json(&facts)
     } else {
         super::say(&table::describe(&facts))
     }

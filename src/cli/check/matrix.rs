@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use anyhow::Result;
 use serde::Serialize;
 
-use super::super::say;
 use crate::analysis::matrix::{self, Bar, Case, Effort, Finding};
+use crate::cli::{say, say_json};
 
 /// A case as it is written for programs.
 #[derive(Debug, Serialize)]
@@ -87,8 +87,7 @@ pub fn run(effort: Effort, only: Option<&str>, as_json: bool) -> Result<ExitCode
     let failed = all.iter().filter(|case| !case.passed).count();
     let seconds: f64 = all.iter().map(|case| case.seconds).sum();
     if as_json {
-        let facts = serde_json::json!({ "cases": all, "seconds": seconds });
-        say(&serde_json::to_string_pretty(&facts)?)?;
+        say_json(&serde_json::json!({ "cases": all, "seconds": seconds }))?;
     } else {
         say(&format!(
             "{} of {} cases pass, in {seconds:.0} s",

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use serde::Serialize;
 
 use crate::analysis::hazards::{self, Hazard, HazardKind, Place, Severity, Subject};
@@ -31,12 +31,11 @@ pub(super) fn run(path: &Path, json: bool) -> Result<()> {
         hazards,
         seconds: started.elapsed().as_secs_f64(),
     };
-    let text = if json {
-        serde_json::to_string_pretty(&facts).context("the facts cannot be written as JSON")?
+    if json {
+        crate::cli::say_json(&facts)
     } else {
-        describe(&facts)
-    };
-    crate::cli::say(&text)
+        crate::cli::say(&describe(&facts))
+    }
 }
 
 /// The `warnings` of reading files without those that `hazards` tell with more about them.
