@@ -1,87 +1,10 @@
 use super::*;
+use crate::geometry::shapes::{cuboid, icosphere as sphere};
 use crate::math::{DVec2, power_of_two};
 
 /// A cube of edge 2 around the origin, two triangles per side.
 fn cube() -> TriangleMesh {
-    let corner = |i: u32| {
-        let sign = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        DVec3::new(sign(0), sign(1), sign(2))
-    };
-    let sides: [[u32; 4]; 6] = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    TriangleMesh {
-        positions: (0..8).map(corner).collect(),
-        triangles: sides
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-            .collect(),
-        ..TriangleMesh::default()
-    }
-}
-
-/// An icosahedron, each face cut into four `levels` times, on the unit sphere.
-fn sphere(levels: u32) -> TriangleMesh {
-    let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
-    let mut positions: Vec<DVec3> = [[0, 1, 2], [1, 2, 0], [2, 0, 1]]
-        .iter()
-        .flat_map(|axes| {
-            [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(u, v)| {
-                let mut point = DVec3::ZERO;
-                point[axes[1]] = u;
-                point[axes[2]] = v * golden;
-                point
-            })
-        })
-        .collect();
-    let count = 12_u32;
-    let mut triangles = Vec::new();
-    for a in 0..count {
-        for b in a + 1..count {
-            for c in b + 1..count {
-                let [p, q, r] = [a, b, c].map(|vertex| positions[vertex as usize]);
-                let is_face = [(p, q), (q, r), (r, p)]
-                    .iter()
-                    .all(|(p, q)| p.distance(*q) < 2.1);
-                if is_face {
-                    let is_outward = (q - p).cross(r - p).dot(p) > 0.0;
-                    triangles.push(if is_outward { [a, b, c] } else { [a, c, b] });
-                }
-            }
-        }
-    }
-    for _ in 0..levels {
-        let mut middles = std::collections::BTreeMap::new();
-        let mut middle = |a: u32, b: u32| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                positions.push(positions[a as usize] + positions[b as usize]);
-                u32::try_from(positions.len() - 1).expect("few")
-            })
-        };
-        triangles = triangles
-            .iter()
-            .flat_map(|&[a, b, c]| {
-                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            })
-            .collect();
-        for position in &mut positions {
-            *position /= position.length();
-        }
-    }
-    for position in &mut positions {
-        *position /= position.length();
-    }
-    TriangleMesh {
-        positions,
-        triangles,
-        ..TriangleMesh::default()
-    }
+    cuboid(DVec3::NEG_ONE, DVec3::ONE)
 }
 
 fn scaled(mesh: &TriangleMesh, factor: f64) -> TriangleMesh {

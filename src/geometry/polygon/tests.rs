@@ -1,26 +1,14 @@
 use super::*;
+use crate::geometry::shapes::Random;
 use std::f64::consts::TAU;
 
-/// `SplitMix64`, as numbers in `0..1`.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "below the bound"
-    )]
-    fn below(&mut self, bound: usize) -> usize {
-        (self.unit() * bound as f64) as usize
-    }
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "below the bound"
+)]
+fn below(random: &mut Random, bound: usize) -> usize {
+    (random.unit() * bound as f64) as usize
 }
 
 /// Points of a plane as corners in space: on all three axes' planes and tilted, from both sides.
@@ -159,7 +147,7 @@ fn concave_polygons_are_tiled() {
 
 #[test]
 fn random_star_shaped_polygons_are_tiled() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for n in (4..40).chain([500]) {
         for _ in 0..20 {
             assert_tiled(&circle(n, |_| 0.05 + random.unit()));
@@ -310,8 +298,8 @@ fn polyomino(squares: usize, random: &mut Random, keeps_left: bool) -> Vec<DVec2
     let directions = [(1, 0), (0, 1), (-1, 0), (0, -1)];
     let mut figure = vec![(0, 0)];
     while figure.len() < squares {
-        let (x, y) = figure[random.below(figure.len())];
-        let (dx, dy) = directions[random.below(4)];
+        let (x, y) = figure[below(random, figure.len())];
+        let (dx, dy) = directions[below(random, 4)];
         if !figure.contains(&(x + dx, y + dy)) {
             figure.push((x + dx, y + dy));
         }
@@ -344,7 +332,7 @@ fn polyomino(squares: usize, random: &mut Random, keeps_left: bool) -> Vec<DVec2
 
 #[test]
 fn figures_of_squares_are_covered_even_where_they_touch_themselves() {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     for round in 0..600 {
         let border = polyomino(1 + round % 60, &mut random, round % 2 == 0);
         let mut places: Vec<_> = border
@@ -364,7 +352,7 @@ fn figures_of_squares_are_covered_even_where_they_touch_themselves() {
 
 #[test]
 fn any_points_at_all_give_n_minus_2_triangles() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for round in 0..3000_u32 {
         let n = 3 + round % 40;
         // On a coarse grid many points coincide or lie on lines.
@@ -419,7 +407,7 @@ fn many_corners_on_few_points_are_covered() {
 #[test]
 fn a_hundred_thousand_corners_take_no_time_to_speak_of() {
     let n = 100_000;
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut anywhere = |side: f64| -> Vec<DVec2> {
         let mut coordinate = || {
             let unit = random.unit();
