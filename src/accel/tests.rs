@@ -11,7 +11,7 @@ use crate::geometry::shapes::{self, Random};
 use crate::math::{DVec3, SceneFrame, Vec3};
 
 /// The mesh as the renderer prepares it.
-fn prepared(mesh: &TriangleMesh) -> Vec<Triangle> {
+pub(super) fn prepared(mesh: &TriangleMesh) -> Vec<Triangle> {
     let frame = SceneFrame::around(&mesh.bounds());
     let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i));
     corners

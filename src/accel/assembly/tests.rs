@@ -1,17 +1,7 @@
 use super::*;
 use crate::accel::{BruteForce, tests};
-use crate::geometry::{Triangle, TriangleMesh, shapes, shapes::Random};
-use crate::math::{DMat3, SceneFrame, power_of_two};
-
-fn triangles(mesh: &TriangleMesh) -> Vec<Triangle> {
-    let frame = SceneFrame::around(&mesh.bounds());
-    let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i));
-    corners
-        .map(|corners| Triangle {
-            corners: corners.map(|corner| frame.narrow(corner)),
-        })
-        .collect()
-}
+use crate::geometry::{Triangle, shapes, shapes::Random};
+use crate::math::{DMat3, power_of_two};
 
 #[expect(clippy::needless_pass_by_value, reason = "as brute force wants it")]
 fn kd_tree(triangles: Vec<Triangle>) -> Accelerator {
@@ -79,9 +69,9 @@ fn parts() -> Vec<Part> {
 }
 
 fn assembly(structure: fn(Vec<Triangle>) -> Accelerator) -> Assembly {
-    let flat = structure(triangles(&shapes::soup(80, 0.2, 1)));
+    let flat = structure(tests::prepared(&shapes::soup(80, 0.2, 1)));
     let shared = [shapes::icosphere(2), shapes::soup(200, 0.3, 2)];
-    let shared = shared.map(|mesh| Arc::new(structure(triangles(&mesh))));
+    let shared = shared.map(|mesh| Arc::new(structure(tests::prepared(&mesh))));
     Assembly::new(flat, shared.into(), parts())
 }
 
@@ -207,7 +197,7 @@ fn a_moved_copy_keeps_direction_and_t() {
 #[test]
 fn no_ray_escapes_a_closed_copy() {
     let mut random = Random::new(5);
-    let shared = vec![Arc::new(kd_tree(triangles(&shapes::icosphere(3))))];
+    let shared = vec![Arc::new(kd_tree(tests::prepared(&shapes::icosphere(3))))];
     for (turn, place) in [
         (turned(0.4, 1.1, 0.03), DVec3::new(0.9, -0.4, 0.2)),
         (turned(-0.4, 0.3, -0.6), DVec3::new(0.1, 0.2, 0.3)),
@@ -233,7 +223,7 @@ fn no_ray_escapes_a_closed_copy() {
 /// Local rays from far away meet corners that the ray itself, across an axis but for a little, passes by, box and all.
 #[test]
 fn a_corner_at_the_rim_of_its_box_is_not_lost() {
-    let square = triangles(&shapes::grid(1));
+    let square = tests::prepared(&shapes::grid(1));
     let mut random = Random::new(9);
     let turn = turned(0.0, std::f64::consts::FRAC_PI_4, 0.013);
     let part = Part::Copies(Copies {
