@@ -1,5 +1,10 @@
 //! A scene as rendering reads it: everything that can be computed once, in prepared units (see [`crate::math::SceneFrame`]). It is
 //! immutable; a changed scene is prepared anew and shares what did not change.
+//!
+//! [`rays`] tells what rays in it meet, [`known_hits`] keeps what those from the eye met.
+
+mod known_hits;
+mod rays;
 
 use std::sync::Arc;
 
@@ -8,7 +13,7 @@ use super::background::PreparedBackground;
 use super::camera::PreparedCamera;
 use super::camera_samples::CameraSample;
 use super::direct;
-use super::disks::{DiskHit, VisibleDisks};
+use super::disks::VisibleDisks;
 use super::emitters::Emitters;
 use super::false_color::{self, FalseColor};
 use super::geometry::{PreparedGeometry, SketchStore};
@@ -19,15 +24,15 @@ use super::material::PreparedMaterial;
 use super::media::Media;
 use super::path;
 use super::plan::{Feature, Plan};
-use super::primary_hits::{PrimaryHitStore, PrimaryHits};
+use super::primary_hits::PrimaryHits;
 #[cfg(test)]
 use super::sampler::Sampler;
-use super::surface::SurfacePoint;
 use super::texturing::PreparedTextures;
-use crate::accel::{Assembly, Fan, Hit};
+use crate::accel::Assembly;
 use crate::control::{CancelToken, Progress};
-use crate::math::{Ray, Vec2, Vec3};
+use crate::math::{Vec2, Vec3};
 use crate::scene::{Camera, LightSampling, Mode, RenderSettings, Scene, SceneError};
+pub(super) use rays::Seen;
 
 /// A scene as rendering reads it: immutable, shared by all threads, cheap to clone.
 #[derive(Clone, Debug)]
@@ -66,13 +71,6 @@ pub struct PreparedScene {
     faulty: Option<Sampler>,
 }
 
-/// What a ray meets first.
-pub(super) enum Seen<'a> {
-    Surface(SurfacePoint),
-    Disk(DiskHit<'a>),
-    Background,
-}
-
 impl PreparedScene {
     /// Prepares `scene`; keeps the geometry of `previous` where objects and meshes are the same, so that a new camera, light or
     /// material costs nothing. `None` when cancelled.
@@ -98,12 +96,8 @@ impl PreparedScene {
         cancel: &CancelToken,
         progress: &Progress,
     ) -> Result<Option<Self>, SceneError> {
-        scene.validate()?;
-        let known = previous.map(|previous| &previous.geometry);
-        match PreparedGeometry::prepare(scene, known, cancel, progress)? {
-            Some(geometry) => Self::with_geometry(scene, geometry, previous, cancel),
-            None => Ok(None),
-        }
+        let placed = previous.map(|previous| &previous.geometry);
+        Self::prepare_over(scene, placed, previous, cancel, progress)
     }
 
     /// [`Self::prepare_watched`] of triangles that are placed already; what does not depend on them is taken from `previous`.
@@ -117,8 +111,19 @@ impl PreparedScene {
         cancel: &CancelToken,
         progress: &Progress,
     ) -> Result<Option<Self>, SceneError> {
+        Self::prepare_over(scene, Some(placed), previous, cancel, progress)
+    }
+
+    /// Keeps what is the same of the triangles `placed`, and of all else in `previous`.
+    fn prepare_over(
+        scene: &Scene,
+        placed: Option<&Arc<PreparedGeometry>>,
+        previous: Option<&Self>,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<Self>, SceneError> {
         scene.validate()?;
-        match PreparedGeometry::prepare(scene, Some(placed), cancel, progress)? {
+        match PreparedGeometry::prepare(scene, placed, cancel, progress)? {
             Some(geometry) => Self::with_geometry(scene, geometry, previous, cancel),
             None => Ok(None),
         }
@@ -345,68 +350,6 @@ impl PreparedScene {
         }
     }
 
-    /// What `ray` hits first, lights aside.
-    #[inline]
-    pub(super) fn hit(&self, ray: &Ray) -> Option<Hit> {
-        self.accelerator().intersect(ray, f32::INFINITY)
-    }
-
-    /// What `ray` meets first, lights included. `hit`: what [`Self::hit`] says of it.
-    #[inline]
-    pub(super) fn seen(&self, ray: &Ray, hit: Option<Hit>) -> Seen<'_> {
-        let disk = self
-            .disks
-            .nearest(ray, hit.map_or(f32::INFINITY, |hit| hit.t));
-        match (disk, hit) {
-            (Some(disk), _) => Seen::Disk(disk),
-            (None, Some(hit)) => Seen::Surface(self.surface(ray, &hit)),
-            (None, None) => Seen::Background,
-        }
-    }
-
-    /// The point where `ray` makes `hit`.
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        SurfacePoint::new(&self.geometry, ray, hit)
-    }
-
-    /// Whether `ray` may end at something that shines, told without looking for surfaces: `false` is certain.
-    pub(super) fn may_meet_light(&self, ray: &Ray) -> bool {
-        self.has_shining_surroundings || self.disks.nearest(ray, f32::INFINITY).is_some()
-    }
-
-    /// The surface that `ray` meets first in `0 < t < t_max`, lights aside.
-    #[must_use]
-    pub fn surface_along(&self, ray: &Ray, t_max: f32) -> Option<SurfacePoint> {
-        let hit = self.accelerator().intersect(ray, t_max)?;
-        Some(self.surface(ray, &hit))
-    }
-
-    /// Whether anything but the light number `except` is in the way in `0 < t < t_max`.
-    pub(super) fn occluded(&self, ray: &Ray, t_max: f32, except: Option<u32>) -> bool {
-        self.disk_occludes(ray, t_max, except) || self.accelerator().occluded(ray, t_max)
-    }
-
-    /// Along which rays of `fan` anything but the light number `except` is in the way, as bits.
-    pub(super) fn occluded_fan(&self, fan: &Fan<'_>, except: Option<u32>) -> u64 {
-        self.disks.occlude_fan(fan, except) | self.accelerator().occluded_fan(fan)
-    }
-
-    /// Along which of the directions from `point` (unit, at most [`Fan::MOST_RAYS`]) anything is within the radius of ambient
-    /// occlusion, as bits.
-    pub(super) fn near_things(&self, point: &SurfacePoint, directions: &[Vec3]) -> u64 {
-        let mut scaled = [Vec3::ZERO; Fan::MOST_RAYS];
-        for (scaled, &direction) in scaled.iter_mut().zip(directions) {
-            *scaled = direction * self.occlusion_radius;
-        }
-        self.occluded_fan(&point.fan(&scaled[..directions.len()]), None)
-    }
-
-    /// Whether a visible disk other than the light number `except` is in the way in `0 < t < t_max`.
-    pub(super) fn disk_occludes(&self, ray: &Ray, t_max: f32, except: Option<u32>) -> bool {
-        self.disks.occlude(ray, t_max, except)
-    }
-
     pub(super) fn accelerator(&self) -> &Assembly {
         self.geometry.accelerator()
     }
@@ -467,55 +410,6 @@ impl PreparedScene {
     #[must_use]
     pub fn with_plan(self, plan: Plan) -> Self {
         Self { plan, ..self }
-    }
-
-    /// The same scene, whose rays from the eye are traced only where `store` does not know what they hit, and which leaves there what
-    /// it finds. All samples of a pixel must send the same ray for that; else nothing is kept, and the store is cleared.
-    #[must_use]
-    pub fn with_primary_hits(self, store: &PrimaryHitStore) -> Self {
-        let primary_hits = if self.sends_one_ray_per_pixel() {
-            Some(store.of(&self.geometry, &self.camera, self.size()))
-        } else {
-            store.clear();
-            None
-        };
-        Self {
-            primary_hits,
-            ..self
-        }
-    }
-
-    /// What is known of the rays from the eye, where that is kept.
-    pub(super) fn primary_hits(&self) -> Option<&PrimaryHits> {
-        self.primary_hits.as_deref()
-    }
-
-    /// The bytes that [`Self::with_primary_hits`] would ask for.
-    #[must_use]
-    pub fn primary_hit_bytes(&self, store: &PrimaryHitStore) -> u64 {
-        if self.sends_one_ray_per_pixel() {
-            store.bytes_missing(&self.geometry, &self.camera, self.size())
-        } else {
-            0
-        }
-    }
-
-    /// The same scene, of whose rays from the eye nothing is known.
-    pub(super) fn without_primary_hits(&self) -> Self {
-        Self {
-            primary_hits: None,
-            ..self.clone()
-        }
-    }
-
-    /// Whether what the rays from the eye hit is kept.
-    #[must_use]
-    pub fn keeps_primary_hits(&self) -> bool {
-        self.primary_hits.is_some()
-    }
-
-    fn sends_one_ray_per_pixel(&self) -> bool {
-        !self.needs(Feature::PixelPoints) && !self.needs(Feature::Lens)
     }
 
     pub(super) fn size(&self) -> (u32, u32) {
