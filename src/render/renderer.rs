@@ -4,28 +4,33 @@
 //! may stop early then doubles the samples of those pixels where that helps most, in rounds: passes over the selected pixels until each has
 //! its double. Decisions are made at the end of a round, from the film alone, so that the picture does not depend on threads; only a stop
 //! by time depends on the clock.
+//!
+//! [`telling`] tells how far it is to whoever watches, [`keeping`] has kept what a later render may go on from.
+
+mod keeping;
+mod telling;
 
 use std::panic::resume_unwind;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use super::blocks::{Block, BlockHeader};
 use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
 use super::coarse::{self, CoarsePicture};
 use super::crew::{Crew, Cut};
-use super::error::{Allotment, ErrorEstimator, Forecast, Outlook};
+use super::error::{Allotment, ErrorEstimator, Forecast};
 use super::film::block_after;
 use super::kernel::{Layered, Plain};
 use super::layers::Layer;
 use super::plan::Feature;
 use super::prepare::PreparedScene;
-use super::progress::{ErrorPoint, NOISE_TARGETS, RenderProgress};
-use super::run::{CheckpointKeeper, Ending, RenderOutcome, RenderStats, Round, RunConfig, Watch};
+use super::progress::RenderProgress;
+use super::run::{Ending, RenderOutcome, RenderStats, RunConfig, Watch};
 use super::texturing::{Textured, Untextured};
 use super::tile_samples::{TileBlock, sample_tile};
 use super::tiles::{Region, TilePixels};
 use crate::scene::RenderSettings;
+use keeping::LastKept;
 
 /// Side of a tile in pixels: small enough to balance two threads to the end, large enough that handing one out costs nothing.
 pub const TILE_SIDE: u32 = 32;
@@ -52,9 +57,6 @@ pub fn even_passes(samples: u32) -> u32 {
 /// would be taken for absent.
 const LEAST_SAMPLES: u32 = 16;
 
-/// By how much the samples must have grown until the error is noted again.
-const NOTE_GROWTH: f64 = 1.06;
-
 /// The share of the samples so far that are handed out before it is decided again where they belong.
 const ROUND_SHARE: f64 = 0.5;
 
@@ -72,14 +74,6 @@ pub struct Renderer<'a> {
     crew: Crew<'a>,
     clock: Clock,
     last_kept: Mutex<LastKept>,
-}
-
-/// The last checkpoint.
-struct LastKept {
-    /// When it was kept, or the render began.
-    at: Instant,
-    /// How long keeping it took a thread; zero before the first.
-    took: Duration,
 }
 
 /// What follows the passes over all pixels.
@@ -147,10 +141,7 @@ impl<'a> Renderer<'a> {
             course,
             crew,
             clock,
-            last_kept: Mutex::new(LastKept {
-                at: Instant::now(),
-                took: Duration::ZERO,
-            }),
+            last_kept: Mutex::new(LastKept::none()),
         }
     }
 
@@ -170,13 +161,6 @@ impl<'a> Renderer<'a> {
                 self.keep_last_checkpoint();
                 resume_unwind(Box::new(fault))
             }
-        }
-    }
-
-    /// Has a checkpoint kept of all tiles that are done, however recent the last one is.
-    fn keep_last_checkpoint(&self) {
-        if let Some(keeper) = self.watch.checkpoints {
-            self.take_checkpoint(keeper);
         }
     }
 
@@ -481,77 +465,6 @@ impl<'a> Renderer<'a> {
             .sample(|stops, note| take(scene, tile, block, layers, stops, progress, note))
     }
 
-    /// Puts the samples that `block` asks for into it, where they were kept before the render went on. Returns whether they were.
-    fn recall(&self, tile: usize, block: &mut TileBlock) -> bool {
-        let known = self.watch.blocks;
-        let Some(known) = known.and_then(|known| known.recall(self.course.passes, number(tile)))
-        else {
-            return false;
-        };
-        let header = known.header;
-        let is_there = known.put_into(block, self.layers);
-        if is_there {
-            self.progress.samples.advance(header.samples);
-            let BlockHeader {
-                seconds,
-                cpu_seconds,
-                ..
-            } = header;
-            self.clock.bring_forward(seconds, cpu_seconds);
-        }
-        is_there
-    }
-
-    /// Has the samples of a tile kept.
-    fn keep(&self, tile: usize, block: &TileBlock) {
-        if let Some(store) = self.watch.blocks {
-            let time = [self.clock.seconds(), self.clock.cpu_seconds()];
-            store.keep(&Block::new(self.course.passes, number(tile), time, block));
-        }
-    }
-
-    /// Has a checkpoint kept where the last one is old enough. The thread that calls first is busy with it; the others go on with
-    /// their tiles, and wait no longer than it takes to copy the film.
-    fn keep_checkpoint_if_due(&self) {
-        let Some(keeper) = self.watch.checkpoints else {
-            return;
-        };
-        let Ok(mut last) = self.last_kept.try_lock() else {
-            return;
-        };
-        let share = keeper.most_share * self.crew.threads() as f64;
-        let rest = Duration::try_from_secs_f64(last.took.as_secs_f64() / share);
-        if last.at.elapsed() >= keeper.every.max(rest.unwrap_or(Duration::MAX)) {
-            let began = Instant::now();
-            self.take_checkpoint(keeper);
-            *last = LastKept {
-                at: Instant::now(),
-                took: began.elapsed(),
-            };
-        }
-    }
-
-    /// Has a checkpoint kept of what is there now.
-    fn take_checkpoint(&self, keeper: CheckpointKeeper<'_>) {
-        if let Some(store) = self.watch.blocks {
-            store.begin_anew();
-        }
-        (keeper.keep)(self.checkpoint());
-    }
-
-    /// The render as it is now.
-    fn checkpoint(&self) -> Checkpoint {
-        let shared = self.lock().clone();
-        Checkpoint {
-            shared,
-            course: self.course.clone(),
-            seconds: self.clock.seconds(),
-            cpu_seconds: self.clock.cpu_seconds(),
-            errors: self.progress.errors_from(0),
-            expected_samples: self.progress.samples.total(),
-        }
-    }
-
     /// Estimates the error anew, after the pixels, those `selected` or all, have doubled their samples.
     fn update_estimate(&mut self, selected: Option<&[bool]>) {
         let is_adaptive = self.is_adaptive();
@@ -569,71 +482,6 @@ impl<'a> Renderer<'a> {
             .broadcast(|thread| self.clock.note(thread.index()));
         self.clock.note_lead();
     }
-
-    /// Tells whoever watches how wrong the picture is, and how much there is to do. After a round it always does, else where the
-    /// samples have grown enough.
-    fn tell(&mut self, is_round: bool) {
-        let film = &self.shared.get_mut().expect("no thread panicked").film;
-        let (samples, pixels) = (film.total_samples() as f64, film.pixels() as f64);
-        let most = self.settings.samples_per_pixel;
-        let seconds = self.clock.seconds();
-        // As far as is known now, the render ends after so many samples.
-        let mut total = pixels * f64::from(most);
-        if let Some(limit) = self.settings.stop.seconds {
-            total = total.min((samples * limit / seconds).max(samples));
-        }
-        if let Some(estimator) = &self.course.estimator
-            && let Some(error) = estimator.estimate()
-        {
-            let outlook = Outlook {
-                estimator,
-                allotment: self.course.allotment.as_ref(),
-                samples,
-                seconds,
-            };
-            let noise = self.settings.stop.noise;
-            let to_stop = noise.and_then(|noise| outlook.samples_to(noise, most));
-            if let Some(to_stop) = to_stop {
-                total = total.min(to_stop.value);
-            } else if self.is_quiet() {
-                total = samples.max(pixels * f64::from(LEAST_SAMPLES.min(most)));
-            }
-            if is_round || samples >= self.course.noted_samples * NOTE_GROWTH {
-                self.progress.note(ErrorPoint {
-                    seconds,
-                    cpu_seconds: self.clock.cpu_seconds(),
-                    error,
-                    time_to: NOISE_TARGETS.map(|noise| outlook.time_to(noise)),
-                    time_to_stop: to_stop.map(|samples| outlook.seconds_for(samples)),
-                });
-                self.course.noted_samples = samples;
-            }
-        }
-        self.progress.samples.set_remaining(whole(total - samples));
-    }
-
-    fn show_round(&mut self) {
-        let Some(on_round) = self.watch.on_round else {
-            return;
-        };
-        let estimator = self.course.estimator.as_ref();
-        let (seconds, cpu_seconds) = (self.clock.seconds(), self.clock.cpu_seconds());
-        let film = &self.shared.get_mut().expect("no thread panicked").film;
-        self.clock.pause(|| {
-            on_round(&Round {
-                seconds,
-                cpu_seconds,
-                samples_per_pixel: film.mean_samples(),
-                error: estimator.and_then(ErrorEstimator::estimate),
-                film,
-                estimator,
-            });
-        });
-    }
-}
-
-fn number(tile: usize) -> u32 {
-    u32::try_from(tile).expect("even the largest picture has fewer tiles")
 }
 
 /// The whole part of a number of at least 0; what is more than the largest gives that.
@@ -644,14 +492,4 @@ fn number(tile: usize) -> u32 {
 )]
 fn whole_below(number: f64) -> u32 {
     number as u32
-}
-
-/// The nearest whole number, at least 0.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "limits are what is meant"
-)]
-fn whole(number: f64) -> u64 {
-    number.round() as u64
 }

@@ -1,0 +1,111 @@
+//! What is kept of a render while it goes on, so that another one can go on from there: checkpoints, and the samples of tiles.
+
+use std::time::{Duration, Instant};
+
+use super::Renderer;
+use crate::render::blocks::{Block, BlockHeader};
+use crate::render::checkpoint::Checkpoint;
+use crate::render::run::CheckpointKeeper;
+use crate::render::tile_samples::TileBlock;
+
+/// The last checkpoint.
+pub struct LastKept {
+    /// When it was kept, or the render began.
+    at: Instant,
+    /// How long keeping it took a thread; zero before the first.
+    took: Duration,
+}
+
+impl LastKept {
+    /// None so far, of a render that begins now.
+    pub fn none() -> Self {
+        Self {
+            at: Instant::now(),
+            took: Duration::ZERO,
+        }
+    }
+}
+
+impl Renderer<'_> {
+    /// Has a checkpoint kept of all tiles that are done, however recent the last one is.
+    pub(super) fn keep_last_checkpoint(&self) {
+        if let Some(keeper) = self.watch.checkpoints {
+            self.take_checkpoint(keeper);
+        }
+    }
+
+    /// Puts the samples that `block` asks for into it, where they were kept before the render went on. Returns whether they were.
+    pub(super) fn recall(&self, tile: usize, block: &mut TileBlock) -> bool {
+        let known = self.watch.blocks;
+        let Some(known) = known.and_then(|known| known.recall(self.course.passes, number(tile)))
+        else {
+            return false;
+        };
+        let header = known.header;
+        let is_there = known.put_into(block, self.layers);
+        if is_there {
+            self.progress.samples.advance(header.samples);
+            let BlockHeader {
+                seconds,
+                cpu_seconds,
+                ..
+            } = header;
+            self.clock.bring_forward(seconds, cpu_seconds);
+        }
+        is_there
+    }
+
+    /// Has the samples of a tile kept.
+    pub(super) fn keep(&self, tile: usize, block: &TileBlock) {
+        if let Some(store) = self.watch.blocks {
+            let time = [self.clock.seconds(), self.clock.cpu_seconds()];
+            store.keep(&Block::new(self.course.passes, number(tile), time, block));
+        }
+    }
+
+    /// Has a checkpoint kept where the last one is old enough. The thread that calls first is busy with it; the others go on with
+    /// their tiles, and wait no longer than it takes to copy the film.
+    pub(super) fn keep_checkpoint_if_due(&self) {
+        let Some(keeper) = self.watch.checkpoints else {
+            return;
+        };
+        let Ok(mut last) = self.last_kept.try_lock() else {
+            return;
+        };
+        let share = keeper.most_share * self.crew.threads() as f64;
+        let rest = Duration::try_from_secs_f64(last.took.as_secs_f64() / share);
+        if last.at.elapsed() >= keeper.every.max(rest.unwrap_or(Duration::MAX)) {
+            let began = Instant::now();
+            self.take_checkpoint(keeper);
+            *last = LastKept {
+                at: Instant::now(),
+                took: began.elapsed(),
+            };
+        }
+    }
+
+    /// Has a checkpoint kept of what is there now.
+    fn take_checkpoint(&self, keeper: CheckpointKeeper<'_>) {
+        if let Some(store) = self.watch.blocks {
+            store.begin_anew();
+        }
+        (keeper.keep)(self.checkpoint());
+    }
+
+    /// The render as it is now.
+    fn checkpoint(&self) -> Checkpoint {
+        let shared = self.lock().clone();
+        Checkpoint {
+            shared,
+            course: self.course.clone(),
+            seconds: self.clock.seconds(),
+            cpu_seconds: self.clock.cpu_seconds(),
+            errors: self.progress.errors_from(0),
+            expected_samples: self.progress.samples.total(),
+        }
+    }
+}
+
+fn number(tile: usize) -> u32 {
+    u32::try_from(tile).expect("even the largest picture has fewer tiles")
+}

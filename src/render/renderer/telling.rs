@@ -1,0 +1,82 @@
+//! What is told of a render while it goes on: how wrong the picture is, and how much there is to do.
+
+use super::{LEAST_SAMPLES, Renderer};
+use crate::render::error::{ErrorEstimator, Outlook};
+use crate::render::progress::{ErrorPoint, NOISE_TARGETS};
+use crate::render::run::Round;
+
+/// By how much the samples must have grown until the error is noted again.
+const NOTE_GROWTH: f64 = 1.06;
+
+impl Renderer<'_> {
+    /// Tells whoever watches how wrong the picture is, and how much there is to do. After a round it always does, else where the
+    /// samples have grown enough.
+    pub(super) fn tell(&mut self, is_round: bool) {
+        let film = &self.shared.get_mut().expect("no thread panicked").film;
+        let (samples, pixels) = (film.total_samples() as f64, film.pixels() as f64);
+        let most = self.settings.samples_per_pixel;
+        let seconds = self.clock.seconds();
+        // As far as is known now, the render ends after so many samples.
+        let mut total = pixels * f64::from(most);
+        if let Some(limit) = self.settings.stop.seconds {
+            total = total.min((samples * limit / seconds).max(samples));
+        }
+        if let Some(estimator) = &self.course.estimator
+            && let Some(error) = estimator.estimate()
+        {
+            let outlook = Outlook {
+                estimator,
+                allotment: self.course.allotment.as_ref(),
+                samples,
+                seconds,
+            };
+            let noise = self.settings.stop.noise;
+            let to_stop = noise.and_then(|noise| outlook.samples_to(noise, most));
+            if let Some(to_stop) = to_stop {
+                total = total.min(to_stop.value);
+            } else if self.is_quiet() {
+                total = samples.max(pixels * f64::from(LEAST_SAMPLES.min(most)));
+            }
+            if is_round || samples >= self.course.noted_samples * NOTE_GROWTH {
+                self.progress.note(ErrorPoint {
+                    seconds,
+                    cpu_seconds: self.clock.cpu_seconds(),
+                    error,
+                    time_to: NOISE_TARGETS.map(|noise| outlook.time_to(noise)),
+                    time_to_stop: to_stop.map(|samples| outlook.seconds_for(samples)),
+                });
+                self.course.noted_samples = samples;
+            }
+        }
+        self.progress.samples.set_remaining(whole(total - samples));
+    }
+
+    pub(super) fn show_round(&mut self) {
+        let Some(on_round) = self.watch.on_round else {
+            return;
+        };
+        let estimator = self.course.estimator.as_ref();
+        let (seconds, cpu_seconds) = (self.clock.seconds(), self.clock.cpu_seconds());
+        let film = &self.shared.get_mut().expect("no thread panicked").film;
+        self.clock.pause(|| {
+            on_round(&Round {
+                seconds,
+                cpu_seconds,
+                samples_per_pixel: film.mean_samples(),
+                error: estimator.and_then(ErrorEstimator::estimate),
+                film,
+                estimator,
+            });
+        });
+    }
+}
+
+/// The nearest whole number, at least 0.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "limits are what is meant"
+)]
+fn whole(number: f64) -> u64 {
+    number.round() as u64
+}
