@@ -264,24 +264,25 @@ pub fn build_structure(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Option<Accelerator> {
-    let count = triangles.len() as u64;
     let quality = match structure.build {
         AcceleratorBuild::Best => BuildQuality::Best,
         AcceleratorBuild::Fast => BuildQuality::Fast,
     };
-    let built = match structure.kind {
+    match structure.kind {
         AcceleratorChoice::Auto | AcceleratorChoice::Wide => {
             let tree = WideTree::build(&triangles, quality, cancel, progress)?;
-            return Some(Accelerator::Wide(tree));
+            Some(Accelerator::Wide(tree))
         }
         AcceleratorChoice::KdTree => {
-            let tree = KdTree::build(&triangles, &KdParameters::default(), cancel)?;
-            Accelerator::KdTree(tree)
+            let parameters = KdParameters::default();
+            let tree = KdTree::build_watched(&triangles, &parameters, cancel, progress)?;
+            Some(Accelerator::KdTree(tree))
         }
-        AcceleratorChoice::BruteForce => Accelerator::BruteForce(BruteForce::new(triangles)),
-    };
-    progress.advance(count);
-    Some(built)
+        AcceleratorChoice::BruteForce => {
+            progress.advance(triangles.len() as u64);
+            Some(Accelerator::BruteForce(BruteForce::new(triangles)))
+        }
+    }
 }
 
 /// [`build_structure`], or a list of the triangles where no structure is chosen.
