@@ -70,9 +70,11 @@ impl WantedRays {
         let [x, y] = self.pixel;
         let result = match prepared {
             Ok(None) => return,
-            Ok(Some(prepared)) => {
-                trace_sample(&prepared, (x, y), self.sample).map_err(|error| error.to_string())
-            }
+            Ok(Some(prepared)) => match trace_sample(&prepared, (x, y), self.sample, &job.cancel) {
+                Ok(None) => return,
+                Ok(Some(trace)) => Ok(trace),
+                Err(error) => Err(error.to_string()),
+            },
             Err(error) => Err(error.to_string()),
         };
         let wanted = Box::new(self);
@@ -258,8 +260,8 @@ mod tests {
         wanted.sample = sample;
         let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
         let prepared = prepared.unwrap().unwrap();
-        let trace = trace_sample(&prepared, (48, 29), sample).unwrap();
-        RayView::new(wanted, trace)
+        let trace = trace_sample(&prepared, (48, 29), sample, &CancelToken::new());
+        RayView::new(wanted, trace.unwrap().expect("nobody cancels"))
     }
 
     /// The rays hang together: each begins where the one from the eye ends, and those that reach a light end there.

@@ -27,6 +27,7 @@ use super::plan::{Feature, Plan};
 use super::primary_hits::PrimaryHits;
 #[cfg(test)]
 use super::sampler::Sampler;
+use super::stops::Stops;
 use super::texturing::PreparedTextures;
 use crate::accel::Assembly;
 use crate::control::{CancelToken, Progress};
@@ -312,10 +313,25 @@ impl PreparedScene {
         Some(self.geometry.object_of(hit.triangle))
     }
 
-    /// What `sample` brings: linear radiance, or a false colour.
+    /// What `sample` brings: linear radiance, or a false colour. `None` when stopped: some of it may be missing then.
     pub(super) fn gathered<K: Kernel>(
         &self,
         sample: &CameraSample,
+        stops: &Stops<'_>,
+        tally: &mut K::Tally,
+    ) -> Option<Gathered<K::Parts>> {
+        let gathered = self.gathered_until::<K>(sample, stops, tally);
+        // What was left out, was when somebody asked already.
+        (!stops.is_asked()).then_some(gathered)
+    }
+
+    /// [`Self::gathered`], all of it as long as nobody asks to end.
+    #[expect(clippy::inline_always, reason = "it is called once")]
+    #[inline(always)]
+    fn gathered_until<K: Kernel>(
+        &self,
+        sample: &CameraSample,
+        stops: &Stops<'_>,
         tally: &mut K::Tally,
     ) -> Gathered<K::Parts> {
         let &CameraSample { sampler, hit, .. } = sample;
@@ -333,6 +349,7 @@ impl PreparedScene {
                 which,
                 &camera_ray,
                 sample,
+                stops,
                 tally,
             ))
         };
@@ -345,8 +362,8 @@ impl PreparedScene {
             Mode::Object => false_color(FalseColor::Object),
             Mode::Steps => false_color(FalseColor::Steps),
             Mode::Direct | Mode::Path if !self.does(Feature::Light) => Gathered::nothing(),
-            Mode::Direct => direct::gather::<K>(self, camera_ray, hit, sampler, tally),
-            Mode::Path => path::gather::<K>(self, camera_ray, hit, sampler, tally),
+            Mode::Direct => direct::gather::<K>(self, camera_ray, hit, sampler, stops, tally),
+            Mode::Path => path::gather::<K>(self, camera_ray, hit, sampler, stops, tally),
         }
     }
 

@@ -22,11 +22,11 @@ use crate::control::{CancelToken, Throttle};
 pub struct RunConfig {
     /// Threads to use; 0 is one per core.
     pub threads: usize,
-    /// Asked between samples.
+    /// Asked between samples, and now and then in long ones.
     pub cancel: CancelToken,
     /// Asked between tiles: ends the render with the samples it has then, [`Ending::Interrupted`].
     pub interrupt: CancelToken,
-    /// How many of the threads may work: a pause holds them between samples, without a trace in times and pixels; fewer than all are
+    /// How many of the threads may work: a pause holds them between samples and in long ones, without a trace in times and pixels; fewer than all are
     /// held between tiles. Whoever cancels a paused render must let it go on as well.
     pub throttle: Throttle,
     /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
