@@ -395,7 +395,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         let is_cheap = *seconds <= ERROR_LAYER_SHARE * round.seconds;
         if round.error.is_some() && (is_cheap || request.buffer.shows_error()) {
             let started = Instant::now();
-            if let Some(errors) = round.error_image() {
+            if let Some(errors) = round.error_image(&job.cancel) {
                 show_error(job, request, errors);
             }
             *seconds = started.elapsed().as_secs_f64();
@@ -474,7 +474,9 @@ fn finish(job: &Job<Event>, request: &RenderRequest, outcome: RenderOutcome) {
         stats,
         ..
     } = outcome;
-    let hash = image.hash();
+    let Some(hash) = image.hash_unless(&job.cancel) else {
+        return;
+    };
     if let Some((_, errors)) = layers.into_iter().find(|(l, _)| *l == Layer::Error) {
         show_error(job, request, errors);
     }

@@ -5,6 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::Image;
 use super::layers::{Gathered, Layer, Parts};
 use super::tiles::Region;
+use crate::control::CancelToken;
+
+/// Pixels between two looks at the cancel token.
+pub const CHUNK: usize = 1 << 16;
 
 /// Sums of samples per pixel, normalised only when read.
 ///
@@ -314,12 +318,18 @@ impl Film {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        image_of(&self.planes[0], &self.samples, self.region)
+        let image = image_of(
+            &self.planes[0],
+            &self.samples,
+            self.region,
+            &CancelToken::new(),
+        );
+        image.expect("nobody cancels")
     }
 
-    /// The picture and the layers. The sums of each go as soon as it is made.
+    /// The picture and the layers. The sums of each go as soon as it is made. `None` when cancelled.
     #[must_use]
-    pub fn into_images(self) -> (Image, Vec<(Layer, Image)>) {
+    pub fn into_images(self, cancel: &CancelToken) -> Option<(Image, Vec<(Layer, Image)>)> {
         let Self {
             region,
             planes,
@@ -328,11 +338,12 @@ impl Film {
             marks,
         } = self;
         drop(marks);
-        let mut images = planes
+        let images = planes
             .into_iter()
-            .map(|plane| image_of(&plane, &samples, region));
+            .map(|plane| image_of(&plane, &samples, region, cancel));
+        let mut images = images.collect::<Option<Vec<_>>>()?.into_iter();
         let image = images.next().expect("the picture is there");
-        (image, layers.into_iter().zip(images).collect())
+        Some((image, layers.into_iter().zip(images).collect()))
     }
 
     fn mean(&self, plane: &[[f64; 3]], index: usize) -> [f32; 3] {
@@ -357,16 +368,26 @@ impl Marks {
     }
 }
 
-/// The means of a plane of sums.
-fn image_of(plane: &[[f64; 3]], samples: &[u32], region: Region) -> Image {
-    let means = plane.iter().zip(samples);
-    Image {
+/// The means of a plane of sums; `None` when cancelled.
+fn image_of(
+    plane: &[[f64; 3]],
+    samples: &[u32],
+    region: Region,
+    cancel: &CancelToken,
+) -> Option<Image> {
+    let mut pixels = Vec::with_capacity(plane.len());
+    for (sums, samples) in plane.chunks(CHUNK).zip(samples.chunks(CHUNK)) {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        let means = sums.iter().zip(samples);
+        pixels.extend(means.map(|(sum, &samples)| mean_of(sum, samples.max(1))));
+    }
+    Some(Image {
         width: region.width,
         height: region.height,
-        pixels: means
-            .map(|(sum, &samples)| mean_of(sum, samples.max(1)))
-            .collect(),
-    }
+        pixels,
+    })
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]
