@@ -159,7 +159,7 @@ impl PreparedGeometry {
                 let before = triangles.len();
                 place_triangles(mesh, shape, &frame, &mut triangles, cancel)?;
                 let placed = &triangles[before..];
-                let normals = place_normals(mesh, shape, placed);
+                let normals = place_normals(mesh, shape, placed, cancel)?;
                 let count = id(placed.len());
                 (Part::Flat(count), count, normals.map(Arc::new))
             };
@@ -298,6 +298,9 @@ fn structure_of(
     }
 }
 
+/// Triangles between two looks at the cancel token.
+const CHUNK: usize = 1 << 16;
+
 /// Appends all copies of a mesh; `None` when cancelled.
 fn place_triangles(
     mesh: &TriangleMesh,
@@ -316,37 +319,43 @@ fn place_triangles(
         .map(|&p| shape.placement.world_from_object(p))
         .collect();
     for offset in shape.copies.offsets() {
-        if cancel.is_cancelled() {
-            return None;
-        }
         let prepared: Vec<Vec3> = in_world.iter().map(|&p| frame.narrow(p + offset)).collect();
-        triangles.extend(mesh.triangles.iter().map(|&corners| {
-            let corners =
-                outward_order(corners, &shape.placement).map(|vertex| prepared[vertex as usize]);
-            Triangle { corners }
-        }));
+        for placed in mesh.triangles.chunks(CHUNK) {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            triangles.extend(placed.iter().map(|&corners| {
+                let corners = outward_order(corners, &shape.placement)
+                    .map(|vertex| prepared[vertex as usize]);
+                Triangle { corners }
+            }));
+        }
     }
     Some(())
 }
 
-/// The shading normals of all copies of a mesh, which are the triangles `placed`; `None` where they are those of the triangles.
+/// The shading normals of all copies of a mesh, which are the triangles `placed`; none where they are those of the triangles. `None`
+/// when cancelled.
 fn place_normals(
     mesh: &TriangleMesh,
     shape: &ObjectShape,
     placed: &[Triangle],
-) -> Option<ShadingNormals> {
+    cancel: &CancelToken,
+) -> Option<Option<ShadingNormals>> {
     let placement = &shape.placement;
     if let Some(crease) = shape.smooth {
         let turned = |normal: DVec3| (placement.linear * normal).normalize_or_zero();
         let ordered = |corners| outward_order(corners, placement);
-        let normals = SmoothNormals::new(corner_normals(mesh, crease), turned, ordered);
-        return Some(ShadingNormals::Smooth(normals));
+        let normals = corner_normals(mesh, crease, cancel)?;
+        let normals = SmoothNormals::new(normals, turned, ordered);
+        return Some(Some(ShadingNormals::Smooth(normals)));
     }
     let exact = |index: usize| {
         outward_order(mesh.corners(index), placement)
             .map(|corner| placement.world_from_object(corner))
     };
-    TrueNormals::of_copies(placed, mesh.triangles.len(), exact).map(ShadingNormals::Flat)
+    let normals = TrueNormals::of_copies(placed, mesh.triangles.len(), exact, cancel)?;
+    Some(normals.map(ShadingNormals::Flat))
 }
 
 /// A placement that mirrors turns triangles inside out; swapping two corners turns them back.

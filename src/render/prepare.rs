@@ -208,9 +208,12 @@ impl PreparedScene {
             unreachable!("a validated camera has a direction");
         };
         let emitters = if plan.needs(Feature::Aiming) {
-            emitters_of(scene, previous, &geometry, &lights, &materials)
+            emitters_of(scene, previous, &geometry, &lights, &materials, cancel)
         } else {
-            Arc::default()
+            Some(Arc::default())
+        };
+        let Some(emitters) = emitters else {
+            return Ok(None);
         };
         let radius = bounds.diagonal() / 2.0;
         let aimed_at = background.image().filter(|_| is_aimed_at);
@@ -485,14 +488,15 @@ fn textures_of(
     Ok(textures.map(Arc::new))
 }
 
-/// What one light is chosen from in `scene`; that of `previous`, where it is the same.
+/// What one light is chosen from in `scene`; that of `previous`, where it is the same. `None` when cancelled.
 fn emitters_of(
     scene: &Scene,
     previous: Option<&PreparedScene>,
     geometry: &Arc<PreparedGeometry>,
     lights: &[PreparedLight],
     materials: &[PreparedMaterial],
-) -> Arc<Emitters> {
+    cancel: &CancelToken,
+) -> Option<Arc<Emitters>> {
     let emission = |materials: &[PreparedMaterial]| -> Vec<_> {
         materials.iter().map(PreparedMaterial::emission).collect()
     };
@@ -503,16 +507,17 @@ fn emitters_of(
             && previous.lights == lights
             && emission(&previous.materials) == emission(materials)
     });
-    match (lit_alike, scene.render.mode) {
-        (Some(previous), _) => Arc::clone(&previous.emitters),
-        (None, Mode::Path) => Arc::new(Emitters::new(lights, geometry, materials)),
+    let emitters = match (lit_alike, scene.render.mode) {
+        (Some(previous), _) => return Some(Arc::clone(&previous.emitters)),
+        (None, Mode::Path) => Emitters::new(lights, geometry, materials, cancel)?,
         (None, Mode::Direct) => {
             let are_chosen = lights.len() > direct::MOST_SUMMED;
             let chosen = if are_chosen { lights } else { &[] };
-            Arc::new(Emitters::new(chosen, geometry, materials))
+            Emitters::new(chosen, geometry, materials, cancel)?
         }
-        _ => Arc::default(),
-    }
+        _ => Emitters::default(),
+    };
+    Some(Arc::new(emitters))
 }
 
 #[cfg(test)]
