@@ -369,6 +369,10 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         Ok(start) => start,
         Err(reason) => return job.send(Event::RenderLost(reason)),
     };
+    // It is found again by the next window, where it was to go on.
+    if job.cancel.is_cancelled() {
+        return;
+    }
     let keep = |checkpoint: Checkpoint| {
         if let Some(keeper) = &keeper {
             keeper.keep(&checkpoint);
@@ -433,7 +437,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     }
 }
 
-/// Where a render goes on, if it does not begin.
+/// Where a render goes on, if it does not begin, nor is cancelled.
 ///
 /// # Errors
 /// Why it cannot, in words.
@@ -453,7 +457,7 @@ fn start(
         // It is of no use to anybody.
         kept.accept();
     }
-    start.map(Some)
+    start
 }
 
 /// What the picture of a render takes.

@@ -1,7 +1,7 @@
 //! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
 
 use std::ffi::OsStr;
-use std::io::{self, Cursor, Seek, SeekFrom, Write};
+use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use exr::image::write::layers::WritableLayers;
@@ -13,6 +13,7 @@ use exr::prelude::{
 
 use super::atomic::{check_writable, write_atomically};
 use super::origin::{Origin, OriginTexts};
+use super::unless::{Unless, cancelled, check};
 use crate::control::CancelToken;
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
@@ -143,39 +144,6 @@ fn write(
     }
 }
 
-/// A writer that fails as soon as it is cancelled, so that whoever writes to it gives up.
-struct Unless<'a, W> {
-    cancel: &'a CancelToken,
-    inner: W,
-}
-
-/// Fails once it is cancelled.
-fn check(cancel: &CancelToken) -> io::Result<()> {
-    if cancel.is_cancelled() {
-        return Err(io::Error::other("cancelled"));
-    }
-    Ok(())
-}
-
-impl<W: Write> Write for Unless<'_, W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        /// No more bytes go at once, so that cancelling answers between pieces.
-        const PIECE: usize = 1 << 20;
-        check(self.cancel)?;
-        self.inner.write(&bytes[..bytes.len().min(PIECE)])
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
-    }
-}
-
-impl<W: Seek> Seek for Unless<'_, W> {
-    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
-        self.inner.seek(place)
-    }
-}
-
 /// Writes a picture that could not be written to `path` to a new file in the system's folder for temporary files, in the same
 /// format, so that it is not lost. Returns that file's name.
 ///
@@ -239,7 +207,8 @@ fn write_png(
         "Software".to_owned(),
         format!("RayMini {}", env!("CARGO_PKG_VERSION")),
     )?;
-    encoder.add_text_chunk(PNG_HASH_KEYWORD.to_owned(), image.hash())?;
+    let hash = image.hash_unless(cancel).ok_or_else(cancelled)?;
+    encoder.add_text_chunk(PNG_HASH_KEYWORD.to_owned(), hash)?;
     let mut writer = encoder.write_header()?;
     for chunk in texts.png_chunks() {
         writer.write_text_chunk(&chunk)?;

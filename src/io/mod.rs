@@ -41,6 +41,7 @@ mod shorten;
 pub mod stl;
 mod texture_file;
 mod texture_loader;
+mod unless;
 mod whole_file;
 
 pub use atomic::{check_writable, exit_process, write_atomically};

@@ -143,6 +143,23 @@ impl Film {
         }
     }
 
+    /// A copy; `None` when cancelled.
+    #[must_use]
+    pub fn copy_unless(&self, cancel: &CancelToken) -> Option<Self> {
+        let planes = self.planes.iter().map(|plane| copied(plane, cancel));
+        let marks = match &self.marks {
+            Some(marks) => Some(copied(marks, cancel)?),
+            None => None,
+        };
+        Some(Self {
+            region: self.region,
+            planes: planes.collect::<Option<_>>()?,
+            layers: self.layers.clone(),
+            samples: copied(&self.samples, cancel)?,
+            marks,
+        })
+    }
+
     /// The bytes that one pixel takes in a film with as many `layers`.
     #[must_use]
     pub fn bytes_per_pixel(layers: usize, with_marks: bool) -> usize {
@@ -366,6 +383,18 @@ impl Marks {
         self.quarter = self.half;
         self.half = mean;
     }
+}
+
+/// The same values; `None` when cancelled.
+fn copied<T: Copy>(values: &[T], cancel: &CancelToken) -> Option<Vec<T>> {
+    let mut copy = Vec::with_capacity(values.len());
+    for values in values.chunks(CHUNK) {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        copy.extend_from_slice(values);
+    }
+    Some(copy)
 }
 
 /// The means of a plane of sums; `None` when cancelled.

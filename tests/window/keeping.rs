@@ -7,6 +7,7 @@ use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
 use crate::everyday::is_told_to_close;
 use eframe::App as _;
 use egui::{Key, Modifiers};
+use raymini::control::CancelToken;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::inspector::Samples;
 use raymini::gui::picture::{LONG, Picture};
@@ -436,7 +437,9 @@ fn leave_long_render(room: &Path, data: &Path, killed: &Path) {
     };
     let scene = load(&folder.join("scene.toml"));
     let region = Region::full(scene.render.width, scene.render.height);
-    let description = describe_render(&scene, region, &Layer::all_of(&scene));
+    let layers = Layer::all_of(&scene);
+    let description = describe_render(&scene, region, &layers, &CancelToken::new());
+    let description = description.expect("nobody cancels");
     let path = folder.join("blocks-1");
     let known = LoggedBlocks::read(std::slice::from_ref(&path), &description);
     let mut blocks: Vec<_> = known.headers().iter().collect();

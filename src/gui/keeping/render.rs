@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::session::Session;
+use crate::control::CancelToken;
 use crate::io::{
     BlockLog, LoggedBlocks, load_checkpoint, save_checkpoint, save_scene, write_atomically,
 };
@@ -120,7 +121,7 @@ impl KeptRender {
 
     /// Keeps `checkpoint` of a render of `scene` in place of the last one, whole or not at all. `description`: see
     /// [`describe_render`](crate::io::describe_render). The logs before the one that grows go; those of a process that was killed stay where
-    /// `needs_old`.
+    /// `needs_old`. When cancelled, all stays as it is.
     ///
     /// # Errors
     /// In words.
@@ -130,6 +131,7 @@ impl KeptRender {
         description: &str,
         checkpoint: &Checkpoint,
         needs_old: bool,
+        cancel: &CancelToken,
     ) -> Result<(), String> {
         let superseded = {
             let mut logs = self.logs();
@@ -140,8 +142,11 @@ impl KeptRender {
         };
         self.session.write_render(|| {
             let path = self.folder.join(CHECKPOINT);
-            save_checkpoint(&path, description, checkpoint)
+            let saved = save_checkpoint(&path, description, checkpoint, cancel)
                 .map_err(|error| format!("{}: {error}", path.display()))?;
+            if saved.is_none() {
+                return Ok(());
+            }
             let files = self.log_files().into_iter();
             for (_, file) in files.filter(|(number, _)| superseded.contains(number)) {
                 // One that stays is of use to nobody, and goes with the folder.
@@ -220,8 +225,8 @@ impl KeptRender {
         save_scene(scene, &scene_of_render(&self.folder)).map_err(|error| error.to_string())
     }
 
-    /// The checkpoint that is here, of a render of that description; `None` where there is none. A file of more than `most_bytes` is
-    /// not one.
+    /// The checkpoint that is here, of a render of that description; `None` where there is none, and when cancelled. A file of more than
+    /// `most_bytes` is not one.
     ///
     /// # Errors
     /// Those of [`load_checkpoint`], in words.
@@ -229,13 +234,13 @@ impl KeptRender {
         &self,
         description: &str,
         most_bytes: u64,
+        cancel: &CancelToken,
     ) -> Result<Option<Checkpoint>, String> {
         let path = self.folder.join(CHECKPOINT);
         if !path.is_file() {
             return Ok(None);
         }
-        let loaded = load_checkpoint(&path, description, most_bytes);
-        loaded.map(Some).map_err(|error| error.reason)
+        load_checkpoint(&path, description, most_bytes, cancel).map_err(|error| error.reason)
     }
 
     /// The blocks that are here, of a render of that description.
@@ -294,7 +299,6 @@ fn numbered(folder: &Path, prefix: &str) -> Vec<(usize, PathBuf)> {
 mod tests {
     use super::super::{Begun, begin};
     use super::*;
-    use crate::control::CancelToken;
     use crate::io::demo_scene;
     use crate::render::PreparedScene;
 
@@ -327,7 +331,9 @@ mod tests {
         let killed = session.place_render(about.clone());
         let keep = |kept: &KeptRender, needs_old| {
             kept.begin_log(&scene, "demo").unwrap();
-            kept.keep(&scene, "demo", &checkpoint, needs_old).unwrap();
+            let never = CancelToken::new();
+            kept.keep(&scene, "demo", &checkpoint, needs_old, &never)
+                .unwrap();
         };
         killed.log_block(b"before there is a log");
         killed.begin_log(&scene, "demo").unwrap();
