@@ -67,16 +67,21 @@ impl App {
             self.cancel_render();
             self.pass_over_edits();
         }
+        self.give_up_preparing();
+        if self.picture.is_none() {
+            // There is none to follow every change.
+            self.is_live = false;
+        }
+    }
+
+    /// Has the scene as it is not prepared before that is needed, where it is not by now.
+    pub(super) fn give_up_preparing(&mut self) {
         if !self.is_prepared() {
             self.jobs.cancel(Lane::Prepare);
             self.preparing = None;
             self.unwanted_preparation = Some(self.document.scene.clone());
             self.messages
                 .news("Preparing cancelled: Render prepares the scene again");
-        }
-        if self.picture.is_none() {
-            // There is none to follow every change.
-            self.is_live = false;
         }
     }
 
