@@ -29,7 +29,6 @@ use super::run::{Ending, RenderOutcome, RenderStats, RunConfig, Watch};
 use super::texturing::{Textured, Untextured};
 use super::tile_samples::{TileBlock, sample_tile};
 use super::tiles::{Region, TilePixels};
-use crate::control::CancelToken;
 use crate::scene::RenderSettings;
 use keeping::LastKept;
 
@@ -84,16 +83,6 @@ enum Next {
 }
 
 impl Shared {
-    /// A copy; `None` when cancelled.
-    fn copy_unless(&self, cancel: &CancelToken) -> Option<Self> {
-        Some(Self {
-            film: self.film.copy_unless(cancel)?,
-            counts: self.counts,
-            first_tile_seconds: self.first_tile_seconds,
-            has_pass: self.has_pass.clone(),
-        })
-    }
-
     /// Takes in a tile.
     fn add(&mut self, number: usize, tile: Region, block: &TileBlock, clock: &Clock) {
         self.film.add(tile, &block.sums);
