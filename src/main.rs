@@ -38,7 +38,7 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Measures the window and prints what comes out.
+/// Measures the window and prints what comes out; exit code 1 where a bar is missed.
 fn bench_window(bench: &WindowBench) -> Result<ExitCode> {
     if let Some(missing) = bench.scene.as_ref().filter(|path| !path.exists()) {
         bail!("{}: there is no such file", missing.display());
@@ -54,13 +54,16 @@ fn measure_window(bench: &WindowBench) -> Result<ExitCode> {
         scene: bench.scene.clone(),
         repeats: bench.repeats,
     })?;
-    let text = if bench.json {
-        serde_json::to_string_pretty(&figures).context("the numbers cannot be written as JSON")?
+    if bench.json {
+        raymini::cli::say_json(&figures.for_programs())?;
     } else {
-        figures.describe()
-    };
-    println!("{}", raymini::cli::printable(text.trim_end()));
-    Ok(ExitCode::SUCCESS)
+        raymini::cli::say(figures.describe().trim_end())?;
+    }
+    Ok(if figures.keeps_all_bars() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
 }
 
 /// There is no window to measure.

@@ -181,6 +181,12 @@ impl App {
         self.keeping.has_failed = self.keeping.kept.is_some();
     }
 
+    /// Whether unsaved work is kept on disk, as soon as there is some.
+    #[must_use]
+    pub fn is_keeping(&self) -> bool {
+        self.keeping.session.is_some()
+    }
+
     /// Whether all that is not saved is on disk.
     #[must_use]
     pub fn is_work_kept(&self) -> bool {
