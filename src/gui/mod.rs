@@ -86,4 +86,4 @@ pub mod worker;
 pub mod zoom;
 
 pub use app::{App, AppOptions, FileDialogs};
-pub use start::{GuiError, OpenRequest, run};
+pub use start::{GuiError, OpenRequest, run, show_on_desktop};
