@@ -259,6 +259,7 @@ impl App {
             });
         }
         if self.document.scene.objects.is_empty() {
+            self.show_tiles(ui.ctx());
             self.viewport.release();
             viewport::backdrop_ui(ui, area, frame, false);
             self.empty_ui(ui, area);
@@ -272,6 +273,7 @@ impl App {
             self.interact_ui(ui, frame, area);
             self.follow_edits(ui.ctx());
         }
+        self.show_tiles(ui.ctx());
         let showing_picture = self.picture_on_screen().is_some();
         viewport::backdrop_ui(ui, area, frame, self.is_preview_hidden());
         // Behind an enlarged picture it would be larger than a texture may be, and behind a whole one nobody sees it.

@@ -12,7 +12,7 @@ mod reading;
 mod texels;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ColorImage, Vec2};
 
@@ -368,7 +368,7 @@ impl PictureBuffer {
         let share =
             |pixels: u32, blocks: usize| pixels as f32 / (blocks as f32 * coarse.side as f32);
         Some(CoarseTexels {
-            pixels: ColorImage::new(size, pixels),
+            pixels: Arc::new(ColorImage::new(size, pixels)),
             share: Vec2::new(share(self.width, size[0]), share(self.height, size[1])),
         })
     }
