@@ -40,6 +40,8 @@ pub enum Outcome {
     Opened {
         /// Of the linear picture, as of one that is finished; `None` where the file has rounded it.
         hash: Option<String>,
+        /// That of the picture before it was rounded, where the file tells.
+        hash_before: Option<String>,
         /// How wrong it is, where the file tells.
         error: Option<WrittenError>,
     },
@@ -147,6 +149,7 @@ impl Picture {
         picture.is_saved = true;
         picture.outcome = Outcome::Opened {
             hash: opened.hash,
+            hash_before: opened.hash_before,
             error: opened.error,
         };
         picture

@@ -1,6 +1,6 @@
 //! The part of the picture that is rendered: drawn with the mouse over picture or preview, or given in pixels.
 //!
-//! It is no part of the scene: it is in no file and no step to undo. When the picture's size changes, it keeps what it shows.
+//! It is no part of the scene: it is in no scene file and no step to undo. When the picture's size changes, it keeps what it shows.
 
 use egui::{Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui};
 

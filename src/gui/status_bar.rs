@@ -188,7 +188,7 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             }
         }
         Outcome::Failed => parts.push("The render failed".to_owned()),
-        Outcome::Opened { hash, error } => {
+        Outcome::Opened { hash, error, .. } => {
             parts.push(format!("{size}, from {}", picture.name));
             if let Some(error) = error {
                 parts.push(format!("noise {}", percent(error.noise())));

@@ -19,7 +19,7 @@ use super::event::{Event, Reloaded};
 use super::first_look::FirstLook;
 use super::jobs::Job;
 use super::keeping::KeptRender;
-use super::opened_picture::OpenedPicture;
+use super::opened_picture::{self, OpenedPicture};
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
@@ -32,7 +32,7 @@ use crate::analysis::cost::{Costs, Trial};
 use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::{CancelToken, Progress, Throttle};
-use crate::io::{self, LoadedScene, WrittenError, WrittenOrigin};
+use crate::io::{self, LoadedScene, WrittenOrigin};
 use crate::math::{DBounds, DVec3};
 use crate::render::{
     self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, OnCoarse, OnRound, PictureMemory,
@@ -87,6 +87,13 @@ pub struct Gpu {
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
 pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
+    let render = match &paths[..] {
+        [path] if io::is_render_file(path) => Some(path),
+        _ => None,
+    };
+    if let Some(path) = render {
+        opened_picture::announce(path, progress);
+    }
     let loaded = match paths.as_slice() {
         [] => Ok(Some(LoadedScene {
             scene: io::demo_scene(),
@@ -97,20 +104,10 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     let Some(mut result) = unless_cancelled(loaded) else {
         return;
     };
-    let mut picture = None;
-    if let ([path], Ok(loaded)) = (&paths[..], &mut result)
-        && io::is_render_file(path)
-    {
-        match OpenedPicture::read(path, &loaded.scene, &job.cancel) {
-            Ok(found) => picture = found,
-            Err(error) => loaded
-                .warnings
-                .push(format!("the picture itself is not shown: {error}")),
-        }
-        let without = picture.as_ref().and_then(|p| p.without_layers.as_ref());
-        let said = without.map(|why| format!("the layers of the picture are not shown: {why}"));
-        loaded.warnings.extend(said);
-    }
+    let picture = match (render, &mut result) {
+        (Some(path), Ok(loaded)) => OpenedPicture::of(path, loaded, &job.cancel, progress),
+        _ => None,
+    };
     let result = result.map(Box::new);
     job.send(Event::SceneLoaded {
         paths,
@@ -579,14 +576,13 @@ pub fn save_scene(job: &Job<Event>, scene: Scene, file: usize, path: PathBuf) {
     job.send(Event::SceneSaved { file, path, result });
 }
 
-/// Writes the picture of `scene` as the window shows it. `None` when cancelled: there is no file then, or the old one.
+/// Writes a picture of that origin as the window shows it. `None` when cancelled: there is no file then, or the old one.
 ///
 /// # Errors
 /// In words.
 pub fn save_picture(
     buffer: &PictureBuffer,
-    scene: &Scene,
-    error: Option<WrittenError>,
+    origin: &io::Origin<'_>,
     path: &Path,
     cancel: &CancelToken,
 ) -> Result<Option<()>, String> {
@@ -594,9 +590,8 @@ pub fn save_picture(
     if cancel.is_cancelled() {
         return Ok(None);
     }
-    let origin = io::Origin { scene, error };
     let (image, layers) = (buffer.image(), buffer.layer_images());
-    io::write_render_unless(&image, &layers, &origin, path, cancel)
+    io::write_render_unless(&image, &layers, origin, path, cancel)
         .map_err(|error| error.to_string())
 }
 

@@ -12,15 +12,12 @@ use exr::prelude::{
 };
 
 use super::atomic::{check_writable, write_atomically};
-use super::origin::{Origin, OriginTexts};
-use super::unless::{Unless, cancelled, check};
+use super::origin::{HASH_KEYWORD, Origin, OriginTexts};
+use super::unless::{Unless, check};
 use crate::control::CancelToken;
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
 use crate::scene::{Display, Output, PngBits, Scene};
-
-/// Keyword of the PNG text that holds [`Image::hash`] of the picture before it was quantised.
-pub const PNG_HASH_KEYWORD: &str = "raymini.image_hash";
 
 /// Why a picture could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -116,7 +113,7 @@ fn write(
     image: &Image,
     layers: &[(Layer, Image)],
     (display, output): (&Display, &Output),
-    texts: &OriginTexts,
+    texts: &OriginTexts<'_>,
     path: &Path,
     cancel: &CancelToken,
 ) -> Result<Option<()>, ImageFileError> {
@@ -192,7 +189,7 @@ fn write_png(
     image: &Image,
     display: &Display,
     output: Output,
-    texts: &OriginTexts,
+    texts: &OriginTexts<'_>,
     file: Unless<'_, &mut dyn Write>,
 ) -> io::Result<()> {
     let cancel = file.cancel;
@@ -207,8 +204,9 @@ fn write_png(
         "Software".to_owned(),
         format!("RayMini {}", env!("CARGO_PKG_VERSION")),
     )?;
-    let hash = image.hash_unless(cancel).ok_or_else(cancelled)?;
-    encoder.add_text_chunk(PNG_HASH_KEYWORD.to_owned(), hash)?;
+    if let Some(hash) = texts.png_hash(image, cancel)? {
+        encoder.add_text_chunk(HASH_KEYWORD.to_owned(), hash)?;
+    }
     let mut writer = encoder.write_header()?;
     for chunk in texts.png_chunks() {
         writer.write_text_chunk(&chunk)?;
@@ -234,7 +232,7 @@ fn write_png(
 fn exr_bytes(
     image: &Image,
     layers: &[(Layer, Image)],
-    texts: &OriginTexts,
+    texts: &OriginTexts<'_>,
     cancel: &CancelToken,
 ) -> io::Result<Vec<u8>> {
     let size = (image.width as usize, image.height as usize);
@@ -264,7 +262,11 @@ fn exr_bytes(
     exr_file(&image, cancel)
 }
 
-fn exr_image<C>(size: (usize, usize), channels: C, texts: &OriginTexts) -> ExrImage<ExrLayer<C>> {
+fn exr_image<C>(
+    size: (usize, usize),
+    channels: C,
+    texts: &OriginTexts<'_>,
+) -> ExrImage<ExrLayer<C>> {
     ExrImage {
         attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
         layer_data: ExrLayer {
@@ -296,6 +298,7 @@ fn exr_file<'a, L: WritableLayers<'a>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::Values;
 
     fn gradient() -> Image {
         let pixels = (0..35)
@@ -346,8 +349,7 @@ mod tests {
             let text = &reader.info().uncompressed_latin1_text;
             assert!(
                 text.iter()
-                    .any(|chunk| chunk.keyword == PNG_HASH_KEYWORD
-                        && chunk.text == gradient().hash())
+                    .any(|chunk| chunk.keyword == HASH_KEYWORD && chunk.text == gradient().hash())
             );
             let mut pixels = vec![0; reader.output_buffer_size().expect("fits")];
             reader.next_frame(&mut pixels).expect("has a frame");
@@ -408,6 +410,8 @@ mod tests {
         let origin = Origin {
             scene: &scene,
             error: None,
+            region: None,
+            values: Values::Rendered,
         };
         let cancelled = CancelToken::new();
         cancelled.cancel();

@@ -200,6 +200,10 @@ fn flags_change_size_samples_mode_and_region() {
         (&picture["width"], &picture["height"]),
         (&30.into(), &5.into())
     );
+    assert_eq!(
+        (&picture["region"]["x"], &picture["region"]["y"]),
+        (&10.into(), &20.into())
+    );
     hash(folder.path(), &["--set", "output.png_bits=16"]);
     let picture = image::open(folder.path().join("out.png")).expect("is a picture");
     assert_eq!(picture.color(), image::ColorType::Rgb16);

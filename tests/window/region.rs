@@ -378,3 +378,41 @@ fn the_time_of_a_render_is_told_when_asked_for() {
         (elapsed, elapsed, elapsed)
     );
 }
+
+/// The file tells which part of the picture it is, so nothing has changed since.
+#[test]
+fn a_saved_region_opens_as_what_was_rendered() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let frame = window.rect("Viewport");
+    window.press(Modifiers::NONE, Key::B);
+    let quarter = frame.min + frame.size() / 4.0;
+    window.drag(PointerButton::Primary, quarter, frame.center());
+    window.render();
+    let (hash, part) = (window.hash(), picture(&window).buffer.part());
+    assert!(!part.is_whole());
+    let saved = ["part.exr", "part.png"].map(|name| files.path(name));
+    for path in &saved {
+        window.save_picture(path);
+    }
+    drop(window);
+    for path in &saved {
+        let mut window = Window::open(path);
+        window.until("it is on the screen", |app| {
+            app.picture_on_screen().is_some_and(Picture::is_shown)
+        });
+        assert!(window.says("of 160 × 120, from part."));
+        assert!(!window.says("settings changed since"));
+        assert_eq!(
+            window.app().picture_on_screen().unwrap().buffer.part(),
+            part
+        );
+        window.render();
+        assert_eq!(window.hash(), hash);
+        // Saved again, it still tells.
+        let again = files.path("again.exr");
+        window.save_picture(&again);
+        let origin = raymini::io::WrittenOrigin::of_file(&again).unwrap();
+        assert_eq!(origin.region, Some(part.region));
+    }
+}

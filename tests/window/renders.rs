@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 use raymini::control::{CancelToken, Progress};
 use raymini::gui::picture::Picture;
 use raymini::gui::top_bar::View;
-use raymini::io::{WrittenOrigin, read_layers};
+use raymini::io::{WrittenOrigin, read_image, read_render};
 use raymini::render::Layer;
 use raymini::render::display::encode_8;
 use raymini::scene::Shadows;
@@ -248,8 +248,8 @@ fn a_saved_picture_opens_with_its_scene() {
     assert!(first.is_some());
     assert_eq!(first, second);
     let progress = Progress::new();
-    let kept = read_layers(&again, &CancelToken::new(), &progress);
-    assert_eq!(kept.unwrap().unwrap(), layers);
+    let kept = read_render(&again, &CancelToken::new(), &progress);
+    assert_eq!(kept.unwrap().unwrap().layers.unwrap(), layers);
     window.operate("Layer");
     window.operate("Whole picture");
 
@@ -275,4 +275,39 @@ fn a_saved_picture_opens_with_its_scene() {
     let window = window_of(&looks);
     assert!(window.app().renders().entries().is_empty());
     assert_eq!(window.app().view(), View::Preview);
+}
+
+/// A file that has rounded a picture tells the hash of what was rendered, also when it is saved again, and never that of the rounded pixels.
+#[test]
+fn a_rounded_picture_that_is_saved_again_has_the_hash_of_the_render() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    let shown = files.path("shown.png");
+    window.save_picture(&shown);
+    drop(window);
+
+    let mut window = Window::open(&shown);
+    window.until("it is on the screen", |app| {
+        app.picture_on_screen().is_some_and(Picture::is_shown)
+    });
+    assert!(!window.says(&hash[..8]), "what is shown is rounded");
+    let told = |path: &std::path::Path| WrittenOrigin::of_file(path).unwrap().rendered_hash;
+    let [png, exr] = ["again.png", "again.exr"].map(|name| files.path(name));
+    for path in [&shown, &png, &exr] {
+        if *path != shown {
+            window.save_picture(path);
+        }
+        assert_eq!(told(path).as_ref(), Some(&hash), "{}", path.display());
+        assert_ne!(read_image(path).unwrap().image.hash(), hash);
+    }
+    drop(window);
+    let mut window = Window::open(&exr);
+    window.settle();
+    let entry = &window.app().renders().entries()[0];
+    assert_eq!(entry.facts.hash(), None, "they are not the light");
+    let png = files.path("once more.png");
+    window.save_picture(&png);
+    assert_eq!(told(&png), Some(hash));
 }

@@ -282,3 +282,46 @@ pub(super) fn what(paths: &[PathBuf]) -> String {
         [first, rest @ ..] => format!("{} and {} more", name(first), rest.len()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gui::app::testing;
+    use crate::io::{Origin, Values};
+    use crate::render::{Image, Layer};
+
+    /// Each byte counts once as it is read and once as it is understood; one that was read again would count again.
+    #[test]
+    fn a_render_is_read_once_and_its_progress_ends_with_it() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("render.exr");
+        let mut scene = io::demo_scene();
+        (scene.render.width, scene.render.height) = (64, 48);
+        let origin = Origin {
+            scene: &scene,
+            error: None,
+            region: None,
+            values: Values::Rendered,
+        };
+        let layers = [(Layer::Emission, Image::black(64, 48))];
+        io::write_render(&Image::black(64, 48), &layers, &origin, &path).expect("is written");
+        let scene_file = folder.path().join("scene.toml");
+        io::save_scene(&scene, &scene_file).expect("is saved");
+
+        let mut window = testing::window(None);
+        let progress_of = |window: &mut egui_kittest::Harness<'static, App>, path: &Path| {
+            window.state_mut().load(vec![path.to_owned()]);
+            let loading = window.state().loading.as_ref().expect("it is read");
+            let progress = loading.progress.clone();
+            testing::until(window, |app| app.loading.is_none());
+            assert_eq!(progress.done(), progress.total());
+            progress.total()
+        };
+        let scene = progress_of(&mut window, &scene_file);
+        let render = progress_of(&mut window, &path);
+        let file = std::fs::metadata(&path).expect("is there").len();
+        assert_eq!(render, scene + 2 * file);
+        let picture = window.state().picture_on_screen().expect("it is shown");
+        assert_eq!(picture.buffer.layers(), [Layer::Emission]);
+    }
+}

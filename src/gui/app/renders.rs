@@ -162,6 +162,8 @@ impl App {
         ];
         let scene = self.document.scene.clone();
         let picture = Picture::opened(number, names, scene, opened);
+        // What is rendered is what was.
+        self.region.choose(picture.buffer.part());
         drop_elsewhere(self.renders.keep(picture, &self.document.scene));
         self.show_render(number);
     }

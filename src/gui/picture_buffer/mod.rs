@@ -134,12 +134,18 @@ impl PictureBuffer {
     /// A picture that is whole, without layers.
     #[must_use]
     pub fn of_image(image: Image, display: Display) -> Self {
-        Self::of_render(image, Vec::new(), display)
+        let part = Part::whole([image.width, image.height]);
+        Self::of_render(image, Vec::new(), part, display)
     }
 
-    /// A picture that is whole, with its layers, which are as large.
+    /// This part of a picture, finished, with its layers, which are as large.
     #[must_use]
-    pub fn of_render(image: Image, layers: Vec<(Layer, Image)>, display: Display) -> Self {
+    pub fn of_render(
+        image: Image,
+        layers: Vec<(Layer, Image)>,
+        part: Part,
+        display: Display,
+    ) -> Self {
         let size = [image.width, image.height];
         let errors = layers.iter().find(|(layer, _)| *layer == Layer::Error);
         let error_scale = errors.map(|(_, errors)| scale_of(errors));
@@ -147,7 +153,7 @@ impl PictureBuffer {
         let planes: Vec<Image> = std::iter::once(image).chain(images).collect();
         Self {
             id: PictureId::next(),
-            part: Part::whole(size),
+            part,
             width: size[0],
             height: size[1],
             texels: Texels::of(size),
