@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use super::values;
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::io::{check_writable, describe_render, load_checkpoint, save_checkpoint};
 use crate::render::{Checkpoint, PictureMemory, PreparedScene, Region, RunConfig};
 use crate::scene::Scene;
@@ -115,7 +115,13 @@ impl CheckpointFile<'_> {
         // Small numbers take up to a quarter more in the file than in memory.
         let most_bytes = 2 * memory.bytes() + self.description.len() as u64 + MOST_OTHER_BYTES;
         let never = CancelToken::new();
-        let checkpoint = load_checkpoint(self.path, &self.description, most_bytes, &never)?;
+        let checkpoint = load_checkpoint(
+            self.path,
+            &self.description,
+            most_bytes,
+            &never,
+            &Progress::new(),
+        )?;
         let checkpoint = checkpoint.expect("nobody cancels");
         let name = self.path.display();
         if !checkpoint.fits(prepared, region, run.layers_of(prepared)) {

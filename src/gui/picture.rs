@@ -11,7 +11,7 @@ use super::keeping::KeptRender;
 use super::opened_picture::OpenedPicture;
 use super::part::Part;
 use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
-use crate::control::Throttle;
+use crate::control::{Progress, Throttle};
 use crate::io::WrittenError;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
@@ -71,6 +71,8 @@ pub struct Picture {
     pub buffer: Arc<PictureBuffer>,
     /// How far it is.
     pub progress: RenderProgress,
+    /// How far what is there of it on disk is read, before it goes on: in bytes.
+    pub reading: Progress,
     /// How it ended.
     pub outcome: Outcome,
     /// Whether another took its place because the scene was edited while this one was looked at, and it is nothing to remember.
@@ -119,6 +121,7 @@ impl Picture {
             scene,
             buffer,
             progress,
+            reading: Progress::new(),
             outcome: Outcome::Running,
             is_replaced: false,
             is_saved: false,
@@ -345,6 +348,13 @@ impl Picture {
         if let Some(kept) = &self.kept {
             kept.accept();
         }
+    }
+
+    /// How far what is there of it on disk is read, `0..=1`, while it is.
+    #[must_use]
+    pub fn reading(&self) -> Option<f64> {
+        let is_read = self.is_running() && self.before.is_none() && self.reading.total() > 0;
+        is_read.then(|| self.reading.fraction())
     }
 
     /// Which part was done when it was interrupted, where it was, `0..=1`.

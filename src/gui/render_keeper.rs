@@ -123,7 +123,7 @@ impl<'a> RenderKeeper<'a> {
     /// What to go on from; `None` when cancelled.
     ///
     /// # Errors
-    /// Why that cannot be, in words.
+    /// Why there is nothing to go on from, in words.
     pub fn start(&self, prepared: &PreparedScene) -> Result<Option<Start>, String> {
         let Some(description) = self.description() else {
             return Ok(None);
@@ -131,18 +131,19 @@ impl<'a> RenderKeeper<'a> {
         // Small numbers take up to a quarter more in the file than in memory.
         let most = 2 * self.memory.bytes() + description.len() as u64 + MOST_OTHER_BYTES;
         let region = self.kept.about().region;
-        let kept = self.kept.checkpoint(description, most, &self.job.cancel)?;
-        if self.job.cancel.is_cancelled() {
+        let (cancel, progress) = (&self.job.cancel, &self.request.reading);
+        let read = self.kept.read(&description, most, cancel, progress)?;
+        let Some((checkpoint, blocks)) = read else {
             return Ok(None);
-        }
-        let before = || Checkpoint::before(prepared, region, self.layers);
-        let checkpoint = kept.unwrap_or_else(before);
+        };
+        let checkpoint =
+            checkpoint.unwrap_or_else(|| Checkpoint::before(prepared, region, self.layers));
         if !checkpoint.fits(prepared, region, self.layers) {
             return Err("its parts do not fit the render".to_owned());
         }
         let blocks = self
             .known
-            .get_or_init(|| self.kept.blocks(description))
+            .get_or_init(|| blocks)
             .headers()
             .iter()
             .filter(|block| checkpoint.lacks(block.pass, block.tile));

@@ -155,8 +155,13 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
     }
     match &picture.outcome {
         Outcome::Running => {
-            progress_ui(ui, picture.progress.samples.fraction());
-            parts.extend(running_parts(picture, &size));
+            if let Some(share) = picture.reading() {
+                progress_ui(ui, share);
+                parts.push("Reading what was rendered before".to_owned());
+            } else {
+                progress_ui(ui, picture.progress.samples.fraction());
+                parts.extend(running_parts(picture, &size));
+            }
         }
         Outcome::Finished { hash, stats } => {
             let ending = ending(stats, render);

@@ -301,6 +301,8 @@ pub struct RenderRequest {
     pub buffer: Arc<PictureBuffer>,
     /// What the window watches.
     pub progress: RenderProgress,
+    /// How far what is on disk of it is read.
+    pub reading: Progress,
     /// How long tiles may wait to be shown together.
     pub tile_delay: Duration,
     /// Where it is kept on disk.
@@ -366,7 +368,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         Ok(start) => start,
         Err(reason) => return job.send(Event::RenderLost(reason)),
     };
-    // It is found again by the next window, where it was to go on.
+    // Where it was to go on, it is offered again.
     if job.cancel.is_cancelled() {
         return;
     }
@@ -434,7 +436,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     }
 }
 
-/// Where a render goes on, if it does not begin, nor is cancelled.
+/// Where a render goes on, if it does not begin; none either when cancelled.
 ///
 /// # Errors
 /// Why it cannot, in words.

@@ -55,7 +55,8 @@ pub fn save_checkpoint(
 }
 
 /// Reads the checkpoint at `path`, of a render of that [description](super::describe_render). A file of more than `most_bytes` is
-/// not one. `None` when cancelled.
+/// not one. `None` when cancelled. `progress` advances by the bytes of the file, each once when it is read and once when it is found to be
+/// what was written; setting its total is the caller's.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged or something else, or is of another render: then with the first thing that differs.
@@ -64,8 +65,10 @@ pub fn load_checkpoint(
     description: &str,
     most_bytes: u64,
     cancel: &CancelToken,
+    progress: &Progress,
 ) -> Result<Option<Checkpoint>, CheckpointError> {
-    read(path, description, most_bytes, cancel).map_err(|reason| CheckpointError {
+    let read = read(path, description, most_bytes, cancel, progress);
+    read.map_err(|reason| CheckpointError {
         path: path.to_owned(),
         reason,
     })
@@ -76,6 +79,7 @@ fn read(
     description: &str,
     most_bytes: u64,
     cancel: &CancelToken,
+    progress: &Progress,
 ) -> Result<Option<Checkpoint>, String> {
     const EXPECTED: &str = "a checkpoint of this render";
     // However large the file is, its first line tells whether it is one.
@@ -85,17 +89,18 @@ fn read(
     let read = file.take(first_line).read_to_end(&mut start);
     read.map_err(|error| format!("the file cannot be read: {error}"))?;
     check_first_line(&start)?;
-    match read_bounded_file(path, EXPECTED, most_bytes, cancel, &Progress::new())? {
-        Some(bytes) => parse(&bytes, description, cancel),
+    match read_bounded_file(path, EXPECTED, most_bytes, cancel, progress)? {
+        Some(bytes) => parse(&bytes, description, cancel, progress),
         None => Ok(None),
     }
 }
 
-/// The checkpoint in the bytes of a file, if it is one of a render of that description. `None` when cancelled.
+/// The checkpoint in the bytes of a file, if it is one of a render of that description.
 fn parse(
     bytes: &[u8],
     description: &str,
     cancel: &CancelToken,
+    progress: &Progress,
 ) -> Result<Option<Checkpoint>, String> {
     let rest = check_first_line(bytes)?;
     let damaged = || "the checkpoint is damaged: what it holds is not what was written".to_owned();
@@ -104,15 +109,16 @@ fn parse(
         .checked_sub(DIGEST_BYTES)
         .map(|end| rest.split_at(end))
         .ok_or_else(damaged)?;
-    let hashed = &bytes[..bytes.len() - DIGEST_BYTES];
-    let mut found = Sha256::new();
-    for piece in hashed.chunks(PIECE_BYTES) {
+    let mut hasher = Sha256::new();
+    for piece in bytes[..bytes.len() - DIGEST_BYTES].chunks(PIECE_BYTES) {
         if cancel.is_cancelled() {
             return Ok(None);
         }
-        found.update(piece);
+        hasher.update(piece);
+        progress.advance(piece.len() as u64);
     }
-    if found.finalize().as_slice() != digest {
+    progress.advance(DIGEST_BYTES as u64);
+    if hasher.finalize().as_slice() != digest {
         return Err(damaged());
     }
     let (saved, body) = postcard::take_from_bytes::<&str>(body).map_err(|_| damaged())?;
@@ -195,6 +201,11 @@ mod tests {
 
     const DESCRIPTION: &str = "region = 0,0,3,2\n";
 
+    fn parse(bytes: &[u8], description: &str) -> Result<Checkpoint, String> {
+        let parsed = super::parse(bytes, description, &CancelToken::new(), &Progress::new());
+        parsed.map(|checkpoint| checkpoint.expect("nobody cancels"))
+    }
+
     fn prepared() -> PreparedScene {
         let mut scene = Scene::default();
         let ball = shapes::icosphere(0);
@@ -256,7 +267,7 @@ mod tests {
         let save = |description, cancel| {
             save_checkpoint(&path, description, &checkpoint, cancel).expect("can be written")
         };
-        let load = |cancel| load_checkpoint(&path, DESCRIPTION, u64::MAX, cancel);
+        let load = |cancel| load_checkpoint(&path, DESCRIPTION, u64::MAX, cancel, &Progress::new());
         assert_eq!(save(DESCRIPTION, &cancelled), None);
         assert!(!path.exists());
         assert_eq!(save(DESCRIPTION, &never), Some(()));
@@ -278,6 +289,19 @@ mod tests {
         assert!(again == file);
         assert_eq!(checkpoint.region(), Region::full(3, 2));
         assert_eq!(checkpoint.samples_per_pixel(), 16.0);
+    }
+
+    #[test]
+    fn reading_tells_how_far_it_is_and_can_be_cancelled() {
+        let bytes = file(&prepared());
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        std::fs::write(file.path(), &bytes).expect("is written");
+        let (cancel, progress) = (CancelToken::new(), Progress::new());
+        let read = || load_checkpoint(file.path(), DESCRIPTION, u64::MAX, &cancel, &progress);
+        assert!(read().expect("is right").is_some());
+        assert_eq!(progress.done(), 2 * bytes.len() as u64);
+        cancel.cancel();
+        assert!(read().expect("is right").is_none());
     }
 
     /// Even with the right digest nothing panics, and no length is believed.

@@ -281,6 +281,7 @@ impl App {
         let throttle = picture.throttle().clone();
         let kept = kept.map(Arc::new);
         picture.keep_in(kept.clone());
+        let reading = picture.reading.clone();
         self.picture = Some(picture);
         self.view = View::Picture;
 
@@ -295,6 +296,7 @@ impl App {
             throttle,
             buffer,
             progress,
+            reading,
             tile_delay: self.refresh_interval(),
             kept,
             goes_on,

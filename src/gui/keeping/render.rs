@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::session::Session;
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::io::{
     BlockLog, LoggedBlocks, load_checkpoint, save_checkpoint, save_scene, write_atomically,
 };
@@ -225,30 +225,35 @@ impl KeptRender {
         save_scene(scene, &scene_of_render(&self.folder)).map_err(|error| error.to_string())
     }
 
-    /// The checkpoint that is here, of a render of that description; `None` where there is none, and when cancelled. A file of more than
-    /// `most_bytes` is not one.
+    /// What is here of a render of that description: the checkpoint, where there is one, and the blocks. A checkpoint of more than `most_bytes`
+    /// is none. `None` when cancelled; `progress` advances by the bytes that are read and looked through, and knows how many there are.
     ///
     /// # Errors
-    /// Those of [`load_checkpoint`], in words.
-    pub fn checkpoint(
+    /// Those of [`load_checkpoint`](crate::io::load_checkpoint), in words.
+    pub fn read(
         &self,
         description: &str,
         most_bytes: u64,
         cancel: &CancelToken,
-    ) -> Result<Option<Checkpoint>, String> {
-        let path = self.folder.join(CHECKPOINT);
-        if !path.is_file() {
-            return Ok(None);
-        }
-        load_checkpoint(&path, description, most_bytes, cancel).map_err(|error| error.reason)
-    }
-
-    /// The blocks that are here, of a render of that description.
-    #[must_use]
-    pub fn blocks(&self, description: &str) -> LoggedBlocks {
+        progress: &Progress,
+    ) -> Result<Option<(Option<Checkpoint>, LoggedBlocks)>, String> {
+        let length = |path: &Path| fs::metadata(path).map_or(0, |file| file.len());
         let files = self.log_files().into_iter();
-        let paths: Vec<_> = files.map(|(_, path)| path).collect();
-        LoggedBlocks::read(&paths, description)
+        let logs: Vec<_> = files.map(|(_, path)| path).collect();
+        let path = self.folder.join(CHECKPOINT);
+        let in_logs: u64 = logs.iter().map(|log| length(log)).sum();
+        progress.set_total(2 * length(&path) + in_logs);
+        let checkpoint = if path.is_file() {
+            let loaded = load_checkpoint(&path, description, most_bytes, cancel, progress);
+            match loaded.map_err(|error| error.reason)? {
+                Some(checkpoint) => Some(checkpoint),
+                None => return Ok(None),
+            }
+        } else {
+            None
+        };
+        let blocks = LoggedBlocks::read_unless(&logs, description, cancel, progress);
+        Ok(blocks.map(|blocks| (checkpoint, blocks)))
     }
 
     fn log_file(&self, number: usize) -> PathBuf {
