@@ -32,19 +32,25 @@ struct File {
     home: Camera,
 }
 
-impl Document {
-    /// An unchanged document. `path`: the scene file that saving writes to; `None` for the demo and for bare meshes.
-    #[must_use]
-    pub fn new(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
-        let file = File {
+impl File {
+    /// One that holds `scene`.
+    fn of(scene: &Scene, name: String, path: Option<PathBuf>) -> Self {
+        Self {
             name,
             path,
             saved: scene.clone(),
             home: scene.camera,
-        };
+        }
+    }
+}
+
+impl Document {
+    /// An unchanged document. `path`: the scene file that saving writes to; `None` for the demo and for bare meshes.
+    #[must_use]
+    pub fn new(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
         Self {
             undo: UndoHistory::new(scene.clone()),
-            files: vec![file],
+            files: vec![File::of(&scene, name, path)],
             file: 0,
             scene,
         }
@@ -67,14 +73,33 @@ impl Document {
         path: Option<PathBuf>,
         selection: &Selection,
     ) {
-        self.record_edit(selection);
         let step = format!("opening {name}");
-        self.files.push(File {
-            name,
-            path,
-            saved: scene.clone(),
-            home: scene.camera,
-        });
+        self.put(scene, (name, path), selection, step);
+    }
+
+    /// [`Document::open`], of work that was never saved.
+    pub fn open_restored(
+        &mut self,
+        scene: Scene,
+        name: String,
+        path: Option<PathBuf>,
+        selection: &Selection,
+    ) {
+        let step = format!("restoring {name}");
+        self.put(scene, (name, path), selection, step);
+        self.file_mut().saved = Scene::default();
+    }
+
+    /// Puts the scene of another file in place of the present one, as the step to undo that is called `step`.
+    fn put(
+        &mut self,
+        scene: Scene,
+        (name, path): (String, Option<PathBuf>),
+        selection: &Selection,
+        step: String,
+    ) {
+        self.record_edit(selection);
+        self.files.push(File::of(&scene, name, path));
         self.file = self.files.len() - 1;
         let now = Snapshot {
             scene: scene.clone(),

@@ -15,12 +15,12 @@ use raymini::io::{BlockLog, LoggedBlocks, block_record, describe_render};
 use raymini::render::{Layer, Region};
 
 /// A window that keeps its work in `data`.
-fn open(path: &Path, data: &Path) -> Window {
+pub fn open(path: &Path, data: &Path) -> Window {
     Window::start_keeping(vec![path.to_owned()], true, Some(data.to_owned()))
 }
 
 /// Edits, and ends as a process does that is killed: it says goodbye to nobody, and its locks are free.
-fn edit_and_die(files: &Files, data: &Path) {
+pub fn edit_and_die(files: &Files, data: &Path) {
     let mut window = open(&files.path("room.toml"), data);
     window.click("Add light");
     window.until("the work is kept", raymini::gui::App::is_work_kept);
@@ -28,7 +28,7 @@ fn edit_and_die(files: &Files, data: &Path) {
     window.until("the newest work is kept", raymini::gui::App::is_work_kept);
 }
 
-fn asks(window: &mut Window) {
+pub fn asks(window: &mut Window) {
     window.until("lost work is asked about", |app| {
         matches!(app.dialog(), Some(Dialog::Recovery(_)))
     });
@@ -231,7 +231,7 @@ fn checkpoints(data: &Path) -> Vec<PathBuf> {
 }
 
 /// Starts a render, and pauses it when it is on disk.
-fn render_until_kept(window: &mut Window, data: &Path) {
+pub fn render_until_kept(window: &mut Window, data: &Path) {
     window.click("Render");
     window.just_until("it runs", |app| {
         app.picture().is_some_and(Picture::is_running)
@@ -245,7 +245,7 @@ fn render_until_kept(window: &mut Window, data: &Path) {
 }
 
 /// What a process leaves that is killed now: `to` is beside `from`.
-fn copy_folder(from: &Path, to: &Path) {
+pub fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
         let entry = entry.unwrap();

@@ -19,6 +19,7 @@ mod real;
 mod region;
 mod reload;
 mod renders;
+mod restoring;
 mod seeing;
 mod start;
 mod tools;

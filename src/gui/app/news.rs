@@ -136,7 +136,7 @@ impl App {
             Event::TimeEstimated { subject, result } => self.time_estimated(subject, result),
             Event::KeepingBegun { recent, begun } => self.keeping_begun(recent, begun),
             Event::WorkKept(result) => self.work_kept(result),
-            Event::Restored { lost, result } => self.restored(lost, result.map(|it| *it)),
+            Event::Restored { lost, result } => self.restored(lost, result),
             Event::RenderGoesOn {
                 share_done,
                 seconds,

@@ -161,7 +161,10 @@ impl App {
             [] => "Demo".to_owned(),
             [first, ..] => name_of(first),
         };
-        self.open_document(loaded.scene, name, file);
+        let before = self.open_document(loaded.scene, name, file, true);
+        if let Some(before) = before {
+            self.messages.news(format!("Undo brings {before} back"));
+        }
         if !loaded.warnings.is_empty() {
             let title = format!("Opened {} with remarks", what(paths));
             self.messages.warning(title, loaded.warnings.join("\n"));
@@ -174,29 +177,29 @@ impl App {
         }
     }
 
-    /// Puts another scene in place of the present one. That can be undone, unless there was none.
-    fn open_document(&mut self, scene: Scene, name: String, path: Option<PathBuf>) {
+    /// Puts another scene in place of the present one; `is_saved`: whether it is what its file holds. Returns the name of the one before,
+    /// which undoing brings back; `None` where there was none.
+    pub(super) fn open_document(
+        &mut self,
+        scene: Scene,
+        name: String,
+        path: Option<PathBuf>,
+        is_saved: bool,
+    ) -> Option<String> {
         let before = self.document.name().to_owned();
         let is_first = self.document.scene.objects.is_empty()
             && self.document.undo_history().next_undo().is_none();
-        if is_first {
-            self.replace_document(Document::new(scene, name, path));
-        } else {
-            let selection = std::mem::take(&mut self.selection);
-            self.document.open(scene, name, path, &selection);
-            self.show_other_scene();
-            self.messages.clear();
-            let news = format!("Undo brings {before} back");
-            self.messages.news(news);
+        let selection = std::mem::take(&mut self.selection);
+        match (is_first, is_saved) {
+            (true, true) => self.document = Document::new(scene, name, path),
+            (true, false) => self.document = Document::restored(scene, name, path),
+            (false, true) => self.document.open(scene, name, path, &selection),
+            (false, false) => self.document.open_restored(scene, name, path, &selection),
         }
-    }
-
-    /// Puts another document in place of the present one, and forgets what belongs to that.
-    pub(super) fn replace_document(&mut self, document: Document) {
-        self.document = document;
         self.show_other_scene();
         self.messages.clear();
         self.messages.news("");
+        (!is_first).then_some(before)
     }
 
     /// Forgets what belonged to the scene that was shown before: the document has another one now.

@@ -331,6 +331,12 @@ impl App {
     pub(super) fn decide(&mut self, ctx: &egui::Context, intent: Intent, decision: Decision) {
         match (decision, intent) {
             (Decision::None, intent) => self.dialog = Some(Dialog::Unsaved(intent)),
+            (Decision::Cancel, Intent::Restore(lost, _)) => {
+                let name = &lost.about.name;
+                let news =
+                    format!("What was restored of {name} is offered again at the next start");
+                self.messages.news(news);
+            }
             (Decision::Cancel, _) => {}
             (Decision::Save, intent) => {
                 self.after_saving = Some(intent);
@@ -345,6 +351,7 @@ impl App {
         match intent {
             Intent::Open(paths) => self.load(paths),
             Intent::Import(import) => self.replace_by(*import),
+            Intent::Restore(lost, recovered) => self.put_restored(lost, *recovered),
             Intent::Close => self.close_unless_asked(ctx),
         }
     }

@@ -48,6 +48,15 @@ impl Held {
         })
     }
 
+    /// Writes unsaved work, whole or not at all.
+    fn keep(&self, scene: &Scene, about: &About) -> Result<(), String> {
+        let folder = &self.folder;
+        let text = serde_json::to_string_pretty(about).map_err(|e| e.to_string())?;
+        write_atomically(&folder.join(ABOUT), |file| file.write_all(text.as_bytes()))
+            .map_err(|error| format!("{}: {error}", folder.display()))?;
+        save_scene(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
+    }
+
     fn remove(&mut self) {
         // An open file keeps its folder on some systems.
         self.lock = None;
@@ -68,22 +77,8 @@ pub struct Session {
 }
 
 impl Session {
-    /// Writes unsaved work, whole or not at all.
-    ///
-    /// # Errors
-    /// In words.
-    pub fn keep(&self, scene: &Scene, name: String, path: Option<PathBuf>) -> Result<(), String> {
-        let held = self.held();
-        let folder = &held.folder;
-        let about = About { name, path };
-        let text = serde_json::to_string_pretty(&about).map_err(|e| e.to_string())?;
-        write_atomically(&folder.join(ABOUT), |file| file.write_all(text.as_bytes()))
-            .map_err(|error| format!("{}: {error}", folder.display()))?;
-        save_scene(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
-    }
-
     /// Removes what was kept: it is saved, or was given up.
-    pub fn clear(&self) {
+    fn clear(&self) {
         // What is not there needs no removing.
         let _ = fs::remove_file(self.held().folder.join(SCENE));
     }
@@ -211,8 +206,42 @@ impl Lost {
 
     /// Removes it for good.
     pub fn discard(self) {
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        held.remove();
+        self.held().remove();
+    }
+
+    fn held(&self) -> MutexGuard<'_, Held> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Where unsaved work is kept.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// With all else of the window.
+    Session(Arc<Session>),
+    /// Of restored work: where it was found.
+    Found(Lost),
+}
+
+impl Place {
+    /// Writes unsaved work there, whole or not at all.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn keep(&self, scene: &Scene, about: &About) -> Result<(), String> {
+        let held = match self {
+            Self::Session(session) => session.held(),
+            Self::Found(lost) => lost.held(),
+        };
+        held.keep(scene, about)
+    }
+
+    /// Removes what was kept there: it is saved, or was given up.
+    pub fn clear(self) {
+        match self {
+            Self::Session(session) => session.clear(),
+            Self::Found(lost) => lost.discard(),
+        }
     }
 }
 
@@ -280,9 +309,11 @@ mod tests {
         let mut scene = demo_scene();
         scene.camera.eye.x += 1.0;
         let path = Some(PathBuf::from("/scenes/room.toml"));
-        session
-            .keep(&scene, "room".to_owned(), path.clone())
-            .unwrap();
+        let about = About {
+            name: "room".to_owned(),
+            path: path.clone(),
+        };
+        session.held().keep(&scene, &about).unwrap();
 
         // A window beside it leaves it alone, and a closed one leaves nothing.
         let beside = begin(&data).unwrap();
@@ -322,8 +353,11 @@ mod tests {
     fn saved_work_is_not_lost() {
         let folder = tempfile::tempdir().unwrap();
         let Begun { session, .. } = begin(folder.path()).unwrap();
-        let keep = |name: &str| session.keep(&demo_scene(), name.to_owned(), None);
-        keep("demo").unwrap();
+        let about = About {
+            name: "demo".to_owned(),
+            path: None,
+        };
+        session.held().keep(&demo_scene(), &about).unwrap();
         session.clear();
         drop(session);
         assert!(begin(folder.path()).unwrap().lost.is_empty());
