@@ -65,6 +65,8 @@ pub struct Picture {
     pub name: String,
     /// What its scene is called.
     pub scene_name: String,
+    /// Which of what was opened its scene belongs to, see [`Document::file_number`](super::document::Document::file_number).
+    pub file: usize,
     /// The scene as it was when the render started.
     pub scene: Scene,
     /// Its pixels.
@@ -118,6 +120,7 @@ impl Picture {
             number,
             name,
             scene_name,
+            file: 0,
             scene,
             buffer,
             progress,

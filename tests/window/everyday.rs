@@ -702,21 +702,6 @@ fn saving_a_picture_can_be_cancelled() {
     drop(reader);
 }
 
-/// What a render has reached when another scene takes its place is among the renders.
-#[test]
-fn a_render_that_another_scene_ends_is_kept() {
-    let files = Files::new();
-    let other = files.write("other.toml", SCENE);
-    let mut window = Window::open(&files.path("room.toml"));
-    start_long_render(&mut window);
-    window.drop_file(other);
-    window.harness.step();
-    window.until("the other is open", |app| app.document().name() == "other");
-    let entries = window.app().renders().entries();
-    assert_eq!(entries.len(), 1);
-    assert_eq!(entries[0].scene.render.samples_per_pixel, 100_000);
-}
-
 /// However slow a frame is, every press of a key counts.
 #[test]
 fn keys_that_come_in_one_frame_all_count() {

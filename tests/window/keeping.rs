@@ -498,6 +498,13 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
     drop(window);
 
     let mut window = finish(&again);
+    // Opening another scene takes it from nobody.
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.write("other.toml", crate::driver::SCENE));
+    window.until("the other is open", |app| app.document().name() == "other");
+    window.settle();
+    assert_eq!(window.app().renders().entries().len(), 1);
+    assert_eq!(renders(&again).len(), 1);
     // Another render takes its place on disk; the picture stays under Renders, and is asked about.
     window.render();
     assert_eq!(window.app().renders().entries().len(), 1);

@@ -203,7 +203,7 @@ fn a_paused_render_is_cancelled_and_replaced() {
     assert_eq!(window.hash(), library_hash(window.scene()));
     window.until("threads have stopped", |app| app.render_threads() == 0);
 
-    // Another scene takes the place of one that rests.
+    // One that rests does so beside another scene, until that is rendered.
     start_long_render(&mut window, 100_000);
     window.click("Pause");
     window.press(Modifiers::COMMAND, Key::O);
@@ -211,6 +211,16 @@ fn a_paused_render_is_cancelled_and_replaced() {
     window.import("Replace");
     window.click("Replace");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    window.settle();
+    assert!(picture(&window).is_paused());
+    let render = &mut window.harness.state_mut().document_mut().scene.render;
+    (render.width, render.height) = (64, 48);
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("the render ends", |app| {
+        let width = app.picture().map(|picture| picture.scene.render.width);
+        width == Some(64) && is_over(app)
+    });
+    assert_eq!(window.hash(), library_hash(window.scene()));
     window.until("threads have stopped", |app| app.render_threads() == 0);
 }
 

@@ -1,9 +1,11 @@
 //! The renders of a session: looked at again, saved, restored.
 
-use crate::driver::{Files, Window, library_hash, set_samples};
+use crate::driver::{Files, SCENE, Window, library_hash, set_samples};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use raymini::control::{CancelToken, Progress};
+use raymini::gui::App;
+use raymini::gui::dialogs::Dialog;
 use raymini::gui::picture::Picture;
 use raymini::gui::top_bar::View;
 use raymini::io::{WrittenOrigin, read_image, read_render};
@@ -310,4 +312,56 @@ fn a_rounded_picture_that_is_saved_again_has_the_hash_of_the_render() {
     let png = files.path("once more.png");
     window.save_picture(&png);
     assert_eq!(told(&png), Some(hash));
+}
+
+/// A render goes on with its own scene while another is open, and there is undone to it. What it has reached when another is asked for is
+/// among the renders.
+#[test]
+fn a_render_goes_on_while_another_scene_is_open() {
+    let files = Files::new();
+    let long = SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    files.write("room.toml", &long);
+    let other = files.write("other.toml", SCENE);
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Render");
+    window.until("it runs", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.drop_file(other);
+    window.harness.step();
+    window.until("the other is open", |app| app.document().name() == "other");
+    window.settle();
+    let of_room = "a picture of room: F5 renders this scene instead";
+    for key in [Key::Num1, Key::Num2] {
+        window.press(Modifiers::NONE, key);
+        assert!(window.says(of_room));
+    }
+    let samples = |app: &App| {
+        let picture = app.picture().filter(|picture| picture.is_running());
+        picture.map(|picture| picture.progress.samples.done())
+    };
+    let before = samples(window.app()).expect("it runs");
+    window.until("it goes on", |app| samples(app) > Some(before));
+
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().document().name(), "room");
+    assert!(!window.says(of_room) && !window.says("settings changed"));
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(window.app().document().name(), "other");
+    window.settle();
+    assert!(window.says(of_room) && samples(window.app()).is_some());
+    window.ask_to_close();
+    assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
+    window.click("Go on");
+
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("the other is rendered", |app| {
+        let picture = app.picture();
+        picture.is_some_and(|picture| picture.number == 2 && !picture.is_running())
+    });
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    let entries = window.app().renders().entries();
+    assert_eq!(entries.len(), 1);
+    assert_eq!(entries[0].scene.render.samples_per_pixel, 100_000);
+    assert!(!window.says(of_room));
 }

@@ -148,6 +148,7 @@ impl App {
         } else if let Some(picture) = self.picture_on_screen().or(self.picture.as_ref()) {
             Activity::Picture {
                 picture,
+                is_of_other: picture.file != self.document.file_number(),
                 outdated: self.is_outdated(picture),
             }
         } else {

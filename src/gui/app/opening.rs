@@ -202,10 +202,10 @@ impl App {
         (!is_first).then_some(before)
     }
 
-    /// Forgets what belonged to the scene that was shown before: the document has another one now.
+    /// Forgets what belonged to the scene that was shown before: the document has another one now. A render that was asked for goes on as it
+    /// does beside any other edit, and what it has reached stays on disk.
     pub(super) fn show_other_scene(&mut self) {
         self.jobs.cancel(Lane::Prepare);
-        self.jobs.cancel(Lane::Render);
         self.jobs.cancel(Lane::Encode);
         self.jobs.cancel(Lane::Reload);
         self.jobs.cancel(Lane::Trace);
@@ -224,6 +224,18 @@ impl App {
         self.unwanted_preparation = None;
         self.problem = None;
         self.hide_past_render();
+        let goes_on = |picture: &Picture| picture.is_running() && !picture.is_preparing;
+        if self.is_live || !self.picture.as_ref().is_some_and(goes_on) {
+            self.put_picture_away();
+        }
+        // What follows every change follows this one, but for the times of a report, which it would spoil.
+        let is_followed = self.is_live && !self.report.is_running();
+        self.waiting_render = is_followed.then(WaitingRender::new);
+    }
+
+    /// Ends the present picture, where it is not ended, and puts it among the renders where it is one to remember.
+    fn put_picture_away(&mut self) {
+        self.jobs.cancel(Lane::Render);
         if !self.is_live || self.picture.as_ref().is_some_and(Picture::is_long) {
             // What a render has reached stays among the renders.
             self.end_picture(Outcome::Cancelled);
@@ -231,9 +243,6 @@ impl App {
         if let Some(picture) = self.picture.take() {
             self.keep_render(picture);
         }
-        // What follows every change follows this one, but for the times of a report, which it would spoil.
-        let is_followed = self.is_live && !self.report.is_running();
-        self.waiting_render = is_followed.then(WaitingRender::new);
     }
 
     pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {

@@ -203,8 +203,8 @@ impl App {
 
     /// Starts a render as soon as its geometry is there; one that runs is given up.
     pub(super) fn ask_for_render(&mut self) {
-        if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
-            picture.replace();
+        if self.picture.as_ref().is_some_and(Picture::is_running) {
+            self.replace_picture();
             self.cancel_render();
         }
         self.cancel_measuring_costs();
@@ -213,6 +213,14 @@ impl App {
         self.unwanted_preparation = None;
         self.waiting_render = Some(WaitingRender::new());
         self.update_background_work();
+    }
+
+    /// Takes note that another render takes the place of the present one, which is remembered where it is of another scene.
+    pub(super) fn replace_picture(&mut self) {
+        let file = self.document.file_number();
+        if let Some(picture) = self.picture.as_mut().filter(|p| p.file == file) {
+            picture.replace();
+        }
     }
 
     fn start_render(&mut self, waiting: WaitingRender, preparation: Option<Preparation>) {
@@ -268,7 +276,10 @@ impl App {
             }
             self.keep_render(previous);
         }
+        // On disk there is one at a time.
+        self.renders.forget_kept();
         picture.number = self.render_count + 1;
+        picture.file = self.document.file_number();
         picture.is_preparing = preparation.is_some();
         picture.why_black = why_black(&scene).ok().flatten();
         if goes_on {
@@ -393,7 +404,9 @@ impl App {
 
     pub(super) fn render_failed(&mut self, text: &str, is_short_of_memory: bool) {
         self.end_picture(Outcome::Failed);
-        if is_short_of_memory && self.free_past_pixels() {
+        let file = self.document.file_number();
+        let is_of_other = self.picture.as_ref().is_some_and(|p| p.file != file);
+        if is_short_of_memory && !is_of_other && self.free_past_pixels() {
             return self.ask_for_render();
         }
         self.messages.error("Cannot render", text);

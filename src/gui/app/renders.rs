@@ -134,14 +134,12 @@ impl App {
     }
 
     /// Remembers a render that makes room for another, if it is worth it.
-    pub(super) fn keep_render(&mut self, mut picture: Picture) {
-        // On disk there is one at a time.
-        picture.forget_kept();
+    pub(super) fn keep_render(&mut self, picture: Picture) {
         // Those that edits start anew would push all others out of the plot.
         let is_in_plot = !picture.is_replaced() && self.error_plot.keep(&picture);
         let is_wanted = Renders::wants(&picture);
         if is_in_plot || is_wanted {
-            self.render_count = picture.number;
+            self.render_count = self.render_count.max(picture.number);
         }
         drop_elsewhere(if is_wanted {
             self.renders.keep(picture, &self.document.scene)
@@ -153,15 +151,17 @@ impl App {
 
     /// Puts the picture of the file that was opened among the renders, and shows it.
     pub(super) fn show_opened(&mut self, path: &Path, opened: OpenedPicture) {
-        self.render_count += 1;
-        let number = self.render_count;
+        let present = self.picture.as_ref().map_or(0, |picture| picture.number);
+        let number = self.render_count.max(present) + 1;
+        self.render_count = number;
         let file = path.file_name().unwrap_or(path.as_os_str());
         let names = [
             file.to_string_lossy().into_owned(),
             self.document.name().to_owned(),
         ];
         let scene = self.document.scene.clone();
-        let picture = Picture::opened(number, names, scene, opened);
+        let mut picture = Picture::opened(number, names, scene, opened);
+        picture.file = self.document.file_number();
         // What is rendered is what was.
         self.region.choose(picture.buffer.part());
         drop_elsewhere(self.renders.keep(picture, &self.document.scene));
