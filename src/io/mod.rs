@@ -44,7 +44,7 @@ mod texture_loader;
 mod unless;
 mod whole_file;
 
-pub use atomic::{check_writable, exit_process, write_atomically};
+pub use atomic::{check_writable, exit_process, remove_unfinished, write_atomically};
 pub use block_log::{BlockLog, LoggedBlocks, block_record};
 pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{

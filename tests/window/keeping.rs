@@ -110,6 +110,8 @@ fn closing_the_window_leaves_nothing_behind() {
     let mut window = open(&files.path("room.toml"), &data);
     window.click("Add light");
     window.until("the work is kept", raymini::gui::App::is_work_kept);
+    window.ask_to_close();
+    window.click("Discard");
     window.harness.state_mut().on_exit();
     let sessions = std::fs::read_dir(data.join("sessions")).unwrap();
     assert_eq!(sessions.count(), 0);

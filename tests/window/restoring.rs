@@ -1,9 +1,9 @@
-//! What a window brings back of one before, beside what is edited in it.
+//! How windows end, and what the next one brings back beside what is edited in it.
 
 use std::path::Path;
 
-use crate::driver::{Files, Window};
-use crate::keeping::{asks, copy_folder, edit_and_die, open};
+use crate::driver::{Files, SCENE, Window, set_samples};
+use crate::keeping::{asks, copy_folder, edit_and_die, open, render_until_kept};
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -11,6 +11,49 @@ use raymini::gui::App;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::jobs::Lane;
 use raymini::gui::keeping::begin;
+use raymini::gui::picture::Picture;
+
+/// Who closes the window and gives up a render is not asked about it again.
+#[test]
+fn closing_the_window_in_a_render_leaves_nothing_behind() {
+    let files = Files::new();
+    let text = SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    let data = files.path("data");
+    let mut window = open(&files.write("room.toml", &text), &data);
+    render_until_kept(&mut window, &data);
+    window.ask_to_close();
+    window.click("Give up and close");
+    window.harness.state_mut().on_exit();
+    let sessions = std::fs::read_dir(data.join("sessions")).unwrap();
+    assert_eq!(sessions.count(), 0);
+}
+
+/// A desktop whose session ends may end the program without a question: all is there again, whatever came last.
+#[test]
+fn an_end_that_nobody_was_asked_about_loses_nothing() {
+    let files = Files::new();
+    let data = files.path("data");
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 100_000);
+    render_until_kept(&mut window, &data);
+    window.click("Add light");
+    window.harness.state_mut().on_exit();
+    drop(window);
+    // Threads of this process hold locks for a moment.
+    let left = files.path("left");
+    copy_folder(&data, &left);
+
+    let mut window = open(&files.path("pyramid.off"), &left);
+    asks(&mut window);
+    assert!(window.says("A render was not saved, and goes on where it was."));
+    window.click("Restore");
+    window.until("the render goes on", |app| {
+        app.picture().and_then(Picture::goes_on_from).is_some()
+    });
+    assert_eq!(window.scene().lights.len(), 2);
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+}
 
 /// Opens a window on a mesh, has what is lost in `data` restored, and edits before it is read: by then it is asked about that.
 fn edit_while_lost_work_is_read(files: &Files, data: &Path) -> Window {

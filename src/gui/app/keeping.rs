@@ -19,6 +19,7 @@ use crate::gui::jobs::Lane;
 use crate::gui::keeping::{self, About, Begun, Lost, Place, Session};
 use crate::gui::picture::{Outcome, Picture};
 use crate::gui::recovering::{Interrupted, Recovered, recover};
+use crate::gui::start::Survivor as _;
 use crate::gui::top_bar::View;
 use crate::scene::Scene;
 
@@ -26,6 +27,9 @@ use crate::scene::Scene;
 const INTERVAL: Duration = Duration::from_millis(500);
 /// Time until work is written again that could not be.
 const RETRY_INTERVAL: Duration = Duration::from_secs(5);
+
+/// The longest that a closing window waits for a render to end.
+const LETTING_GO: Duration = Duration::from_secs(1);
 
 /// What the window keeps on disk.
 #[derive(Debug, Default)]
@@ -85,10 +89,19 @@ impl App {
         }
     }
 
-    /// Removes what was kept, as the window closes: the user has decided about it.
+    /// Removes what was kept, as the window closes, where the user has decided about it. Where the desktop ends the program, as some do when their
+    /// session ends, nobody was asked: then all is left for the next start.
     pub(super) fn end_keeping(&mut self) {
+        if !self.may_close && self.holds_up_closing() {
+            return self.give_up();
+        }
         // What was to be gone on with, and is not yet, is offered again.
         self.waiting_render = None;
+        (self.dialog, self.after_saving) = (None, None);
+        self.asked_later.clear();
+        self.jobs.cancel(Lane::Load);
+        while self.jobs.next_event().is_some() {}
+        self.stop_rendering();
         if let Some(picture) = &self.picture {
             picture.leave_kept();
         }
@@ -100,6 +113,18 @@ impl App {
         let restored = self.keeping.restored.take();
         if let Some((lost, _)) = restored.filter(|(_, restored)| *restored == file) {
             lost.discard();
+        }
+    }
+
+    /// Has the render let go of its files: on some systems what is open can neither be moved nor removed.
+    fn stop_rendering(&mut self) {
+        self.jobs.cancel(Lane::Render);
+        if let Some(picture) = &self.picture {
+            picture.throttle().allow(usize::MAX);
+        }
+        let end = Instant::now() + LETTING_GO;
+        while self.jobs.running_threads(Lane::Render) > 0 && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
         }
     }
 

@@ -55,8 +55,8 @@ pub fn scene_of_render(folder: &Path) -> PathBuf {
     folder.join(SCENE)
 }
 
-/// The place of a render on disk. It is removed with this value, which a process that is killed does not live to do. One that such a process
-/// left is not removed before it is [accepted](Self::accept).
+/// The place of a render on disk. It is removed with this value, which a process that is killed does not live to do, unless its session is
+/// [left](Session::leave). One that such a process left is not removed before it is [accepted](Self::accept).
 #[derive(Debug)]
 pub struct KeptRender {
     session: Arc<Session>,
@@ -273,17 +273,24 @@ impl KeptRender {
 impl Drop for KeptRender {
     fn drop(&mut self) {
         self.logs().current = None;
+        if self.session.is_left() {
+            return;
+        }
         self.leave();
         // What stays goes with the session.
         let _ = fs::remove_dir_all(&self.folder);
     }
 }
 
+/// The folders of renders in that of a session, as they began.
+pub(super) fn renders_in(session: &Path) -> impl DoubleEndedIterator<Item = PathBuf> + use<> {
+    let folders = numbered(session, PREFIX).into_iter();
+    folders.map(|(_, folder)| folder)
+}
+
 /// The folder of the render in that of a session that began last and was kept.
 pub(super) fn newest_render(session: &Path) -> Option<PathBuf> {
-    let folders = numbered(session, PREFIX).into_iter();
-    let mut kept = folders.filter(|(_, folder)| scene_of_render(folder).is_file());
-    kept.next_back().map(|(_, folder)| folder)
+    renders_in(session).rfind(|folder| scene_of_render(folder).is_file())
 }
 
 /// What lies in `folder` under names that are `prefix` and a number, by number.

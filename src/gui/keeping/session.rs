@@ -3,15 +3,15 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
-use super::render::{KeptRender, RenderAbout, newest_render};
+use super::render::{KeptRender, RenderAbout, newest_render, renders_in, scene_of_render};
 use super::{lock_shared, open_lock};
-use crate::io::{save_scene, write_atomically};
+use crate::io::{remove_unfinished, save_scene, write_atomically};
 use crate::scene::Scene;
 
 /// The scene as it was edited last: a scene file like any other.
@@ -58,6 +58,11 @@ impl Held {
     }
 
     fn remove(&mut self) {
+        // Where an open file keeps the rest, as on some systems, that is nothing to offer.
+        let _ = fs::remove_file(self.folder.join(SCENE));
+        for render in renders_in(&self.folder) {
+            let _ = fs::remove_file(scene_of_render(&render));
+        }
         // An open file keeps its folder on some systems.
         self.lock = None;
         // What stays is offered, or removed, at the next start.
@@ -74,6 +79,8 @@ pub struct Session {
     renders: AtomicUsize,
     /// Whether renders may not be kept any more. Whoever writes one holds it.
     is_over: Mutex<bool>,
+    /// Whether all of it is for the next window.
+    is_left: AtomicBool,
 }
 
 impl Session {
@@ -88,6 +95,16 @@ impl Session {
     pub fn end(&self) {
         *self.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.held().remove();
+    }
+
+    /// From now on nothing of it is removed, so that the next window finds it: the user has not decided about the work.
+    pub fn leave(&self) {
+        self.is_left.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it is [left](Self::leave).
+    pub(super) fn is_left(&self) -> bool {
+        self.is_left.load(Ordering::Relaxed)
     }
 
     /// A place for the render of `about`, which has nothing yet.
@@ -144,6 +161,10 @@ pub struct Lost {
 impl Lost {
     /// What is left in the folder of `held`; gives that back where nothing is.
     fn of(held: Held) -> Result<Self, Held> {
+        // Nobody writes here any more.
+        for folder in renders_in(&held.folder).chain([held.folder.clone()]) {
+            remove_unfinished(&folder);
+        }
         let scene = Some(held.folder.join(SCENE)).filter(|scene| scene.is_file());
         let render = newest_render(&held.folder);
         let about = scene
@@ -289,6 +310,7 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
             held: Mutex::new(held),
             renders: AtomicUsize::new(0),
             is_over: Mutex::new(false),
+            is_left: AtomicBool::new(false),
         },
         lost,
     })
@@ -320,9 +342,12 @@ mod tests {
         assert!(beside.lost.is_empty());
         beside.session.end();
         // A process that ends gives back its locks.
+        let unfinished = session.folder.join(".raymini-abc.part");
+        fs::write(&unfinished, "half of it").unwrap();
         drop(session);
 
         let Begun { session, mut lost } = begin(&data).unwrap();
+        assert!(!unfinished.exists(), "it is of no use to anybody");
         assert_eq!(lost.len(), 1);
         let work = lost.pop().unwrap();
         assert_eq!(work.about.name, "room");
