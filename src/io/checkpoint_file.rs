@@ -253,7 +253,7 @@ mod tests {
     }
 
     fn parsed(bytes: &[u8]) -> Result<Checkpoint, String> {
-        let parsed = parse(bytes, DESCRIPTION, &CancelToken::new());
+        let parsed = parse(bytes, DESCRIPTION, &CancelToken::new(), &Progress::new());
         parsed.map(|checkpoint| checkpoint.expect("nobody cancels"))
     }
 
