@@ -132,7 +132,7 @@ impl<'a> RenderKeeper<'a> {
         let most = 2 * self.memory.bytes() + description.len() as u64 + MOST_OTHER_BYTES;
         let region = self.kept.about().region;
         let (cancel, progress) = (&self.job.cancel, &self.request.reading);
-        let read = self.kept.read(&description, most, cancel, progress)?;
+        let read = self.kept.read(description, most, cancel, progress)?;
         let Some((checkpoint, blocks)) = read else {
             return Ok(None);
         };

@@ -253,8 +253,7 @@ mod tests {
     }
 
     fn parsed(bytes: &[u8]) -> Result<Checkpoint, String> {
-        let parsed = parse(bytes, DESCRIPTION, &CancelToken::new(), &Progress::new());
-        parsed.map(|checkpoint| checkpoint.expect("nobody cancels"))
+        parse(bytes, DESCRIPTION)
     }
 
     #[test]
