@@ -1,15 +1,18 @@
 //! Where everything is drawn.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use egui::{
-    CentralPanel, Color32, CornerRadius, FontId, Frame, Margin, Panel, Rect, RichText, Ui, Vec2,
+    CentralPanel, Color32, CornerRadius, FontId, Frame, Margin, Panel, Rect, RichText, Ui,
+    UiBuilder, Vec2,
 };
 
 use super::App;
 use super::tools::{focus_aid, moves_since};
 use crate::gui::commands::{Command, Stoppable};
 use crate::gui::focus::FocusAid;
+use crate::gui::keeping::Fold;
 use crate::gui::look::Channels;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
@@ -28,6 +31,9 @@ use crate::scene::Mode;
 const REPORT_REFRESH: Duration = Duration::from_millis(500);
 /// The same while costs are measured: drawing counts among the processor time of what is measured.
 const MEASURING_REFRESH: Duration = Duration::from_secs(1);
+
+/// How wide the side panel may be, in points.
+const PANEL_WIDTHS: RangeInclusive<f32> = theme::PANEL_WIDTH - 40.0..=560.0;
 
 /// What was asked for in the window.
 #[derive(Clone, Debug)]
@@ -64,13 +70,14 @@ impl App {
         let mut open = self.panel_open;
         let panel = Panel::right("side panel")
             .frame(bar(0, 0))
-            .default_size(self.looks.layout.panel.size_or(theme::PANEL_WIDTH))
-            .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
+            .default_size(panel_width(&self.looks.layout.panel))
+            .size_range(PANEL_WIDTHS)
             .show_collapsible(ui, &mut open, |ui| {
                 self.panels_ui(ui, &mut bar_asked.commands);
             });
         self.panel_open = open;
         let width = panel.map(|panel| panel.response.rect.width());
+        let width = width.filter(|width| PANEL_WIDTHS.contains(width));
         self.looks.layout.panel.note(open, width);
         let mut open = self.error_plot.open;
         let plot = Panel::bottom("error plot")
@@ -178,9 +185,13 @@ impl App {
     }
 
     fn panels_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        // Nothing in the panel makes it wider: what has no room is cut off.
+        let place = ui.available_rect_before_wrap();
+        ui.advance_cursor_after_rect(place);
+        let mut ui = ui.new_child(UiBuilder::new().max_rect(place));
         egui::ScrollArea::vertical()
             .auto_shrink(false)
-            .show(ui, |ui| {
+            .show(&mut ui, |ui| {
                 Frame::new()
                     .inner_margin(Margin {
                         left: 12,
@@ -456,6 +467,16 @@ impl App {
             area,
             egui::Label::new(RichText::new(text).size(16.0).weak()),
         );
+    }
+}
+
+/// The width of the side panel that was remembered, where it can be right.
+fn panel_width(panel: &Fold) -> f32 {
+    let width = panel.size_or(theme::PANEL_WIDTH);
+    if PANEL_WIDTHS.contains(&width) {
+        width
+    } else {
+        theme::PANEL_WIDTH
     }
 }
 

@@ -20,6 +20,10 @@ use crate::scene::{Background, Light, Material, NamedLight, Rgb, Scene};
 const MOST_HEIGHT: f32 = 320.0;
 /// Height of a row, in points.
 const ROW_HEIGHT: f32 = 22.0;
+/// How long the list keeps to a part that was added, in seconds.
+const REVEAL_SECS: f64 = 0.4;
+/// Names of more letters may not be seen whole.
+const LONG_NAME: usize = 20;
 /// Most rows of a group that are all laid out, in about half a millisecond of a frame: who hears the window rather than seeing it finds
 /// every part then, wherever the list is scrolled to. Of more, only those near the visible ones are there.
 const MOST_ROWS: usize = 200;
@@ -219,11 +223,16 @@ fn part_ui(
     let width = ui.available_width();
     // Room for the icon, which is painted over it.
     let room = egui::AtomExt::atom_size("", Vec2::splat(icons::SIDE));
-    let button = egui::Button::selectable(is_selected, (room, name))
+    // Of both, the name gives way where the room ends.
+    let name_shown = egui::AtomExt::atom_shrink(name, true);
+    let button = egui::Button::selectable(is_selected, (room, name_shown))
         .right_text(faint_text(ui, detail, is_selected).small())
         .truncate()
         .min_size(Vec2::new(width, ROW_HEIGHT));
-    let response = ui.add(button).accessible_name(format!("Select {name}"));
+    let mut response = ui.add(button).accessible_name(format!("Select {name}"));
+    if name.chars().count() > LONG_NAME {
+        response = response.on_hover_text(name);
+    }
     let ink = ui.style().interact_selectable(&response, is_selected);
     let center = response.rect.left_center() + Vec2::new(8.0 + icons::SIDE / 2.0, 0.0);
     icon.paint(ui.painter(), center, ink.text_color());
