@@ -10,8 +10,11 @@ use crate::gui::tool::{self, Tool};
 use crate::math::{DBounds, DVec3};
 use crate::scene::{Move, Scene};
 
-/// What can be done while a handle is held.
-const HELD_KEYS: &str = "X, Y, Z along one axis  ·  Ctrl snaps  ·  Esc cancels";
+/// What can be done while a handle that moves, turns or scales is held.
+const MOVE_KEYS: &str =
+    "X, Y, Z along one axis, a second time across it  ·  Ctrl snaps  ·  Esc cancels";
+const TURN_KEYS: &str = "X, Y, Z about one axis  ·  Ctrl snaps  ·  Esc cancels";
+const SCALE_KEYS: &str = "Ctrl snaps  ·  Esc cancels";
 
 impl App {
     /// Chooses what the mouse does; the tool in use gives way to selecting.
@@ -107,8 +110,22 @@ impl App {
             .viewport
             .handled_part(&self.document.scene, &self.selection);
         match (self.viewport.handle_in_words(), part, &self.selection) {
-            (Some(words), ..) => vec![words, HELD_KEYS.to_owned()],
-            (None, Some(_), _) => Vec::new(),
+            (Some(words), ..) => {
+                let keys = match tool {
+                    Tool::Rotate => TURN_KEYS,
+                    Tool::Scale => SCALE_KEYS,
+                    _ => MOVE_KEYS,
+                };
+                vec![words, keys.to_owned()]
+            }
+            (None, Some(_), _) if self.are_handles_seen(frame, visible) => Vec::new(),
+            (None, Some(_), Selection::Object(_)) => vec![format!(
+                "The handles are out of sight: {} looks at the object",
+                Command::FrameSelected.label()
+            )],
+            (None, Some(_), _) => {
+                vec!["The handles are out of sight: look at the light to use them".to_owned()]
+            }
             (None, None, Selection::Light(_)) => {
                 let verb = if tool == Tool::Rotate {
                     "turned"
