@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use egui::{Align, Color32, Layout, Rangef, Rect, RichText, Ui, Vec2};
+use egui::{Align, Color32, Id, Layout, Rangef, Rect, RichText, Ui, Vec2};
 
 use super::PanelState;
 use super::light::new_light;
@@ -36,6 +36,7 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         .auto_shrink([false, true])
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
+            let added = Added::now(ui, state.selection);
             part_ui(ui, state, &Selection::Camera, Icon::Camera, "Camera", "");
             let background = background_icon(state.scene);
             part_ui(
@@ -47,13 +48,16 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 "",
             );
             let count = state.scene.objects.len();
-            if group_ui(ui, "Objects", count, true, "Add object", |ui| {
+            let new = added.then(|| state.selection.object()).flatten();
+            if group_ui(ui, ["Objects", "Add object"], count, (true, new), |ui| {
                 rows_ui(ui, count, |ui, rows| objects_ui(ui, state, rows));
             }) {
+                Added::expect(ui, state.selection);
                 state.commands.push(Command::AddMesh);
             }
             let count = state.scene.lights.len();
-            if group_ui(ui, "Lights", count, true, "Add light", |ui| {
+            let new = added.then(|| state.selection.light()).flatten();
+            if group_ui(ui, ["Lights", "Add light"], count, (true, new), |ui| {
                 if count > MAX_LIGHTS {
                     let note =
                         format!("The preview shows the first {MAX_LIGHTS}, the picture all.");
@@ -61,21 +65,83 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 }
                 rows_ui(ui, count, |ui, rows| lights_ui(ui, state, rows));
             }) {
+                Added::expect(ui, state.selection);
                 let light = new_light(state.scene);
-                let light = state.scene.add_light(NamedLight {
+                let named = NamedLight {
                     name: String::new(),
                     light,
-                });
+                };
+                let light = edit::add_light(state.scene, named);
                 *state.selection = Selection::Light(light);
             }
             let count = state.scene.materials.len();
-            if group_ui(ui, "Materials", count, false, "Add material", |ui| {
+            let new = added.then(|| place_of_material(state)).flatten();
+            let names = ["Materials", "Add material"];
+            if group_ui(ui, names, count, (false, new), |ui| {
                 rows_ui(ui, count, |ui, rows| materials_ui(ui, state, rows));
             }) {
+                Added::expect(ui, state.selection);
                 let name = new_material(state.scene, None);
                 *state.selection = Selection::Material(name);
             }
         });
+}
+
+/// That a part is being added by a button of the list: once it is selected, the list scrolls to it.
+#[derive(Clone, Debug)]
+struct Added {
+    /// What was selected when the button was pressed.
+    before: Selection,
+    /// Since when the new part is selected, in seconds.
+    since: Option<f64>,
+}
+
+impl Added {
+    fn id() -> Id {
+        Id::unique("part added by the list")
+    }
+
+    /// A button that adds a part was pressed.
+    fn expect(ui: &Ui, selection: &Selection) {
+        let added = Self {
+            before: selection.clone(),
+            since: None,
+        };
+        ui.data_mut(|data| data.insert_temp(Self::id(), added));
+    }
+
+    /// Whether the part that is selected was added just now.
+    fn now(ui: &Ui, selection: &Selection) -> bool {
+        let now = ui.input(|input| input.time);
+        let Some(mut added) = ui.data(|data| data.get_temp::<Self>(Self::id())) else {
+            return false;
+        };
+        if added.since.is_none() && added.before == *selection {
+            return false;
+        }
+        // As long as the group takes to unfold.
+        let is_done = now > *added.since.get_or_insert(now) + REVEAL_SECS;
+        ui.data_mut(|data| {
+            if is_done {
+                data.remove::<Self>(Self::id());
+            } else {
+                data.insert_temp(Self::id(), added);
+            }
+        });
+        if !is_done {
+            ui.request_repaint();
+        }
+        !is_done
+    }
+}
+
+/// The place of the selected material among all.
+fn place_of_material(state: &PanelState<'_>) -> Option<usize> {
+    let Selection::Material(selected) = &*state.selection else {
+        return None;
+    };
+    let mut names = state.scene.materials.keys();
+    names.position(|name| name == selected)
 }
 
 fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
@@ -99,7 +165,7 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
 fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
     for index in rows {
         let name = match state.scene.light_name(index) {
-            "" => format!("Light {}", index + 1),
+            "" => edit::usual_light_name(index),
             name => name.to_owned(),
         };
         let light = state.scene.lights[index];
@@ -182,19 +248,22 @@ fn rows_in(span: Rangef, top: f32, step: f32, count: usize) -> Range<usize> {
     first..rows_before(span.max, f32::ceil).max(first)
 }
 
-/// A group of parts that folds. `add`: what its button to add one is called. Returns whether one is to be added.
+/// A group of parts that folds, and what its button to add one is called. `new`: the place of one that was just added and is to be seen.
+/// Returns whether one is to be added.
 fn group_ui(
     ui: &mut Ui,
-    title: &str,
+    [title, add]: [&str; 2],
     count: usize,
-    open: bool,
-    add: &str,
+    (open, new): (bool, Option<usize>),
     parts: impl FnOnce(&mut Ui),
 ) -> bool {
     ui.add_space(3.0);
     let id = ui.make_persistent_id(("group", title));
-    let state =
+    let mut state =
         egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, open);
+    if new.is_some() {
+        state.set_open(true);
+    }
     let (_, header, _) = state
         .show_header(ui, |ui| {
             ui.label(RichText::new(format!("{title}  {count}")).weak());
@@ -206,7 +275,16 @@ fn group_ui(
             })
             .inner
         })
-        .body_unindented(parts);
+        .body_unindented(|ui| {
+            if let Some(place) = new {
+                // Twice as high, as a note may stand before the rows.
+                let step = ROW_HEIGHT + ui.spacing().item_spacing.y;
+                let top = ui.cursor().min + Vec2::new(0.0, place as f32 * step);
+                let row = Rect::from_min_size(top, Vec2::new(1.0, 2.0 * ROW_HEIGHT));
+                ui.scroll_to_rect(row, None);
+            }
+            parts(ui);
+        });
     header.inner
 }
 
