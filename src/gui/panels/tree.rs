@@ -156,7 +156,7 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
             object.name.clone()
         };
         let material = state.scene.material_of(object).unwrap_or_default();
-        let icon = Icon::Object(material_color(&material));
+        let icon = Icon::Object(material_color(state.scene, &material));
         let detail = format!("{} triangles", grouped(triangles));
         part_ui(ui, state, &Selection::Object(index), icon, &name, &detail);
     }
@@ -194,7 +194,7 @@ fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
         let ball = is_seen.then(|| state.balls.texture(Some(name), material));
         let icon = match ball.flatten() {
             Some(ball) => Icon::Ball(ball),
-            None => Icon::Material(material_color(material)),
+            None => Icon::Material(material_color(state.scene, material)),
         };
         let part = Selection::Material(name.clone());
         part_ui(ui, state, &part, icon, name, &detail);
@@ -346,8 +346,12 @@ fn part_menu_ui(ui: &mut Ui, state: &mut PanelState<'_>, part: &Selection) {
     }
 }
 
-fn material_color(material: &Material) -> Color32 {
-    color_of(material.color())
+/// One colour to know a material by: with an image on it, that of all of it.
+fn material_color(scene: &Scene, material: &Material) -> Color32 {
+    let name = material.textures().and_then(|t| t.diffuse_image.as_ref());
+    let image = name.and_then(|name| scene.textures.get(name));
+    let tint = image.map_or(Rgb::ONE, |image| image.mean_color());
+    color_of(material.color() * tint)
 }
 
 fn background_icon(scene: &Scene) -> Icon {
