@@ -164,10 +164,10 @@ fn the_plan_is_shown_and_another_light_keeps_the_rays_from_the_eye() {
     let mut window = Window::open(&path);
     window.operate("Plan");
     for line in [
-        "left out: render.antialiasing is off",
-        "lights: 1 of 1 shine",
-        "materials: 1 of 1 are worn, lobes: diffuse, specular",
-        "structure: wide, over 10 triangles",
+        "left out, as Anti-aliasing is off",
+        "Lights: 1 of 1 shine",
+        "Materials: 1 of 1 on objects (matt, highlights)",
+        "Rays look for 10 triangles in the wide tree",
     ] {
         assert!(window.says(line), "{line}");
     }
