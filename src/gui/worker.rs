@@ -33,7 +33,7 @@ use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::{CancelToken, Progress, Throttle};
 use crate::io::{self, LoadedScene, WrittenOrigin};
-use crate::math::{DBounds, DVec3};
+use crate::math::DBounds;
 use crate::render::{
     self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, OnCoarse, OnRound, PictureMemory,
     PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, Round,
@@ -52,8 +52,8 @@ pub struct Placed {
     pub sky: Option<Arc<GpuSky>>,
     /// The world box of each object.
     pub object_bounds: Arc<[DBounds]>,
-    /// The middle of each object's mesh, in its own coordinates.
-    pub object_centers: Arc<[DVec3]>,
+    /// The box of each object's mesh, in its own coordinates.
+    pub object_boxes: Arc<[DBounds]>,
     /// Which device triangles and image are on, see [`Gpu::number`].
     pub device: Option<u64>,
 }
@@ -263,10 +263,9 @@ fn new_geometry(
         let mesh = description.mesh_of(object);
         mesh.map_or(DBounds::EMPTY, |mesh| object.bounds_of(mesh))
     };
-    let center_of = |object: &Object| {
-        let bounds = description.mesh_of(object).map(|mesh| mesh.bounds());
-        let bounds = bounds.ok().filter(|bounds| !bounds.is_empty());
-        bounds.map_or(DVec3::ZERO, |bounds| bounds.center())
+    let box_of = |object: &Object| {
+        let mesh = description.mesh_of(object);
+        mesh.map_or(DBounds::EMPTY, |mesh| mesh.bounds())
     };
     Some(Placed {
         geometry,
@@ -274,7 +273,7 @@ fn new_geometry(
         sky: None,
         device: gpu.map(|gpu| gpu.number),
         object_bounds: description.objects.iter().map(bounds_of).collect(),
-        object_centers: description.objects.iter().map(center_of).collect(),
+        object_boxes: description.objects.iter().map(box_of).collect(),
     })
 }
 

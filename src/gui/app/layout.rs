@@ -310,10 +310,9 @@ impl App {
         if self.is_camera_view() {
             let scene = &self.document.scene;
             viewport::markers_ui(ui, frame, scene, &self.selection);
-            let moved = self.selected_move();
-            viewport::box_ui(ui, frame, scene, &self.selected_bounds(), |corner| {
-                moved.map_or(corner, |moved| moved.apply(corner))
-            });
+            if let Some(corners) = self.selected_corners() {
+                viewport::box_ui(ui, frame, scene, &corners);
+            }
         }
         self.tools_ui(ui, frame, area);
         if self.picture_on_screen().is_some() {

@@ -151,8 +151,26 @@ impl App {
     /// What the selected object turns about, in its own coordinates.
     pub(super) fn selected_center(&self) -> DVec3 {
         let selected = self.placed_selection();
-        let center = selected.and_then(|(index, state)| state.placed.object_centers.get(index));
-        center.copied().unwrap_or_default()
+        let own = selected.and_then(|(index, state)| state.placed.object_boxes.get(index));
+        let own = own.filter(|own| !own.is_empty());
+        own.map_or(DVec3::ZERO, DBounds::center)
+    }
+
+    /// The corners of the box around the selected object, in the order of [`corners_of`]: along its own axes, or around all copies along
+    /// those of the world.
+    pub(super) fn selected_corners(&self) -> Option<[DVec3; 8]> {
+        let (index, state) = self.placed_selection()?;
+        let object = self.document.scene.objects.get(index)?;
+        if object.copies.total() == 1 {
+            let own = state.placed.object_boxes.get(index)?;
+            let placement = object.placement();
+            let place = |corner| placement.world_from_object(corner);
+            return (!own.is_empty()).then(|| corners_of(own).map(place));
+        }
+        let bounds = self.selected_bounds();
+        let moved = self.selected_move();
+        let place = |corner| moved.map_or(corner, |moved| moved.apply(corner));
+        (!bounds.is_empty()).then(|| corners_of(&bounds).map(place))
     }
 
     /// The world box of the selected object.
@@ -173,13 +191,28 @@ impl App {
     }
 
     /// What happened to the selected object since its triangles were prepared.
-    pub(super) fn selected_move(&self) -> Option<Move> {
+    fn selected_move(&self) -> Option<Move> {
         let (Selection::Object(index), Some(state)) = (&self.selection, &self.prepared) else {
             return None;
         };
         let moves = moves_since(&state.scene, &self.document.scene);
         moves.get(*index).copied().flatten()
     }
+}
+
+/// The corners of a box; bit `n` of a corner's number says which end of axis `n` it is at.
+fn corners_of(bounds: &DBounds) -> [DVec3; 8] {
+    std::array::from_fn(|bits| {
+        let at = |axis: usize| {
+            let end = if bits >> axis & 1 == 1 {
+                bounds.max
+            } else {
+                bounds.min
+            };
+            end[axis]
+        };
+        DVec3::new(at(0), at(1), at(2))
+    })
 }
 
 /// Whether Ctrl+X was pressed, which desktops tell of in place of the keys. It means nothing else then.

@@ -21,8 +21,8 @@ use super::zoom::Zoom;
 use crate::math::{DBounds, DVec2, DVec3};
 use crate::render::PreparedGeometry;
 use crate::scene::{Camera, Light, RenderSettings, Scene};
-pub use markers::markers_ui;
 use markers::{Mark, marker_at, move_light};
+pub use markers::{box_ui, markers_ui};
 
 /// Room around the frame, in points.
 const MARGIN: f32 = 14.0;
@@ -534,42 +534,6 @@ fn on_screen(scene: &Scene, frame: Rect, point: DVec3) -> Option<Pos2> {
     let (position, _) = orbit::project(&scene.camera, picture_size(frame), point)?;
     #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
     Some(frame.min + Vec2::new(position.x as f32, position.y as f32))
-}
-
-/// Draws the edges of a box in the world, the selected object's, whose corners have been moved by `moved` since.
-pub fn box_ui(
-    ui: &Ui,
-    frame: Rect,
-    scene: &Scene,
-    bounds: &DBounds,
-    moved: impl Fn(DVec3) -> DVec3,
-) {
-    if bounds.is_empty() {
-        return;
-    }
-    let painter = ui.painter().with_clip_rect(frame);
-    let corner = |bits: usize| {
-        let pick = |axis: usize| {
-            if bits >> axis & 1 == 1 {
-                bounds.max[axis]
-            } else {
-                bounds.min[axis]
-            }
-        };
-        DVec3::new(pick(0), pick(1), pick(2))
-    };
-    let on_screen = |bits: usize| on_screen(scene, frame, moved(corner(bits)));
-    let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.9));
-    for from in 0..8_usize {
-        for axis in 0..3 {
-            let to = from | 1 << axis;
-            if to != from
-                && let (Some(a), Some(b)) = (on_screen(from), on_screen(to))
-            {
-                painter.line_segment([a, b], stroke);
-            }
-        }
-    }
 }
 
 #[cfg(test)]
