@@ -192,8 +192,8 @@ pub fn axes_ui(ui: &mut Ui, area: Rect, orientation: Orientation) -> bool {
     response.on_hover_text(command.tooltip(ui.ctx())).clicked()
 }
 
-/// Writes what the tool in use has to say into the lower right corner of `area`.
-pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) {
+/// Writes what the tool in use has to say into the lower right corner of `area`; returns where.
+pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) -> Rect {
     const PADDING: Vec2 = vec2(10.0, 7.0);
     let ink = Color32::from_gray(0xe8);
     let text = lines.join("\n");
@@ -210,4 +210,5 @@ pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) {
     painter.galley(place.min + PADDING, galley, ink);
     let response = ui.interact(place, ui.scope_id().with("tool note"), Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+    place
 }

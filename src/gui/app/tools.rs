@@ -3,10 +3,14 @@
 use egui::{Key, Modifiers, Rect, Ui};
 
 use super::{App, PreparedState};
+use crate::gui::commands::Command;
 use crate::gui::focus::{self, FocusAid};
 use crate::gui::gizmo::Axis;
+use crate::gui::gizmo::motion::Placed;
+use crate::gui::orbit;
 use crate::gui::selection::Selection;
 use crate::gui::tool::{self, Tool};
+use crate::gui::viewport;
 use crate::math::{DBounds, DVec3};
 use crate::scene::{Move, Scene};
 
@@ -51,8 +55,10 @@ impl App {
         if !is_free {
             return;
         }
+        // First the tool goes, then what is selected; before both, what goes on is stopped.
         let is_asking = matches!(self.viewport.tool, Tool::Focus | Tool::Rays);
-        if is_asking && pressed(Key::Escape) {
+        let is_working = self.viewport.tool.has_handles() && self.what_to_stop().is_none();
+        if (is_asking || is_working) && pressed(Key::Escape) {
             self.viewport.tool = Tool::Select;
         }
         if self.viewport.tool == Tool::Rays {
@@ -82,10 +88,13 @@ impl App {
             Tool::Select => Vec::new(),
             Tool::Rays => self.ray_words(),
             Tool::Focus => focus::in_words(scene, self.viewport.depth_under_mouse()),
-            tool => self.handle_words(tool),
+            tool => self.handle_words(tool, frame, visible),
         };
         if !lines.is_empty() {
-            tool::note_ui(ui, visible, &lines);
+            let note = tool::note_ui(ui, visible, &lines);
+            if self.viewport.tool == Tool::Focus {
+                self.open_lens_ui(ui, note);
+            }
         }
         if self.is_camera_view()
             && let Some(tool) = tool::tools_ui(ui, area, self.viewport.tool)
@@ -101,8 +110,45 @@ impl App {
         }
     }
 
-    /// What to say beside the handles of `tool`.
-    fn handle_words(&self, tool: Tool) -> Vec<String> {
+    /// Where nothing is blurred, offers above the note of the focus at `note` what blurs.
+    fn open_lens_ui(&mut self, ui: &mut Ui, note: Rect) {
+        let scene = &mut self.document.scene;
+        let has_lens = scene.camera.aperture_radius > 0.0;
+        let text = match (has_lens, scene.render.depth_of_field) {
+            (true, true) => return,
+            (false, _) => "Open the lens",
+            (true, false) => "Switch Depth of field on",
+        };
+        let size = egui::vec2(170.0, ui.spacing().interact_size.y);
+        let place = Rect::from_min_size(note.right_top() - size - egui::vec2(0.0, 6.0), size);
+        let response = ui.put(place, egui::Button::new(text));
+        let tooltip = "Blur what is not sharp: gives the lens a radius of a hundredth of the focus distance where it has none";
+        if response.on_hover_text(tooltip).clicked() {
+            if !has_lens {
+                scene.camera.aperture_radius = focus::wide_radius(&scene.camera);
+            }
+            scene.render.depth_of_field = true;
+        }
+    }
+
+    /// Whether the middle of the handles is in `visible`, a part of `frame`.
+    fn are_handles_seen(&self, frame: Rect, visible: Rect) -> bool {
+        let scene = &self.document.scene;
+        let part = self.viewport.handled_part(scene, &self.selection);
+        let placed = part.and_then(|part| Placed::of(scene, part, self.selected_center()));
+        let size = viewport::picture_size(frame);
+        let place = placed.and_then(|placed| orbit::project(&scene.camera, size, placed.pivot));
+        place.is_some_and(|(place, _)| {
+            let seen = visible.translate(-frame.min.to_vec2());
+            let (min, max) = (seen.min, seen.max);
+            let x = f64::from(min.x)..=f64::from(max.x);
+            let y = f64::from(min.y)..=f64::from(max.y);
+            x.contains(&place.x) && y.contains(&place.y)
+        })
+    }
+
+    /// What to say beside the handles of `tool`, in `visible` of `frame`.
+    fn handle_words(&self, tool: Tool, frame: Rect, visible: Rect) -> Vec<String> {
         if !self.is_camera_view() {
             return Vec::new();
         }
