@@ -174,11 +174,15 @@ impl App {
             ui.ctx().request_repaint_after(REPORT_REFRESH);
         }
         let scene = &self.document.scene;
+        let (news, left) = self.messages.fresh_news();
+        if let Some(left) = left {
+            ui.ctx().request_repaint_after(left);
+        }
         let status = Status {
             activity,
             saving: self.pictures_being_saved(),
             esc_stops: self.what_to_stop(),
-            news: self.messages.last_news(),
+            news,
             scene: (!scene.objects.is_empty()).then_some(scene),
         };
         status_bar::status_bar_ui(ui, &status)

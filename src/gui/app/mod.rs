@@ -610,7 +610,11 @@ impl eframe::App for App {
             self.document.record_edit(&self.selection);
         }
         let before = (self.shown_layer, self.channels);
+        let selected = self.selection.clone();
         let asked = self.window_ui(ui);
+        if self.selection != selected {
+            self.messages.note_edit();
+        }
         commands.extend(asked.commands);
         match asked.recent {
             Some(Recent::Open(path)) => self.open(vec![path]),
