@@ -147,7 +147,7 @@ impl RegionTool {
                     "Draw"
                 };
                 let draw = ui
-                    .selectable_label(self.is_drawing, text)
+                    .add(egui::Button::new(text).selected(self.is_drawing))
                     .on_hover_text("Draw it with the mouse, over the preview or the picture; a click clears it  (B)");
                 let draw = draw.accessible_name("Draw region");
                 if draw.clicked() {

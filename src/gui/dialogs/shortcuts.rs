@@ -17,7 +17,7 @@ const KEYS_WIDTH: [f32; 2] = [210.0, 128.0];
 const GAP: f32 = 14.0;
 
 /// What the mouse does in the preview.
-const MOUSE: [(&str, &str); 8] = [
+const MOUSE: [(&str, &str); 9] = [
     ("Drag", "Orbit about the target"),
     (
         "Shift + drag, middle or right drag",
@@ -30,6 +30,10 @@ const MOUSE: [(&str, &str); 8] = [
     (
         "Drag a handle",
         "Move, turn or scale what is selected; Ctrl snaps, X Y Z keep to an axis",
+    ),
+    (
+        "Click, then , and .",
+        "With the tool Rays: see the rays of a pixel, and of its sample before and after",
     ),
     (
         "Drop files",
