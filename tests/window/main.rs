@@ -13,6 +13,7 @@ mod keeping;
 mod live;
 mod materials;
 mod names;
+mod panel;
 mod pictures;
 mod preview;
 mod real;
