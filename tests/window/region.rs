@@ -294,6 +294,29 @@ fn a_region_has_the_pixels_of_the_whole_picture() {
     assert!(!window.app().document().is_modified());
 }
 
+/// A region that begins or ends beside the picture goes to its edge.
+#[test]
+fn a_region_is_drawn_from_beside_the_picture() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let frame = window.rect("Viewport");
+    let before = window.scene().clone();
+    let beside = frame.left_top() - egui::vec2(0.0, 8.0);
+    window.press(Modifiers::NONE, Key::B);
+    window.drag(PointerButton::Primary, beside, frame.center());
+    let region = window.app().region().part([160, 120]).region;
+    assert_eq!((region.x, region.y), (0, 0));
+    assert!(region.width.abs_diff(80) <= 1 && region.height.abs_diff(60) <= 1);
+    assert!(!window.app().region().is_drawing);
+
+    // Another drag, after the tool went away, is no edit.
+    window.drag(PointerButton::Primary, frame.center(), beside);
+    assert_eq!(window.app().region().part([160, 120]).region, region);
+    assert_eq!(window.scene(), &before);
+    assert_eq!(window.app().view(), View::Picture);
+}
+
 /// Its size and place are part of what an earlier render is gone back to, and pictures of different parts are not compared.
 #[test]
 fn a_region_is_restored_and_not_compared_with_another() {

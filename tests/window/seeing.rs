@@ -35,8 +35,10 @@ fn the_picture_is_enlarged_and_moved_and_the_camera_stays() {
     let camera = window.scene().camera;
     let whole = window.app().zoom().scale();
     let place = frame(&window).center() + Vec2::new(80.0, 40.0);
-    turn_wheel(&mut window, place, 6.0);
+    window.harness.hover_at(place);
+    window.harness.run_steps(2);
     let before = window.app().inspected().unwrap().pixel;
+    turn_wheel(&mut window, place, 6.0);
     turn_wheel(&mut window, place, 6.0);
     assert!(window.app().zoom().scale() > whole * 2.0);
     let after = window.app().inspected().unwrap().pixel;
@@ -80,6 +82,44 @@ fn the_picture_is_enlarged_and_moved_and_the_camera_stays() {
         camera,
         "in the preview it is the camera's"
     );
+}
+
+/// A slip of the mouse over a picture that was rendered changes nothing, and it is said where the camera moves.
+#[test]
+fn a_drag_over_a_whole_picture_leaves_the_scene_alone() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let scene = window.scene().clone();
+    let place = frame(&window).center();
+    let button = |pos, button, pressed| Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    for held in [PointerButton::Primary, PointerButton::Middle] {
+        window.harness.hover_at(place);
+        window.harness.run_steps(1);
+        window.harness.event(button(place, held, true));
+        window.harness.run_steps(1);
+        let to = place + Vec2::new(70.0, 30.0);
+        window.harness.hover_at(to);
+        window.harness.run_steps(2);
+        assert!(window.says("The camera moves in the preview (1)"));
+        window.harness.event(button(to, held, false));
+        window.harness.run_steps(2);
+        assert!(!window.says("The camera moves in the preview"));
+    }
+    window.clicks_at(place, 2);
+    assert_eq!(window.scene(), &scene);
+    assert_eq!(window.app().view(), View::Picture);
+    assert!(!window.app().document().is_modified());
+
+    // In the preview it moves.
+    window.press(Modifiers::NONE, Key::Num1);
+    window.drag(PointerButton::Primary, place, place + Vec2::new(70.0, 30.0));
+    assert_ne!(window.scene().camera, scene.camera);
 }
 
 #[test]

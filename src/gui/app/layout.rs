@@ -20,6 +20,7 @@ use crate::gui::preview::choice::Omission;
 use crate::gui::renders::{self, StripState};
 use crate::gui::status_bar::{self, Activity, Status};
 use crate::gui::theme;
+use crate::gui::tool;
 use crate::gui::top_bar::{self, Recent};
 use crate::gui::viewport::{self, ViewportScene};
 use crate::gui::zoom::Place;
@@ -307,6 +308,21 @@ impl App {
         hovered_files_ui(ui, area);
     }
 
+    /// Says where the camera is moved, while somebody drags over a whole picture, where nothing moves.
+    fn drag_hint_ui(&self, ui: &Ui, visible: Rect) {
+        if self.viewport.drags_picture() && !self.zoom.is_enlarged() {
+            let keys = [Command::ShowPreview, Command::ToggleLive];
+            let [preview, live] = keys.map(|command| command.shortcut_text(ui.ctx()));
+            tool::hint_ui(
+                ui,
+                visible,
+                &format!(
+                    "The camera moves in the preview ({preview}), or here with Live on ({live})"
+                ),
+            );
+        }
+    }
+
     /// Draws what lies over preview and picture, and says what is in them.
     fn overlays_ui(&mut self, ui: &mut Ui, frame: Rect, area: Rect) {
         self.trace_asked_ray();
@@ -319,6 +335,7 @@ impl App {
             }
         }
         self.tools_ui(ui, frame, area);
+        self.drag_hint_ui(ui, frame.intersect(area));
         if self.picture_on_screen().is_some() {
             let name = self.shown_name();
             if let Some(comparison) = &mut self.comparison {

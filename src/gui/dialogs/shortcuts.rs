@@ -49,12 +49,12 @@ const MOUSE_OVER_PICTURE: [(&str, &str); 4] = [
     ),
     (
         "Drag",
-        "Move the enlarged picture; orbit, in the preview, while all of it is seen",
+        "Move the enlarged picture; the camera moves in the preview alone, or with Live on",
     ),
     ("Point", "See the values of the pixel, in the line below"),
     (
         "Drag the divider",
-        "See more of one of two compared pictures",
+        "See more of one of two compared pictures; the arrow keys move it too",
     ),
 ];
 
