@@ -7,6 +7,7 @@ use raymini::control::{CancelToken, Progress};
 use raymini::gui::App;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::picture::Picture;
+use raymini::gui::renders::Facts;
 use raymini::gui::top_bar::View;
 use raymini::io::{WrittenOrigin, read_image, read_render};
 use raymini::render::Layer;
@@ -136,6 +137,48 @@ fn settings_are_restored_in_one_step_that_can_be_undone() {
     assert_eq!(window.hash(), library_hash(window.scene()));
     window.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(window.scene(), &before);
+}
+
+/// What is under a small picture is to be read, however narrow that is.
+#[test]
+fn the_line_under_a_narrow_picture_is_not_cut_off() {
+    let files = Files::new();
+    let size = "width = 160\nheight = 120";
+    assert!(SCENE.contains(size));
+    let narrow = SCENE.replace(size, "width = 20\nheight = 200");
+    let mut window = Window::open(&files.write("narrow.toml", &narrow));
+    window.click("Renders");
+    window.render();
+    window.harness.run_steps(3);
+    let facts = Facts::of(window.app().picture().unwrap());
+    let line = format!("1  {}", facts.result());
+    assert!(line.contains("noise"), "{line}");
+    let (font, ink) = (egui::FontId::proportional(11.0), egui::Color32::WHITE);
+    let galley = window
+        .harness
+        .ctx
+        .fonts_mut(|fonts| fonts.layout_no_wrap(line, font, ink));
+    assert!(window.rect("Show render 1").width() >= galley.size().x);
+}
+
+/// The last render is forgotten as any other, and the one before is looked at.
+#[test]
+fn the_last_render_is_forgotten_too() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    for (present, left) in [(3, vec![1, 2]), (2, vec![1]), (1, vec![])] {
+        assert_eq!(number_on_screen(&window), Some(present));
+        window.click("Forget");
+        assert_eq!(past(&window), left);
+        assert!(window.app().picture().is_none());
+    }
+    assert_eq!(window.app().view(), View::Preview);
+    window.render();
+    assert_eq!(
+        number_on_screen(&window),
+        Some(4),
+        "no number means two renders"
+    );
 }
 
 #[test]

@@ -47,13 +47,29 @@ impl App {
             Asked::Show(number) => self.show_render(number),
             Asked::Restore(number) => self.restore_render(number),
             Asked::Compare(number) => self.compare_with(number),
-            Asked::Forget(number) => {
-                if self.shown_render == Some(number) {
-                    self.show_present_render();
-                }
-                drop_elsewhere(self.renders.forget(number));
-            }
+            Asked::Forget(number) => self.forget_render(number),
             Asked::Command(command) => self.carry_out(ctx, command),
+        }
+    }
+
+    /// Takes render `number`, which does not run, out of the list. Where it is looked at, another one is then.
+    fn forget_render(&mut self, number: usize) {
+        let is_shown = self.shown_number() == Some(number);
+        let is_present = |picture: &mut Picture| picture.number == number && !picture.is_running();
+        if let Some(present) = self.picture.take_if(is_present) {
+            if is_shown {
+                self.jobs.cancel(Lane::Encode);
+            }
+            self.keep_render(present);
+        } else if is_shown {
+            self.show_present_render();
+        }
+        drop_elsewhere(self.renders.forget(number));
+        if self.picture.is_none() && is_shown {
+            match self.renders.entries().last() {
+                Some(newest) => self.show_render(newest.facts.number),
+                None => self.view = View::Preview,
+            }
         }
     }
 
