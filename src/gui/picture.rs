@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, StandIn};
 use super::first_look::FirstLook;
 use super::inspector::Samples;
 use super::jobs::drop_elsewhere;
 use super::keeping::KeptRender;
 use super::opened_picture::OpenedPicture;
 use super::part::Part;
-use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
+use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureBuffer};
 use crate::control::{Progress, Throttle};
 use crate::io::WrittenError;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
@@ -103,6 +103,9 @@ pub struct Picture {
     before: Option<(Duration, f64)>,
     elapsed: Option<Duration>,
     canvas: Canvas,
+    /// See [`Self::await_look`].
+    awaits_look: bool,
+    may_lack_tiles: bool,
 }
 
 impl Picture {
@@ -141,6 +144,8 @@ impl Picture {
             before: None,
             elapsed: None,
             canvas: Canvas::default(),
+            awaits_look: false,
+            may_lack_tiles: false,
         }
     }
 
@@ -161,20 +166,54 @@ impl Picture {
         picture
     }
 
-    /// Takes in a tile; it is on the screen from [`Self::show_tiles`] on.
+    /// Takes in a tile of the render; it is on the screen from [`Self::show_tiles`] on.
     pub fn take_tile(&mut self, tile: EncodedTile) {
-        if self.first_tile.is_none() {
-            self.first_tile = Some(self.elapsed_here());
+        // It looks as the picture soon will, and is encoded again with that.
+        if !self.awaits_look {
+            self.take_encoded(Encoded::Tile(tile));
         }
-        self.canvas.put(tile);
     }
 
     /// Takes in a coarse picture.
     pub fn take_coarse(&mut self, texels: CoarseTexels) {
+        self.take_encoded(Encoded::Coarse(texels));
+    }
+
+    /// Takes in what is encoded of it; it is on the screen from [`Self::show_tiles`] on.
+    pub fn take_encoded(&mut self, encoded: Encoded) {
         if self.first_tile.is_none() {
             self.first_tile = Some(self.elapsed_here());
         }
-        self.canvas.put_coarse(texels);
+        if matches!(encoded, Encoded::Coarse(_)) {
+            self.awaits_look = false;
+        }
+        self.canvas.take(encoded);
+    }
+
+    /// Takes note whether all of it is on its way in another look. Tiles of the render wait for that; and one that comes while its place is
+    /// encoded may be covered by what was there before.
+    pub fn await_look(&mut self, awaits: bool) {
+        self.awaits_look = awaits;
+        self.may_lack_tiles |= awaits && self.is_running();
+    }
+
+    /// Whether some of what ended may not be on the screen as it is.
+    #[must_use]
+    pub fn may_lack_tiles(&self) -> bool {
+        self.may_lack_tiles && !self.is_running()
+    }
+
+    /// What it shows, for a picture of the same part that is not there yet.
+    #[must_use]
+    pub fn as_stand_in(&self) -> (Part, StandIn) {
+        (self.buffer.part(), self.canvas.as_stand_in())
+    }
+
+    /// Shows what another picture showed until something of this is there, where both are of one part.
+    pub fn show_meanwhile(&mut self, (part, stand_in): (Part, StandIn)) {
+        if part == self.buffer.part() {
+            self.canvas.show_meanwhile(stand_in);
+        }
     }
 
     /// Puts the tiles that were taken in on the screen.
@@ -486,6 +525,34 @@ mod tests {
         while Instant::now() == now {
             std::hint::spin_loop();
         }
+    }
+
+    #[test]
+    fn tiles_wait_for_the_look_that_all_of_the_picture_gets() {
+        let ctx = egui::Context::default();
+        let mut picture = picture();
+        let piece = |gray: u8| EncodedTile {
+            position: [0, 0],
+            pixels: egui::ColorImage::filled([4, 6], egui::Color32::from_gray(gray)),
+        };
+        picture.await_look(true);
+        picture.take_tile(piece(1));
+        picture.show_tiles(&ctx);
+        assert!(!picture.is_shown() && picture.first_tile.is_none());
+        picture.take_encoded(Encoded::Coarse(CoarseTexels {
+            pixels: egui::ColorImage::filled([8, 6], egui::Color32::BLACK),
+            share: egui::Vec2::splat(1.0),
+            is_smooth: false,
+        }));
+        picture.show_tiles(&ctx);
+        assert_eq!(picture.canvas.layers().count(), 1);
+        picture.take_tile(piece(2));
+        picture.show_tiles(&ctx);
+        assert_eq!(picture.canvas.layers().count(), 2);
+        // One may have been covered meanwhile: that is mended when it ends.
+        assert!(!picture.may_lack_tiles());
+        picture.end(Outcome::Cancelled);
+        assert!(picture.may_lack_tiles());
     }
 
     #[test]

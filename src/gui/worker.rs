@@ -555,8 +555,8 @@ fn show_error(job: &Job<Event>, request: &RenderRequest, errors: Image) {
 
 /// Shows the whole picture of render `number` again, after its display settings changed.
 pub fn encode(job: &Job<Event>, number: usize, buffer: &PictureBuffer) {
-    buffer.encode_all(&job.cancel, |tile| {
-        job.send(Event::Encoded { number, tile });
+    buffer.encode_all(&job.cancel, |encoded| {
+        job.send(Event::Encoded { number, encoded });
     });
 }
 

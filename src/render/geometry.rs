@@ -336,7 +336,10 @@ fn place_triangles(
 
 /// The shading normals of all copies of a mesh, which are the triangles `placed`; none where they are those of the triangles. `None`
 /// when cancelled.
-#[expect(clippy::option_option, reason = "there may be none, and it may be cancelled")]
+#[expect(
+    clippy::option_option,
+    reason = "there may be none, and it may be cancelled"
+)]
 fn place_normals(
     mesh: &TriangleMesh,
     shape: &ObjectShape,

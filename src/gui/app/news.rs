@@ -84,9 +84,9 @@ impl App {
                     picture.take_tile(tile);
                 }
             }
-            Event::Encoded { number, tile } => {
+            Event::Encoded { number, encoded } => {
                 if let Some(picture) = self.picture_of_mut(number) {
-                    picture.take_tile(tile);
+                    picture.take_encoded(encoded);
                 }
             }
             Event::Compared(result) => {
@@ -94,9 +94,9 @@ impl App {
                     comparison.set_distance(result);
                 }
             }
-            Event::CompareTile(side, tile) => {
+            Event::CompareEncoded(side, encoded) => {
                 if let Some(comparison) = &mut self.comparison {
-                    comparison.take_tile(side, tile);
+                    comparison.take(side, encoded);
                 }
             }
             Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
@@ -160,6 +160,7 @@ impl App {
         match lane {
             Lane::Load => self.loading = None,
             Lane::Render => self.end_picture(Outcome::Failed),
+            Lane::Encode => self.await_look_of(None),
             Lane::SaveScene => {
                 self.scene_saves -= 1;
                 self.after_saving = None;

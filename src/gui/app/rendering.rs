@@ -271,7 +271,8 @@ impl App {
             asked,
         );
         if let Some(mut previous) = self.picture.take() {
-            if was_shown {
+            // Layers have no coarse picture to begin with: tiles of this one among those of another would be two pictures.
+            if was_shown && (self.shown_layer.is_none() || self.is_live) {
                 picture.continue_from(&mut previous);
             }
             self.keep_render(previous);
@@ -435,6 +436,9 @@ impl App {
         }
         if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
             picture.end(outcome);
+            if picture.may_lack_tiles() && self.shown_render.is_none() {
+                self.show_pixels_again();
+            }
         }
     }
 
@@ -470,9 +474,17 @@ impl App {
         let shown = shown.filter(|picture| !picture.is_running() || picture.first_tile.is_some());
         let shown = shown.map(|picture| (picture.number, Arc::clone(&picture.buffer)));
         if let Some((number, buffer)) = shown {
+            self.await_look_of(Some(number));
             self.jobs.start(Lane::Encode, move |job| {
                 worker::encode(job, number, &buffer);
             });
+        }
+    }
+
+    /// Takes note that all of the picture of render `number` is being encoded, and of no other.
+    pub(super) fn await_look_of(&mut self, number: Option<usize>) {
+        if let Some(present) = &mut self.picture {
+            present.await_look(number == Some(present.number));
         }
     }
 

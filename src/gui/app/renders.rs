@@ -79,9 +79,13 @@ impl App {
         if self.shown_number() == Some(number) {
             return;
         }
+        let stand_in = self.shown_picture().map(Picture::as_stand_in);
         self.hide_past_render();
         let is_present = self.picture.as_ref().is_some_and(|p| p.number == number);
         self.shown_render = (!is_present).then_some(number);
+        if let (Some(picture), Some(stand_in)) = (self.renders.picture_mut(number), stand_in) {
+            picture.show_meanwhile(stand_in);
+        }
         let display = self.document.scene.display;
         if let Some(picture) = self.shown_picture_mut() {
             picture.scene.display = display;

@@ -1,6 +1,8 @@
+use super::pieces::place_of;
 use super::*;
+use egui::vec2;
 
-fn piece([x, y]: [usize; 2], size: [usize; 2], gray: u8) -> EncodedTile {
+pub(super) fn piece([x, y]: [usize; 2], size: [usize; 2], gray: u8) -> EncodedTile {
     EncodedTile {
         position: [x, y],
         pixels: Arc::new(ColorImage::filled(size, Color32::from_gray(gray))),
@@ -65,6 +67,11 @@ impl Screen {
     }
 }
 
+/// Texels that were put on cells.
+fn covered(canvas: &Canvas) -> usize {
+    canvas.cells.iter().map(|cell| cell.covered).sum()
+}
+
 fn flush_all(canvas: &mut Canvas, ctx: &egui::Context, size: [usize; 2]) {
     loop {
         canvas.flush(ctx, size);
@@ -72,34 +79,6 @@ fn flush_all(canvas: &mut Canvas, ctx: &egui::Context, size: [usize; 2]) {
             return;
         }
     }
-}
-
-#[test]
-fn pieces_side_by_side_are_joined_and_the_last_at_a_place_counts() {
-    let mut canvas = Canvas::default();
-    for piece in [
-        piece([4, 2], [2, 2], 1),
-        piece([0, 0], [2, 2], 2),
-        piece([2, 2], [2, 2], 3),
-        piece([2, 0], [2, 1], 4),
-        piece([2, 2], [2, 2], 5),
-        piece([8, 2], [2, 2], 6),
-    ] {
-        canvas.put(piece);
-    }
-    let runs = joined(std::mem::take(&mut canvas.pending), Grid::of([10, 4], 2048));
-    let runs = runs.into_iter().map(|run| run.piece);
-    let runs: Vec<_> = runs.collect();
-    let places: Vec<_> = runs.iter().map(|r| (r.position, r.pixels.size)).collect();
-    let expected = [
-        ([2, 0], [2, 1]),
-        ([0, 0], [2, 2]),
-        ([2, 2], [4, 2]),
-        ([8, 2], [2, 2]),
-    ];
-    assert_eq!(places, expected);
-    assert_eq!(runs[2].pixels[(0, 1)], Color32::from_gray(5));
-    assert_eq!(runs[2].pixels[(2, 0)], Color32::from_gray(1));
 }
 
 #[test]
@@ -139,26 +118,6 @@ fn of_pieces_that_overlap_the_last_shows_whatever_their_heights() {
 }
 
 #[test]
-fn tiles_that_come_in_any_order_go_to_the_driver_in_rows() {
-    let mut canvas = Canvas::default();
-    for x in [2, 0, 3, 1] {
-        for y in [1, 0] {
-            canvas.put(piece([32 * x, 32 * y], [32, 32], 1));
-        }
-    }
-    // Those of the next pass take the place of those that do not show yet.
-    canvas.put(piece([32, 32], [32, 32], 2));
-    let runs = joined(
-        std::mem::take(&mut canvas.pending),
-        Grid::of([128, 64], 2048),
-    );
-    let sizes: Vec<_> = runs.iter().map(|run| run.piece.pixels.size).collect();
-    assert_eq!(sizes, [[128, 32]; 2]);
-    let row = &runs[1].piece.pixels;
-    assert_eq!([31, 32].map(|x| row[(x, 0)].r()), [1, 2]);
-}
-
-#[test]
 fn pieces_show_where_they_belong_across_the_edges_of_bands() {
     let (ctx, size) = (egui::Context::default(), [50, 150]);
     let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
@@ -195,7 +154,7 @@ fn pieces_show_where_they_belong_across_the_edges_of_columns() {
     canvas.put(piece([1300, 60], [1500, 10], 7));
     flush_all(&mut canvas, &ctx, size);
     screen.take(&ctx);
-    assert_eq!((canvas.covered, canvas.layers().count()), (15_000, 6));
+    assert_eq!((covered(&canvas), canvas.layers().count()), (15_000, 6));
     let at = |place| screen.texel(&canvas, place, size);
     for column in [1300, edges[0] - 1, edges[0], edges[1] - 1, edges[1], 2799] {
         for row in [60, 63, 64, 69] {
@@ -210,6 +169,7 @@ fn pieces_show_where_they_belong_across_the_edges_of_columns() {
     canvas.put_coarse(CoarseTexels {
         pixels: Arc::new(ColorImage::filled([513, 17], Color32::from_gray(9))),
         share: vec2(4100.0 / 4104.0, 130.0 / 136.0),
+        is_smooth: false,
     });
     canvas.put(piece([2730, 100], [8, 30], 8));
     flush_all(&mut canvas, &ctx, size);
@@ -233,22 +193,6 @@ fn pieces_show_where_they_belong_across_the_edges_of_columns() {
     for place in [[0, 0], [1366, 63], [1367, 64], [4099, 129]] {
         assert_eq!(at(place), Some(Color32::from_gray(10)), "{place:?}");
     }
-}
-
-#[test]
-fn tiles_are_joined_up_to_the_edge_of_a_column() {
-    let mut canvas = Canvas::default();
-    for x in [64, 0, 96, 32] {
-        canvas.put(piece([x, 0], [32, 32], 1));
-    }
-    // Two columns of 70 and 69 texels.
-    let runs = joined(
-        std::mem::take(&mut canvas.pending),
-        Grid::of([139, 40], 100),
-    );
-    let runs = runs.into_iter().map(|run| run.piece);
-    let places: Vec<_> = runs.map(|run| (run.position, run.pixels.size)).collect();
-    assert_eq!(places, [([0, 0], [70, 32]), ([70, 0], [58, 32])]);
 }
 
 #[test]
@@ -279,6 +223,7 @@ fn a_coarse_picture_larger_than_a_texture_is_shown_as_one_that_fits() {
     canvas.put_coarse(CoarseTexels {
         pixels: Arc::new(ColorImage::new([3000, 2], shades.collect())),
         share: vec2(1.0, 1.0),
+        is_smooth: false,
     });
     canvas.flush(&ctx, size);
     assert_eq!(screen.take(&ctx), 1500);
@@ -296,42 +241,12 @@ fn what_a_frame_has_no_time_for_waits_for_the_next() {
     }
     let mut frames = 0;
     while !canvas.is_covered() {
-        let before = canvas.covered;
+        let before = covered(&canvas);
         canvas.flush(&ctx, size);
-        assert!(canvas.covered > before, "each frame shows something");
+        assert!(covered(&canvas) > before, "each frame shows something");
         frames += 1;
     }
     assert!(frames > 1 && canvas.pending.is_empty());
-}
-
-/// What was there before must go from a cell with the first small piece of the next picture, which is much more than that piece.
-#[test]
-fn a_frame_has_time_for_few_cells_that_begin() {
-    let (ctx, size) = (egui::Context::default(), [1024, 640]);
-    let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
-    canvas.put(piece([0, 0], size, 1));
-    flush_all(&mut canvas, &ctx, size);
-    canvas.put_coarse(CoarseTexels {
-        pixels: Arc::new(ColorImage::filled([256, 160], Color32::from_gray(9))),
-        share: vec2(1.0, 1.0),
-    });
-    canvas.flush(&ctx, size);
-    screen.take(&ctx);
-    for y in (0..size[1]).step_by(64) {
-        canvas.put(piece([32, y], [32, 32], 2));
-    }
-    let mut frames = 0;
-    while !canvas.pending.is_empty() {
-        canvas.flush(&ctx, size);
-        let sent = screen.take(&ctx);
-        assert!(sent <= MOST_TEXELS + 1024 * 64 + 32 * 32, "{sent} texels");
-        frames += 1;
-    }
-    assert!(frames >= 5, "in {frames} frames");
-    for y in (0..size[1]).step_by(64) {
-        let at = |x| screen.texel(&canvas, [x, y], size).map(|color| color.r());
-        assert_eq!([31, 32, 63, 64].map(at), [9, 2, 2, 9].map(Some), "row {y}");
-    }
 }
 
 #[test]
@@ -344,6 +259,7 @@ fn a_coarse_picture_takes_the_place_of_what_was_there_until_pieces_cover_it() {
     canvas.put_coarse(CoarseTexels {
         pixels: Arc::new(ColorImage::filled([2, 18], Color32::from_gray(9))),
         share: vec2(1.0, 70.0 / 72.0),
+        is_smooth: false,
     });
     canvas.flush(&ctx, size);
     screen.take(&ctx);
@@ -365,6 +281,99 @@ fn a_coarse_picture_takes_the_place_of_what_was_there_until_pieces_cover_it() {
     assert!(canvas.coarse.is_none() && canvas.is_covered());
 }
 
+/// However many frames the pieces of another look take, what is seen is one look: first coarse, then sharper and sharper.
+#[test]
+fn another_look_takes_the_place_of_all_there_was_in_one_frame() {
+    let (ctx, size) = (egui::Context::default(), [2048, 512]);
+    let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+    canvas.put(piece([0, 0], size, 1));
+    flush_all(&mut canvas, &ctx, size);
+    screen.take(&ctx);
+    let looks = |canvas: &Canvas, screen: &Screen| {
+        let rows = (0..size[1]).step_by(16);
+        let seen = rows.map(|y| screen.texel(canvas, [700, y], size));
+        seen.map(|color| color.map(|c| c.r()))
+            .collect::<std::collections::BTreeSet<_>>()
+    };
+    assert_eq!(looks(&canvas, &screen), [Some(1)].into());
+    // Of the look before there are pieces that wait.
+    canvas.put(piece([0, 128], [2048, 64], 1));
+    canvas.take(Encoded::Coarse(CoarseTexels {
+        pixels: Arc::new(ColorImage::filled([1024, 256], Color32::from_gray(2))),
+        share: vec2(1.0, 1.0),
+        is_smooth: true,
+    }));
+    for y in (0..size[1]).step_by(64) {
+        canvas.take(Encoded::Tile(piece([0, y], [2048, 64], 2)));
+    }
+    let mut frames = 0;
+    while canvas.coarse.is_none() || !canvas.pending.is_empty() {
+        canvas.flush(&ctx, size);
+        let sent = screen.take(&ctx);
+        assert!(sent <= 1 << 18, "{sent} texels in a frame");
+        assert_eq!(looks(&canvas, &screen), [Some(2)].into());
+        frames += 1;
+        if canvas.coarse.is_none() {
+            break;
+        }
+    }
+    assert!(frames > 2 && canvas.coarse.is_none() && canvas.is_covered());
+}
+
+#[test]
+fn another_picture_shows_in_place_of_one_that_is_not_there_yet() {
+    let (ctx, size) = (egui::Context::default(), [16, 16]);
+    let (mut before, mut screen) = (Canvas::default(), Screen::default());
+    let mut canvas = Canvas::default();
+    canvas.show_meanwhile(before.as_stand_in());
+    assert!(!canvas.is_shown(), "there is nothing to stand in");
+    before.put(piece([0, 0], size, 1));
+    flush_all(&mut before, &ctx, size);
+    canvas.show_meanwhile(before.as_stand_in());
+    drop(before);
+    canvas.flush(&ctx, size);
+    screen.take(&ctx);
+    let seen = |canvas: &Canvas, screen: &Screen| screen.texel(canvas, [7, 9], size);
+    assert_eq!(seen(&canvas, &screen), Some(Color32::from_gray(1)));
+    assert!(canvas.is_covered());
+    canvas.put(piece([0, 0], [8, 16], 2));
+    canvas.flush(&ctx, size);
+    screen.take(&ctx);
+    assert_eq!(seen(&canvas, &screen), Some(Color32::from_gray(2)));
+    assert!(!canvas.is_covered() && canvas.layers().count() == 1);
+}
+
+/// What was there before must go from a cell with the first small piece of the next picture, which is much more than that piece.
+#[test]
+fn a_frame_has_time_for_few_cells_that_begin() {
+    let (ctx, size) = (egui::Context::default(), [1024, 640]);
+    let (mut canvas, mut screen) = (Canvas::default(), Screen::default());
+    canvas.put(piece([0, 0], size, 1));
+    flush_all(&mut canvas, &ctx, size);
+    canvas.put_coarse(CoarseTexels {
+        pixels: Arc::new(ColorImage::filled([256, 160], Color32::from_gray(9))),
+        share: vec2(1.0, 1.0),
+        is_smooth: false,
+    });
+    canvas.flush(&ctx, size);
+    screen.take(&ctx);
+    for y in (0..size[1]).step_by(64) {
+        canvas.put(piece([32, y], [32, 32], 2));
+    }
+    let mut frames = 0;
+    while !canvas.pending.is_empty() {
+        canvas.flush(&ctx, size);
+        let sent = screen.take(&ctx);
+        assert!(sent <= MOST_TEXELS + 1024 * 64 + 32 * 32, "{sent} texels");
+        frames += 1;
+    }
+    assert!(frames >= 5, "in {frames} frames");
+    for y in (0..size[1]).step_by(64) {
+        let at = |x| screen.texel(&canvas, [x, y], size).map(|color| color.r());
+        assert_eq!([31, 32, 63, 64].map(at), [9, 2, 2, 9].map(Some), "row {y}");
+    }
+}
+
 #[test]
 fn whoever_uploads_pixels_is_not_the_last_to_have_them() {
     let (ctx, size) = (egui::Context::default(), [64, 64]);
@@ -374,6 +383,7 @@ fn whoever_uploads_pixels_is_not_the_last_to_have_them() {
     let coarse = CoarseTexels {
         pixels: Arc::new(ColorImage::filled([16, 16], Color32::from_gray(9))),
         share: vec2(1.0, 1.0),
+        is_smooth: false,
     };
     made.push(Arc::downgrade(&coarse.pixels));
     canvas.put_coarse(coarse);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
-use super::picture_buffer::{EncodedTile, PictureBuffer, PictureId};
+use super::picture_buffer::{Encoded, PictureBuffer, PictureId};
 use crate::analysis::{Metrics, mean_flip_unless, scaled_difference};
 use crate::control::CancelToken;
 use crate::render::Image;
@@ -187,10 +187,7 @@ impl Comparison {
                 || measured.was_running && (!is_running || measured.at.elapsed() > INTERVAL)
         });
         if is_due {
-            if self
-                .measured
-                .is_some_and(|measured| measured.picture != picture)
-            {
+            if self.measures_another(picture) {
                 self.distance = None;
                 self.difference = Canvas::default();
             }
@@ -214,11 +211,11 @@ impl Comparison {
         }));
     }
 
-    /// Takes in a piece of a picture; it is on the screen from [`Self::show_tiles`] on.
-    pub fn take_tile(&mut self, side: Side, tile: EncodedTile) {
+    /// Takes in what is encoded of a picture; it is on the screen from [`Self::show_tiles`] on.
+    pub fn take(&mut self, side: Side, encoded: Encoded) {
         match side {
-            Side::Other => self.other.put(tile),
-            Side::Difference => self.difference.put(tile),
+            Side::Other => self.other.take(encoded),
+            Side::Difference => self.difference.take(encoded),
         }
     }
 
@@ -226,6 +223,23 @@ impl Comparison {
     pub fn show_tiles(&mut self, ctx: &egui::Context) {
         self.other.flush(ctx, self.buffer.size_in_texels());
         self.difference.flush(ctx, self.difference_size);
+    }
+
+    /// Takes the place of `before`: as that is shown, and showing its picture until this one is there.
+    pub fn continue_from(&mut self, before: &mut Self) {
+        self.mode = before.mode;
+        self.shows_other = before.shows_other;
+        self.divider = before.divider;
+        if before.buffer.part() == self.buffer.part() {
+            self.other = std::mem::take(&mut before.other);
+        }
+    }
+
+    /// Whether A is another picture than the one that was measured last, or is being.
+    #[must_use]
+    pub fn measures_another(&self, picture: PictureId) -> bool {
+        self.measured
+            .is_some_and(|measured| measured.picture != picture)
     }
 
     /// Takes all off the screen; the difference is drawn anew.

@@ -29,6 +29,17 @@ pub struct CoarseTexels {
     pub pixels: Arc<ColorImage>,
     /// What of their width and height the picture takes: blocks at its edges are cut off.
     pub share: Vec2,
+    /// Whether they blend into each other where they are enlarged, as the picture is sharp in a moment.
+    pub is_smooth: bool,
+}
+
+/// What is encoded of a picture for the screen.
+#[derive(Clone, Debug)]
+pub enum Encoded {
+    /// All of it, coarse: what shows of it from now on may look different.
+    Coarse(CoarseTexels),
+    /// A piece of it, which looks as what is there.
+    Tile(EncodedTile),
 }
 
 impl CoarseTexels {
@@ -47,6 +58,7 @@ impl CoarseTexels {
         Self {
             pixels: Arc::new(ColorImage::new(size, texels.collect())),
             share: self.share * Vec2::new(taken(width, size[0]), taken(height, size[1])),
+            is_smooth: self.is_smooth,
         }
     }
 }
@@ -206,6 +218,7 @@ mod tests {
                 (0..20).map(Color32::from_gray).collect(),
             )),
             share: Vec2::new(0.95, 0.5),
+            is_smooth: true,
         };
         let same = coarse.clone().within(10);
         assert_eq!(

@@ -81,7 +81,10 @@ impl TrueNormals {
     /// Looks through `rounded`, the prepared triangles of one copy or several, `per_copy` each. `exact`: the corners of a
     /// triangle of a copy before they were rounded, in the same order and orientation, of any scale. None where all normals are
     /// as they should be; `None` when cancelled.
-    #[expect(clippy::option_option, reason = "there may be none, and it may be cancelled")]
+    #[expect(
+        clippy::option_option,
+        reason = "there may be none, and it may be cancelled"
+    )]
     pub fn of_copies(
         rounded: &[Triangle],
         per_copy: usize,

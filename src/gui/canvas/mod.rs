@@ -4,17 +4,28 @@
 //! texture, and each large block of memory on the way there, much. So a picture is cut into cells, each a texture of its own, which is made when
 //! the first piece lies in it: bands as wide as the picture, or as a texture may be. Pieces side by side in a cell go there together; and what does
 //! not fit into a frame waits for the next.
+//!
+//! What is on the screen is of one picture in one look: another look, and another picture, begin with a coarse picture of the whole, which
+//! takes the place of all there was in one frame. Only tiles of a render that goes on come one by one.
+//!
+//! - `pieces`: those that wait, and in which order they go
 
+mod pieces;
+#[cfg(test)]
+mod tests;
+
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{
     Color32, ColorImage, ImageData, Painter, Rect, TextureFilter, TextureHandle, TextureId,
-    TextureOptions, pos2, vec2,
+    TextureOptions, pos2,
 };
 
 use super::jobs::drop_elsewhere;
-use super::picture_buffer::{CoarseTexels, EncodedTile, Grid};
+use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, Grid};
+use pieces::Queue;
 
 /// Sharp pixels when enlarged, smooth when reduced.
 const OPTIONS: TextureOptions = TextureOptions {
@@ -22,6 +33,8 @@ const OPTIONS: TextureOptions = TextureOptions {
     minification: TextureFilter::Linear,
     ..TextureOptions::NEAREST
 };
+/// Those of what becomes sharp in a moment.
+const SMOOTH: TextureOptions = TextureOptions::LINEAR;
 /// What a frame may spend on pieces, and how many texels it may hand on: the driver takes its time for each.
 const BUDGET: Duration = Duration::from_micros(700);
 const MOST_TEXELS: usize = 1 << 17;
@@ -29,37 +42,22 @@ const MOST_TEXELS: usize = 1 << 17;
 /// The textures that show a picture, and what is to go there.
 #[derive(Default)]
 pub struct Canvas {
+    /// What another picture shows, until there is something of this one.
+    stand_in: StandIn,
     coarse: Option<(TextureHandle, Rect)>,
     new_coarse: Option<CoarseTexels>,
     grid: Grid,
     cells: Vec<Cell>,
-    pending: Vec<Waiting>,
+    pending: Queue,
     /// What a cell begins with: fresh memory is dear, and most cells are as large as each other.
     blank: Option<Arc<ColorImage>>,
     /// All that was taken in and that somebody may still have: see [`Self::give_back`].
     lent: Vec<Arc<ColorImage>>,
-    /// Texels that were put on it, until they are all there are.
-    covered: usize,
 }
 
-/// A piece that does not show yet.
-struct Waiting {
-    piece: EncodedTile,
-    /// Where it lies, in texels.
-    place: Rect,
-    /// It goes after those of earlier turns. Pieces of one turn do not overlap: they may go in any order.
-    turn: usize,
-}
-
-impl Waiting {
-    fn new(piece: EncodedTile, turn: usize) -> Self {
-        Self {
-            place: place_of(&piece),
-            piece,
-            turn,
-        }
-    }
-}
+/// What a canvas shows, to be shown in place of a picture that is not there yet. Nothing where that is not all of a picture.
+#[derive(Clone, Default)]
+pub struct StandIn(Vec<(TextureHandle, CanvasLayer)>);
 
 /// Some columns and rows of a picture.
 #[derive(Default)]
@@ -67,6 +65,8 @@ struct Cell {
     texture: Option<TextureHandle>,
     /// Whether what the texture shows is of the present picture.
     is_current: bool,
+    /// Texels that were put on it, until they are all there are.
+    covered: usize,
 }
 
 impl Cell {
@@ -105,24 +105,18 @@ pub struct CanvasLayer {
 const WHOLE: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
 
 impl Canvas {
+    /// Takes in what was encoded: a piece, or a coarse picture that begins another look.
+    pub fn take(&mut self, encoded: Encoded) {
+        match encoded {
+            Encoded::Tile(piece) => self.put(piece),
+            Encoded::Coarse(texels) => self.put_coarse(texels),
+        }
+    }
+
     /// Takes in a piece; it shows from [`Self::flush`] on, over all that came before.
     pub fn put(&mut self, piece: EncodedTile) {
         self.lent.push(Arc::clone(&piece.pixels));
-        let place = place_of(&piece);
-        let mut turn = 0;
-        let mut index = 0;
-        // Hundreds may come in a frame and find hundreds here: nothing is moved along.
-        while let Some(earlier) = self.pending.get(index) {
-            if !overlap(place, earlier.place) {
-                index += 1;
-            } else if place.contains_rect(earlier.place) {
-                self.pending.swap_remove(index);
-            } else {
-                turn = turn.max(earlier.turn + 1);
-                index += 1;
-            }
-        }
-        self.pending.push(Waiting { piece, place, turn });
+        self.pending.put(piece);
     }
 
     /// Takes in a coarse picture, which shows from [`Self::flush`] on in place of all that there was.
@@ -132,33 +126,55 @@ impl Canvas {
         self.new_coarse = Some(texels);
     }
 
+    /// What it shows, for another canvas.
+    #[must_use]
+    pub fn as_stand_in(&self) -> StandIn {
+        if self.is_covered() {
+            StandIn(self.textures().collect())
+        } else {
+            StandIn::default()
+        }
+    }
+
+    /// Shows what another canvas showed until there is something else to show.
+    pub fn show_meanwhile(&mut self, stand_in: StandIn) {
+        self.stand_in = stand_in;
+    }
+
     /// Shows what was taken in of a picture of `size` texels, as much as a frame has time for.
     pub fn flush(&mut self, ctx: &egui::Context, size: [usize; 2]) {
         self.give_back();
         let largest_texture = ctx.input(|input| input.max_texture_side);
+        let mut texels = 0;
         if let Some(coarse) = self.new_coarse.take() {
-            self.show_coarse(ctx, coarse.within(largest_texture));
+            let coarse = coarse.within(largest_texture);
+            texels = coarse.pixels.pixels.len();
+            self.show_coarse(ctx, coarse);
         }
         if self.pending.is_empty() {
+            return;
+        }
+        if texels >= MOST_TEXELS {
+            ctx.request_repaint();
             return;
         }
         let grid = Grid::of(size, largest_texture);
         if self.grid != grid {
             self.grid = grid;
-            self.covered = 0;
             self.cells.clear();
             self.cells.resize_with(grid.count(), Cell::default);
         }
         let started = Instant::now();
-        let mut runs = joined(std::mem::take(&mut self.pending), grid).into_iter();
-        let mut texels = 0;
-        for run in runs.by_ref() {
-            texels += self.show(ctx, run.piece);
+        let mut pending = std::mem::take(&mut self.pending);
+        pending.drain(grid, |piece| {
+            texels += self.show(ctx, piece);
             if texels >= MOST_TEXELS || started.elapsed() > BUDGET {
-                break;
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
             }
-        }
-        self.pending = runs.collect();
+        });
+        self.pending = pending;
         if !self.pending.is_empty() {
             ctx.request_repaint();
         } else if self.is_filled() {
@@ -176,17 +192,19 @@ impl Canvas {
         }
     }
 
-    fn show_coarse(&mut self, ctx: &egui::Context, CoarseTexels { pixels, share }: CoarseTexels) {
-        self.covered = 0;
+    fn show_coarse(&mut self, ctx: &egui::Context, texels: CoarseTexels) {
+        self.stand_in.0.clear();
         for cell in &mut self.cells {
             cell.is_current = false;
+            cell.covered = 0;
         }
-        let part = Rect::from_min_max(pos2(0.0, 0.0), share.to_pos2());
+        let part = Rect::from_min_max(pos2(0.0, 0.0), texels.share.to_pos2());
+        let options = if texels.is_smooth { SMOOTH } else { OPTIONS };
         if let Some((texture, shown)) = &mut self.coarse {
-            texture.set(pixels, OPTIONS);
+            texture.set(texels.pixels, options);
             *shown = part;
         } else {
-            let texture = ctx.load_texture("coarse picture", pixels, OPTIONS);
+            let texture = ctx.load_texture("coarse picture", texels.pixels, options);
             self.coarse = Some((texture, part));
         }
     }
@@ -198,8 +216,7 @@ impl Canvas {
         ctx: &egui::Context,
         EncodedTile { position, pixels }: EncodedTile,
     ) -> usize {
-        let [width, height] = self.grid.size();
-        self.covered = (self.covered + pixels.pixels.len()).min(width * height);
+        self.stand_in.0.clear();
         let number = self.grid.cell_at(position);
         let [columns, rows] = self.grid.texels(number);
         let size = [columns.len(), rows.len()];
@@ -212,6 +229,7 @@ impl Canvas {
             self.cells[number].fill(ctx, blank.into());
         }
         let cell = &mut self.cells[number];
+        cell.covered = (cell.covered + pixels.pixels.len()).min(size[0] * size[1]);
         match &mut cell.texture {
             Some(texture) if !is_all => texture.set_partial(at, pixels, OPTIONS),
             _ => cell.fill(ctx, pixels.into()),
@@ -230,10 +248,18 @@ impl Canvas {
 
     /// All there is to show, each over the one before.
     pub fn layers(&self) -> impl Iterator<Item = CanvasLayer> {
-        let coarse = self.coarse.as_ref().map(|(texture, part)| CanvasLayer {
-            texture: texture.id(),
-            place: WHOLE,
-            part: *part,
+        self.textures().map(|(_, layer)| layer)
+    }
+
+    fn textures(&self) -> impl Iterator<Item = (TextureHandle, CanvasLayer)> {
+        let stand_in = self.stand_in.0.iter().cloned();
+        let coarse = self.coarse.as_ref().map(|(texture, part)| {
+            let layer = CanvasLayer {
+                texture: texture.id(),
+                place: WHOLE,
+                part: *part,
+            };
+            (texture.clone(), layer)
         });
         let [width, height] = self.grid.size().map(|side| side.max(1) as f32);
         let cells = self.cells.iter().enumerate();
@@ -241,16 +267,17 @@ impl Canvas {
             let texture = cell.texture.as_ref().filter(|_| cell.is_current)?;
             let [columns, rows] = self.grid.texels(number);
             let corner = |x: usize, y: usize| pos2(x as f32 / width, y as f32 / height);
-            Some(CanvasLayer {
+            let layer = CanvasLayer {
                 texture: texture.id(),
                 place: Rect::from_min_max(
                     corner(columns.start, rows.start),
                     corner(columns.end, rows.end),
                 ),
                 part: WHOLE,
-            })
+            };
+            Some((texture.clone(), layer))
         });
-        coarse.into_iter().chain(cells)
+        stand_in.chain(coarse).chain(cells)
     }
 
     /// Whether there is anything to show.
@@ -276,79 +303,14 @@ impl Canvas {
     /// Whether something is on it everywhere: each pass over a picture brings every texel once.
     #[must_use]
     pub fn is_covered(&self) -> bool {
-        self.coarse.is_some() || self.is_filled()
+        !self.stand_in.0.is_empty() || self.coarse.is_some() || self.is_filled()
     }
 
     fn is_filled(&self) -> bool {
-        let [width, height] = self.grid.size();
-        !self.cells.is_empty() && self.covered >= width * height
+        let is_full = |(number, cell): (usize, &Cell)| {
+            let [columns, rows] = self.grid.texels(number);
+            cell.covered >= columns.len() * rows.len()
+        };
+        !self.cells.is_empty() && self.cells.iter().enumerate().all(is_full)
     }
 }
-
-/// Whether two places have more than an edge in common.
-fn overlap(a: Rect, b: Rect) -> bool {
-    a.min.x < b.max.x && b.min.x < a.max.x && a.min.y < b.max.y && b.min.y < a.max.y
-}
-
-/// Where a piece lies, in texels.
-fn place_of(piece: &EncodedTile) -> Rect {
-    let [x, y] = piece.position.map(|side| side as f32);
-    let [width, height] = piece.pixels.size.map(|side| side as f32);
-    Rect::from_min_size(pos2(x, y), vec2(width, height))
-}
-
-/// The pieces in the order in which they go, each in one cell: cut where they are not, and those of one turn that lie side by side joined.
-fn joined(pieces: Vec<Waiting>, grid: Grid) -> Vec<Waiting> {
-    let cut = |Waiting { piece, turn, .. }| {
-        let parts = grid.cut(piece).into_iter();
-        parts.map(move |part| Waiting::new(part, turn))
-    };
-    let mut pieces: Vec<Waiting> = pieces.into_iter().flat_map(cut).collect();
-    pieces.sort_by_key(|Waiting { piece, turn, .. }| {
-        let [x, y] = piece.position;
-        (*turn, y, piece.pixels.size[1], x)
-    });
-    let mut runs: Vec<Vec<Waiting>> = Vec::new();
-    for piece in pieces {
-        match runs.last_mut() {
-            Some(run) if run.last().is_some_and(|last| continues(last, &piece, grid)) => {
-                run.push(piece);
-            }
-            _ => runs.push(vec![piece]),
-        }
-    }
-    runs.into_iter().map(side_by_side).collect()
-}
-
-/// Whether `next` lies beside `last` in its cell, as high as that, and goes with it.
-fn continues(last: &Waiting, next: &Waiting, grid: Grid) -> bool {
-    let [x, y] = last.piece.position;
-    let [width, height] = last.piece.pixels.size;
-    let is_beside = next.piece.position == [x + width, y]
-        && grid.cell_at(next.piece.position) == grid.cell_at([x, y]);
-    next.turn == last.turn && is_beside && next.piece.pixels.size[1] == height
-}
-
-/// The pieces of a run as one.
-fn side_by_side(mut run: Vec<Waiting>) -> Waiting {
-    if run.len() == 1 {
-        return run.swap_remove(0);
-    }
-    let height = run[0].piece.pixels.size[1];
-    let width = run.iter().map(|next| next.piece.pixels.size[0]).sum();
-    let mut texels = Vec::with_capacity(width * height);
-    for row in 0..height {
-        for pixels in run.iter().map(|next| &next.piece.pixels) {
-            let columns = pixels.size[0];
-            texels.extend_from_slice(&pixels.pixels[row * columns..][..columns]);
-        }
-    }
-    let piece = EncodedTile {
-        position: run[0].piece.position,
-        pixels: Arc::new(ColorImage::new([width, height], texels)),
-    };
-    Waiting::new(piece, run[0].turn)
-}
-
-#[cfg(test)]
-mod tests;
