@@ -45,13 +45,18 @@ pub fn scale_of(errors: &Image) -> f32 {
 /// The colour of a pixel's error on a scale that ends at `scale`.
 #[must_use]
 pub fn color(rgb: [f32; 3], scale: f32) -> Color32 {
+    color_of_share(share(rgb, scale))
+}
+
+/// Where a pixel's error lies on a scale that ends at `scale`, `0..=1`.
+#[must_use]
+pub fn share(rgb: [f32; 3], scale: f32) -> f32 {
     let error = worst_channel(rgb);
-    let share = if error > 0.0 && scale > 0.0 {
+    if error > 0.0 && scale > 0.0 {
         (error / scale).min(1.0)
     } else {
         0.0
-    };
-    color_of_share(share)
+    }
 }
 
 fn color_of_share(share: f32) -> Color32 {

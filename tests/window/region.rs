@@ -317,9 +317,9 @@ fn a_region_is_drawn_from_beside_the_picture() {
     assert_eq!(window.app().view(), View::Picture);
 }
 
-/// Its size and place are part of what an earlier render is gone back to, and pictures of different parts are not compared.
+/// Its size and place are part of what an earlier render is gone back to, and it is compared with what a whole picture shows there.
 #[test]
-fn a_region_is_restored_and_not_compared_with_another() {
+fn a_region_is_restored_and_compared_with_the_whole() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
     window.render();
@@ -335,7 +335,10 @@ fn a_region_is_restored_and_not_compared_with_another() {
     window.until("the distance is known", |app| {
         app.comparison().is_some_and(|c| c.distance().is_some())
     });
-    assert!(window.says("different parts of the picture"));
+    let size = format!("{} × {}", part.region.width, part.region.height);
+    assert!(window.says(&format!(
+        "the same, bit for bit  ·  over {size} that both show"
+    )));
     window.press(Modifiers::NONE, Key::C);
     window.press(Modifiers::SHIFT, Key::B);
     assert!(!window.app().region().is_chosen());

@@ -188,7 +188,7 @@ fn the_pixel_under_the_mouse_is_told() {
     assert_eq!(window.app().inspected().unwrap().surface, None);
 }
 
-/// Channels change what is seen, at once and in the next render, and nothing of what is saved or told of a pixel.
+/// Channels change what is seen, at once and in the next render, and what is told of that, and nothing of what is saved.
 #[test]
 fn channels_are_seen_alone_and_as_false_colours() {
     let files = Files::new();
@@ -242,19 +242,24 @@ fn channels_are_seen_alone_and_as_false_colours() {
         "{colours:?}, {expected:?}"
     );
 
-    // The inspector and files keep to all channels, and another render is seen in the same way.
+    // The inspector tells what is seen, files keep to all channels, and another render is seen in the same way.
     window.harness.hover_at(place);
     window.harness.run_steps(2);
     let told = window.app().inspected().unwrap().values.color;
     let told = [told.r(), told.g(), told.b()];
     let is_near = |(told, seen): (&u8, u8)| told.abs_diff(seen) <= 2;
-    assert!(told.iter().zip(all).all(is_near), "{told:?}, {all:?}");
+    assert!(
+        told.iter().zip(colours).all(is_near),
+        "{told:?}, {colours:?}"
+    );
+    assert!(window.says(&format!("shown {} {} {}", told[0], told[1], told[2])));
+    window.until_says("brighter than white");
     window.render();
     assert_eq!(pixel(&mut window), colours);
     let saved = files.path("seen.png");
     window.save_picture(&saved);
     let png = image::open(&saved).unwrap().to_rgb8();
-    assert!(png.pixels().any(|p| p.0 == told), "as it always was");
+    assert!(png.pixels().any(|p| p.0 == all), "as it always was");
 }
 
 #[test]

@@ -26,6 +26,7 @@ use crate::gui::viewport::{self, ViewportScene};
 use crate::gui::zoom::Place;
 use crate::gui::{compare, error_colors, error_plot, false_colors, inspector, steps_legend};
 use crate::io;
+use crate::render::Layer;
 use crate::scene::Mode;
 
 /// Time between two frames while a report is made and the user does nothing: rarely, as each frame takes time from what is measured.
@@ -219,6 +220,7 @@ impl App {
                             None => self.picture.as_ref(),
                         };
                         let layers = shown.map_or(&[][..], |p| p.buffer.layers());
+                        let mut asked_pixel = None;
                         let mut state = PanelState {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
@@ -228,6 +230,7 @@ impl App {
                             channels: &mut self.channels,
                             layers,
                             histogram: self.brightness.histogram.as_ref(),
+                            asked_pixel: &mut asked_pixel,
                             structure,
                             costs: &self.costs,
                             balls: &mut self.balls,
@@ -237,6 +240,9 @@ impl App {
                             commands,
                         };
                         panels::panels_ui(ui, &mut state);
+                        if let Some(pixel) = asked_pixel {
+                            self.zoom.show_pixel(pixel);
+                        }
                     });
             });
     }
@@ -348,7 +354,9 @@ impl App {
         if let Some(scale) = picture.buffer.shown_error_scale() {
             error_colors::legend_ui(ui, seen, scale);
         } else if self.channels == Channels::FalseColors {
-            false_colors::legend_ui(ui, seen, display);
+            let is_radiance = picture.scene.render.mode.shows_light()
+                && picture.buffer.shown_layer().is_none_or(Layer::is_part);
+            false_colors::legend_ui(ui, seen, display, is_radiance);
         } else if picture.scene.render.mode == Mode::Steps {
             steps_legend::legend_ui(ui, seen, display);
         }
@@ -469,7 +477,7 @@ impl App {
             self.show_camera_view();
         }
         if is_picture {
-            self.inspect_ui(ui);
+            self.inspect_ui(ui, frame.intersect(area));
         } else {
             self.look_ui(ui, frame.intersect(area), frame);
         }
