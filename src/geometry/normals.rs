@@ -10,7 +10,7 @@ use crate::math::{DVec3, Degrees};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Vertices between two looks at the cancel token.
+/// Corners, or vertices, between two looks at the cancel token.
 const CHUNK: usize = 1 << 12;
 
 /// Shading normals, one for each way a vertex is seen by the faces around it.
@@ -72,7 +72,10 @@ pub fn corner_normals(
         },
     };
     let vertices = mesh.triangles.iter().flatten().copied();
-    let fans = Buckets::new(mesh.positions.len(), vertices.zip((0..).map(Corner)));
+    let corners = vertices.zip((0..).map(Corner));
+    let corners =
+        corners.take_while(|(_, corner)| corner.0 as usize % CHUNK != 0 || !cancel.is_cancelled());
+    let fans = Buckets::new(mesh.positions.len(), corners);
     let mut groups = FanGroups::default();
     for vertex in 0..mesh.positions.len() {
         if vertex % CHUNK == 0 && cancel.is_cancelled() {
