@@ -157,10 +157,10 @@ fn numbers(rgb: [f32; 3]) -> String {
 }
 
 /// Of the words.
-const MEANING: &str = "Above: column and row, what the picture holds there (radiance in W/m²/sr, unless layer or mode are of another kind), \
-                       what the one compared with does, red, green and blue on the screen from 0 to 255, the estimated error of the worst \
-                       channel and its square, samples. Below: object and material, triangle, distance from the eye and shading normal in the middle of \
-                       the pixel, nodes and blocks that its ray visits";
+const MEANING: &str = "Above: column and row, what the picture holds there (radiance in W/m²/sr, unless layer or mode are of another \
+                       kind), what the one compared with does, red, green and blue on the screen from 0 to 255, the estimated error of \
+                       the worst channel and its square, samples. Below: object and material, triangle, distance from the eye and shading \
+                       normal in the middle of the pixel, nodes and blocks that its ray visits";
 
 /// Draws the lines. `scale`: pixels of the screen per pixel of the picture; `is_live`: whether the wheel moves the camera there.
 pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_live: bool) {

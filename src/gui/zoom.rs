@@ -97,8 +97,8 @@ impl Zoom {
         let Place { area, fit, .. } = self.place;
         let size = self.place.points(scale);
         let wanted = area.center() - center * size;
-        // It covers where all of it is seen, or lies within that where it is smaller. So it does not leave the room, and whatever is pointed
-        // at in the whole picture can stay where it is as that is enlarged.
+        // It covers where all of it is seen, or lies within that where it is smaller. So it does not leave the room, and whatever is
+        // pointed at in the whole picture can stay where it is as that is enlarged.
         let place = |wanted: f32, size: f32, low: f32, high: f32| {
             let ends = [low, high - size];
             wanted.clamp(ends[0].min(ends[1]), ends[0].max(ends[1]))

@@ -142,10 +142,10 @@ impl Figures {
 const CONTROLS_WIDTH: f32 = 420.0;
 
 /// Of the figures.
-const MEANING: &str = "Over all pixels and channels that both pictures show, on linear values. RMSE: root of the mean squared difference. Relative MSE: each \
-                       squared difference by the squared value of the second picture plus 0.01; its root is what noise means elsewhere. \
-                       FLIP: how different they look when a screen shows them in turn, from 0 to 1; it takes a while, so it is measured once \
-                       both renders have ended";
+const MEANING: &str = "Over all pixels and channels that both pictures show, on linear values. RMSE: root of the mean squared \
+                       difference. Relative MSE: each squared difference by the squared value of the second picture plus 0.01; its root is \
+                       what noise means elsewhere. FLIP: how different they look when a screen shows them in turn, from 0 to 1; it takes a \
+                       while, so it is measured once both renders have ended";
 
 fn in_words(distance: &Distance) -> String {
     let relmse = format!(

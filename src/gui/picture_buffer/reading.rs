@@ -42,8 +42,8 @@ impl PictureBuffer {
         (x < self.width && y < self.height).then_some([x, y])
     }
 
-    /// How often each brightness is on the screen. Of a large picture some pixels of every row count for all; what is not finite is looked for in
-    /// each.
+    /// How often each brightness is on the screen. Of a large picture some pixels of every row count for all; what is not finite is
+    /// looked for in each.
     #[must_use]
     pub fn histogram(&self) -> Histogram {
         /// Pixels counted about: more make no visible difference.
