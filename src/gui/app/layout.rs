@@ -604,3 +604,20 @@ fn no_gpu_ui(ui: &Ui, frame: Rect) {
         ui.visuals().weak_text_color(),
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_width_that_the_panel_cannot_have_is_not_remembered() {
+        let width = |size| {
+            let is_open = true;
+            panel_width(&Fold { is_open, size })
+        };
+        assert_eq!(width(Some(400.0)), 400.0);
+        for wrong in [None, Some(1250.0), Some(3.0), Some(-1.0), Some(f32::NAN)] {
+            assert_eq!(width(wrong), theme::PANEL_WIDTH, "{wrong:?}");
+        }
+    }
+}
