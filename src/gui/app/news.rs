@@ -167,6 +167,7 @@ impl App {
             }
             Lane::SavePicture => self.picture_save_failed(),
             Lane::Keep => self.keep_failed(),
+            Lane::Dialog => self.after_saving = None,
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,

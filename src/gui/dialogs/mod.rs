@@ -1,5 +1,6 @@
 //! Questions and sheets over the window. One shows at a time.
 
+mod desktop;
 pub mod files;
 pub mod import;
 pub mod path_field;
