@@ -19,7 +19,7 @@ pub struct PixelValues {
     pub linear: [f32; 3],
     /// What the picture looks like there on the screen, as layer, channels, exposure and tone curve are.
     pub color: Color32,
-    /// The estimated error of each channel of the picture, where it is kept.
+    /// The estimated error of each channel of the picture, where it is kept; not a number where it is unknown.
     pub error: Option<[f32; 3]>,
 }
 
@@ -94,7 +94,11 @@ impl Inspected {
             parts.push(format!("other {}", numbers(other)));
         }
         parts.push(self.seen_in_words());
-        if let Some(error) = error {
+        if let Some(error) = error
+            && error.iter().any(|channel| channel.is_nan())
+        {
+            parts.push("error unknown".to_owned());
+        } else if let Some(error) = error {
             let worst = error.into_iter().fold(0.0, f32::max);
             let value = linear.into_iter().fold(0.0, f32::max);
             let share = f64::from(worst) / f64::from(value);
@@ -128,6 +132,10 @@ impl Inspected {
         };
         match self.seen.color() {
             Some(NOT_FINITE) => format!("not finite: shown in magenta{what}"),
+            // Of the layer of the error.
+            Some(_) if what.is_empty() && self.values.linear.iter().any(|x| x.is_nan()) => {
+                "unknown: shown in grey".to_owned()
+            }
             color => {
                 let [r, g, b, _] = color.unwrap_or_default().to_array();
                 format!("shown {r} {g} {b}{what}")
@@ -261,8 +269,20 @@ mod tests {
         inspected.seen = Seen::Nothing;
         assert!(inspected.values_in_words().contains("nothing shown here"));
         inspected.other = None;
-        inspected.seen = Seen::Itself(NOT_FINITE);
+        inspected.seen = Seen::Itself(Color32::GRAY);
         inspected.values.linear[1] = f32::NAN;
+        assert!(
+            inspected
+                .values_in_words()
+                .contains("  ·  unknown: shown in grey  ·  ")
+        );
+        inspected.seen = Seen::Itself(NOT_FINITE);
+        inspected.values.error = Some([f32::NAN; 3]);
+        assert!(
+            inspected
+                .values_in_words()
+                .contains("  ·  error unknown  ·  ")
+        );
         inspected.values.error = None;
         inspected.surface = None;
         inspected.visits = None;

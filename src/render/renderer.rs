@@ -216,7 +216,9 @@ impl<'a> Renderer<'a> {
             clamped: counts.clamped(),
         };
         let cancel = &self.run.cancel;
-        let errors = match estimator.filter(|_| self.run.layers) {
+        // A layer of which nothing is known would say that there is no error.
+        let is_known = self.run.layers && stats.error.is_some();
+        let errors = match estimator.filter(|_| is_known) {
             Some(estimator) => Some((Layer::Error, estimator.image(&film, cancel)?)),
             None => None,
         };

@@ -237,10 +237,13 @@ impl PictureBuffer {
         self.copy_of(0).expect("the picture is always kept")
     }
 
-    /// Its layers so far, like [`Self::image`]; without those that are given up meanwhile.
+    /// Its layers so far, like [`Self::image`]; without those that are given up meanwhile, and without that of the error where nothing is
+    /// known of it.
     #[must_use]
     pub fn layer_images(&self) -> Vec<(Layer, Image)> {
+        let knows_error = self.lock().error_scale.is_some();
         let layers = self.layers().iter().enumerate();
+        let layers = layers.filter(|&(_, &layer)| layer != Layer::Error || knows_error);
         let images = layers.filter_map(|(index, &layer)| Some((layer, self.copy_of(index + 1)?)));
         images.collect()
     }
@@ -544,6 +547,8 @@ mod tests {
         buffer.set_shown(Some(Layer::Error));
         assert!(buffer.shows_error());
         assert_eq!(buffer.shown_error_scale(), None);
+        let kept = |buffer: &PictureBuffer| buffer.layer_images().into_iter().map(|it| it.0);
+        assert!(kept(&buffer).eq([Layer::Shadow]), "no error is known yet");
         let mut errors = Image {
             width: 16,
             height: 16,
@@ -551,6 +556,7 @@ mod tests {
         };
         errors.pixels[0] = [0.0; 3];
         buffer.set_error(errors);
+        assert!(kept(&buffer).eq([Layer::Shadow, Layer::Error]));
         assert_eq!(buffer.shown_error_scale(), Some(0.001));
         let mut shown = Vec::new();
         buffer.encode_all(&CancelToken::new(), |encoded| {
@@ -581,7 +587,7 @@ mod tests {
         let layers = vec![Layer::Emission, Layer::Error];
         let buffer = PictureBuffer::new(Part::whole([16, 16]), layers, Display::default()).unwrap();
         buffer.set_shown(Some(Layer::Error));
-        assert_eq!(buffer.layer_images().len(), 2);
+        assert_eq!(buffer.layer_images().len(), 1);
         let bytes = buffer.bytes();
         assert_eq!(buffer.take_layers().len(), 2);
         assert_eq!(buffer.bytes(), bytes / 3);

@@ -221,7 +221,7 @@ impl ErrorEstimator {
     }
 
     /// The error of each pixel and channel of `film`, whose state was taken in last: the root of its mean square over the
-    /// 3 × 3 pixels around it, as a single one's says little. `None` when cancelled.
+    /// 3 × 3 pixels around it, as a single one's says little. Not a number where it is measured in none of them. `None` when cancelled.
     #[must_use]
     pub fn image(&self, film: &Film, cancel: &CancelToken) -> Option<Image> {
         let region = film.region();
@@ -241,7 +241,7 @@ impl ErrorEstimator {
                 }
             }
             #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
-            sum.map(|sum: f64| (sum / count.max(1.0)).sqrt() as f32)
+            sum.map(|sum: f64| (sum / count).sqrt() as f32)
         };
         let mut image = Image::black(region.width, region.height);
         let parts = image.pixels.par_chunks_mut(CHUNK).enumerate();
@@ -420,6 +420,10 @@ fn links(history: &[Drops]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::geometry::shapes::Random;
+    use crate::math::Vec3;
+    use crate::render::film::{TileSums, block_after};
+    use crate::render::layers::{Gathered, NoParts};
+    use crate::render::tiles::Region;
 
     #[test]
     fn the_number_of_a_rank_is_the_one_of_sorted_numbers() {
@@ -441,5 +445,31 @@ mod tests {
         }
         never.cancel();
         assert_eq!(number_of_rank(&[1.0], 0, &never), None);
+    }
+
+    /// A row whose first two pixels are not finite: the second has a neighbour that is measured.
+    #[test]
+    fn an_error_that_is_measured_nowhere_near_is_not_zero() {
+        let region = Region::full(4, 1);
+        let mut film = Film::new(region, &[], true);
+        while film.samples(0) < 4 {
+            let mut sums = TileSums::default();
+            sums.reset(&[], region.pixel_count());
+            for index in 0..region.pixel_count() {
+                for _ in 0..block_after(film.samples(0)) {
+                    let value = if index < 2 { f32::INFINITY } else { 0.5 };
+                    let seen = Gathered::<NoParts>::seen(Vec3::splat(value));
+                    sums.add(index, &[], &seen, 1);
+                }
+            }
+            film.add(region, &sums);
+        }
+        let mut estimator = ErrorEstimator::new(film.pixels());
+        let never = CancelToken::new();
+        estimator.update(&film, None, &never);
+        let errors = estimator.image(&film, &never);
+        let errors = errors.expect("nobody cancels");
+        assert!(errors.pixel(0, 0).iter().all(|error| error.is_nan()));
+        assert_eq!(errors.pixels[1..], [[0.0; 3]; 3], "the others are even");
     }
 }
