@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::selection::Selection;
 use super::undo::{Snapshot, UndoHistory};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Camera, Object, RadianceMap, Scene, TextureImage};
+use crate::scene::{Camera, Material, Object, RadianceMap, Scene, TextureImage};
 
 /// A scene, the file it belongs to, and its last saved state.
 #[derive(Clone, Debug)]
@@ -142,6 +142,12 @@ impl Document {
         self.file().home
     }
 
+    /// The scene as it was last on disk; an empty one where that is not known, as of work that was restored.
+    #[must_use]
+    pub fn saved(&self) -> &Scene {
+        &self.file().saved
+    }
+
     /// Which of what was opened the scene belongs to.
     #[must_use]
     pub fn file_number(&self) -> usize {
@@ -272,7 +278,7 @@ pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
         && same_image(a, b)
 }
 
-/// Whether two scenes make the same linear picture: display and file format do not count.
+/// Whether two scenes make the same linear picture: display and file format do not count, nor what things are called.
 #[must_use]
 pub fn same_picture(a: &Scene, b: &Scene) -> bool {
     a.camera == b.camera && same_picture_but_camera(a, b)
@@ -282,13 +288,58 @@ pub fn same_picture(a: &Scene, b: &Scene) -> bool {
 #[must_use]
 pub fn same_picture_but_camera(a: &Scene, b: &Scene) -> bool {
     a.background == b.background
-        && a.materials == b.materials
-        && a.objects == b.objects
         && a.lights == b.lights
         && a.render == b.render
+        && same_objects(a, b)
         && same_shared(&a.meshes, &b.meshes)
         && same_shared(&a.textures, &b.textures)
         && same_image(a, b)
+}
+
+/// Whether the objects of two scenes are the same and of the same materials, whatever they and those are called.
+fn same_objects(a: &Scene, b: &Scene) -> bool {
+    if a.objects.len() != b.objects.len() {
+        return false;
+    }
+    // Many objects share few materials, and those that do often follow one another.
+    let mut known_same = None;
+    for (x, y) in a.objects.iter().zip(&b.objects) {
+        let names = (x.material.as_deref(), y.material.as_deref());
+        if known_same != Some(names) && material_called(a, names.0) != material_called(b, names.1) {
+            return false;
+        }
+        known_same = Some(names);
+        if !same_but_names(x, y) {
+            return false;
+        }
+    }
+    true
+}
+
+/// The material of that name, if there is one; the outer `None` where nothing is named.
+fn material_called<'a>(scene: &'a Scene, name: Option<&str>) -> Option<Option<&'a Material>> {
+    name.map(|name| scene.materials.get(name))
+}
+
+/// Whether two objects are the same but for their names and materials.
+fn same_but_names(x: &Object, y: &Object) -> bool {
+    let key = |object: &Object| {
+        let Object {
+            name: _,
+            mesh: _,
+            material: _,
+            smooth,
+            crease_angle,
+            repair_winding,
+            scale,
+            rotate,
+            translate,
+            copies,
+        } = *object;
+        let shape = (smooth, crease_angle, repair_winding);
+        (shape, scale, rotate, translate, copies)
+    };
+    x.mesh == y.mesh && key(x) == key(y)
 }
 
 /// Whether two scenes have the same triangles in the same structure.
@@ -501,6 +552,26 @@ mod tests {
         assert_eq!(document.name(), "two lights");
         document.scene.lights.pop();
         assert!(!document.is_modified());
+    }
+
+    #[test]
+    fn what_things_are_called_makes_no_other_picture() {
+        let mut before = scene();
+        before.objects.push(before.objects[0].clone());
+        before.objects[1].material = Some("clay".into());
+        before.materials.insert("clay".into(), Material::default());
+        let mut after = before.clone();
+        after.objects[0].name = "ram".into();
+        let clay = after.materials.remove("clay").expect("is there");
+        after.materials.insert("loam".into(), clay);
+        after.objects[1].material = Some("loam".into());
+        after.light_names.push("lamp".into());
+        after.materials.insert("unused".into(), Material::mirror());
+        assert!(same_picture(&before, &after) && !same_scene(&before, &after));
+        after.materials.insert("loam".into(), Material::mirror());
+        assert!(!same_picture(&before, &after));
+        after.objects[1].material = None;
+        assert!(!same_picture(&before, &after));
     }
 
     #[test]
