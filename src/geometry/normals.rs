@@ -73,8 +73,9 @@ pub fn corner_normals(
     };
     let vertices = mesh.triangles.iter().flatten().copied();
     let corners = vertices.zip((0..).map(Corner));
-    let corners =
-        corners.take_while(|(_, corner)| corner.0 as usize % CHUNK != 0 || !cancel.is_cancelled());
+    let corners = corners.take_while(|(_, corner)| {
+        !(corner.0 as usize).is_multiple_of(CHUNK) || !cancel.is_cancelled()
+    });
     let fans = Buckets::new(mesh.positions.len(), corners);
     let mut groups = FanGroups::default();
     for vertex in 0..mesh.positions.len() {

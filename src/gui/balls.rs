@@ -64,20 +64,23 @@ struct Known {
     texture: Option<TextureHandle>,
 }
 
+/// Whether two sets of images are the same ones under the same names.
+fn are_same(a: &Images, b: &Images) -> bool {
+    a.len() == b.len()
+        && a.iter()
+            .zip(b)
+            .all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(a.1, b.1))
+}
+
 impl Balls {
     /// Takes the images of the scene; balls with others are made anew.
     pub fn set_images(&mut self, images: &Images) {
-        let is_same = |(a, b): ((&String, &Arc<TextureImage>), (&String, &Arc<TextureImage>))| {
-            a.0 == b.0 && Arc::ptr_eq(a.1, b.1)
-        };
-        if self.images.len() == images.len() && self.images.iter().zip(images).all(is_same) {
+        if are_same(&self.images, images) {
             return;
         }
         self.images.clone_from(images);
-        self.known.retain(|known| {
-            let now = images_of(&known.material, images);
-            now.len() == known.images.len() && now.iter().zip(&known.images).all(is_same)
-        });
+        self.known
+            .retain(|known| are_same(&known.images, &images_of(&known.material, images)));
     }
 
     /// The ball of `material`; while it is not there, that of what the material called `name` was before, where it has a name.

@@ -317,6 +317,10 @@ fn same_objects(a: &Scene, b: &Scene) -> bool {
 }
 
 /// The material of that name, if there is one; the outer `None` where nothing is named.
+#[expect(
+    clippy::option_option,
+    reason = "no name and the name of nothing differ"
+)]
 fn material_called<'a>(scene: &'a Scene, name: Option<&str>) -> Option<Option<&'a Material>> {
     name.map(|name| scene.materials.get(name))
 }

@@ -78,7 +78,7 @@ impl Number {
         let before = *value;
         let is_edited = ui.memory(|memory| memory.has_focus(id));
         let shown = if is_edited {
-            self.whole(before)
+            Self::whole(before)
         } else {
             self.fitted(before, |text| self.fits(ui, prefix.as_ref(), text))
         };
@@ -122,7 +122,7 @@ impl Number {
         if value.to_bits() != before.to_bits() {
             response.mark_changed();
         }
-        let whole = self.whole(before);
+        let whole = Self::whole(before);
         if is_edited || shown == self.usual(before) && !shown.contains('e') {
             response
         } else {
@@ -145,7 +145,7 @@ impl Number {
     }
 
     /// All its digits, as they are typed.
-    fn whole(&self, number: f64) -> String {
+    fn whole(number: f64) -> String {
         let size = number.abs();
         let is_usual = size == 0.0 || (1e-6..1e15).contains(&size);
         // The last bit of what was multiplied by a hundred is nobody's wish.
@@ -326,12 +326,12 @@ mod tests {
             0.0,
             7.0,
         ] {
-            let text = number.whole(value);
+            let text = Number::whole(value);
             assert!(text.len() < 26, "{text}");
             let read = number.read(&text).unwrap();
             assert!((read - value).abs() <= value.abs() * f64::EPSILON, "{text}");
         }
-        assert_eq!(number.whole(0.07 * 100.0), "7");
+        assert_eq!(Number::whole(0.07 * 100.0), "7");
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub struct OpenedPicture {
     /// How wrong it is, where the file tells.
     pub error: Option<WrittenError>,
     /// Why its layers could not be read, in words, where that is so.
-    without_layers: Option<String>,
+    pub without_layers: Option<String>,
 }
 
 /// Has `progress` count the file at `path` too, of which [`OpenedPicture::of`] reads the picture: told at the start, it never goes back.

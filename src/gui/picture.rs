@@ -103,9 +103,15 @@ pub struct Picture {
     before: Option<(Duration, f64)>,
     elapsed: Option<Duration>,
     canvas: Canvas,
-    /// See [`Self::await_look`].
-    awaits_look: bool,
-    may_lack_tiles: bool,
+    next_look: NextLook,
+}
+
+/// All of a picture on its way in another look, see [`Picture::await_look`].
+#[derive(Clone, Copy, Debug, Default)]
+struct NextLook {
+    is_awaited: bool,
+    /// Whether one came while tiles of the render did.
+    may_have_hidden_tiles: bool,
 }
 
 impl Picture {
@@ -144,8 +150,7 @@ impl Picture {
             before: None,
             elapsed: None,
             canvas: Canvas::default(),
-            awaits_look: false,
-            may_lack_tiles: false,
+            next_look: NextLook::default(),
         }
     }
 
@@ -169,7 +174,7 @@ impl Picture {
     /// Takes in a tile of the render; it is on the screen from [`Self::show_tiles`] on.
     pub fn take_tile(&mut self, tile: EncodedTile) {
         // It looks as the picture soon will, and is encoded again with that.
-        if !self.awaits_look {
+        if !self.next_look.is_awaited {
             self.take_encoded(Encoded::Tile(tile));
         }
     }
@@ -185,7 +190,7 @@ impl Picture {
             self.first_tile = Some(self.elapsed_here());
         }
         if matches!(encoded, Encoded::Coarse(_)) {
-            self.awaits_look = false;
+            self.next_look.is_awaited = false;
         }
         self.canvas.take(encoded);
     }
@@ -193,14 +198,14 @@ impl Picture {
     /// Takes note whether all of it is on its way in another look. Tiles of the render wait for that; and one that comes while its place is
     /// encoded may be covered by what was there before.
     pub fn await_look(&mut self, awaits: bool) {
-        self.awaits_look = awaits;
-        self.may_lack_tiles |= awaits && self.is_running();
+        self.next_look.is_awaited = awaits;
+        self.next_look.may_have_hidden_tiles |= awaits && self.is_running();
     }
 
     /// Whether some of what ended may not be on the screen as it is.
     #[must_use]
     pub fn may_lack_tiles(&self) -> bool {
-        self.may_lack_tiles && !self.is_running()
+        self.next_look.may_have_hidden_tiles && !self.is_running()
     }
 
     /// What it shows, for a picture of the same part that is not there yet.
@@ -533,14 +538,17 @@ mod tests {
         let mut picture = picture();
         let piece = |gray: u8| EncodedTile {
             position: [0, 0],
-            pixels: egui::ColorImage::filled([4, 6], egui::Color32::from_gray(gray)),
+            pixels: Arc::new(egui::ColorImage::filled(
+                [4, 6],
+                egui::Color32::from_gray(gray),
+            )),
         };
         picture.await_look(true);
         picture.take_tile(piece(1));
         picture.show_tiles(&ctx);
         assert!(!picture.is_shown() && picture.first_tile.is_none());
         picture.take_encoded(Encoded::Coarse(CoarseTexels {
-            pixels: egui::ColorImage::filled([8, 6], egui::Color32::BLACK),
+            pixels: Arc::new(egui::ColorImage::filled([8, 6], egui::Color32::BLACK)),
             share: egui::Vec2::splat(1.0),
             is_smooth: false,
         }));

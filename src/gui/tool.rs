@@ -193,6 +193,7 @@ pub fn axes_ui(ui: &mut Ui, area: Rect, orientation: Orientation) -> bool {
 }
 
 /// Writes what the tool in use has to say into the lower right corner of `area`; returns where.
+#[must_use]
 pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) -> Rect {
     const PADDING: Vec2 = vec2(10.0, 7.0);
     let ink = Color32::from_gray(0xe8);

@@ -221,6 +221,7 @@ mod tests {
         let opened = OpenedPicture {
             buffer: Arc::new(buffer),
             hash: None,
+            hash_before: None,
             error: None,
             without_layers: None,
         };

@@ -85,7 +85,7 @@ impl PictureBuffer {
         let size = [self.width, self.height];
         let blocks = |side: u32| size.map(|pixels| pixels.div_ceil(side));
         let count = |side: u32| blocks(side).map(u64::from).iter().product::<u64>();
-        let side = (self.step()..).find(|&side| count(side) <= MOST_COARSE)?;
+        let side = (self.step()..=u32::MAX).find(|&side| count(side) <= MOST_COARSE)?;
         let [columns, rows] = blocks(side);
         let middle = |block: u32, pixels: u32| (block * side + side / 2).min(pixels - 1);
         let mut colors = Vec::with_capacity(columns as usize * rows as usize);
