@@ -210,8 +210,8 @@ pub enum Event {
         file: usize,
         /// The file.
         path: PathBuf,
-        /// What was written.
-        result: Result<Box<Scene>, String>,
+        /// What was written; `None` where somebody else has written another scene to the file, which is still there.
+        result: Result<Option<Box<Scene>>, String>,
     },
     /// The picture was written, or why not.
     PictureSaved {

@@ -570,10 +570,22 @@ pub fn make_thumbnails(job: &Job<Event>, pictures: &[Arc<PictureBuffer>]) {
     }
 }
 
-/// Writes a scene file.
-pub fn save_scene(job: &Job<Event>, scene: Scene, file: usize, path: PathBuf) {
-    let result = io::save_scene(&scene, &path);
-    let result = result.map(|()| Box::new(scene)).map_err(|e| e.to_string());
+/// Writes a scene file. `known`: what the file there may hold, where any other scene is to be left there.
+pub fn save_scene(
+    job: &Job<Event>,
+    scene: Scene,
+    file: usize,
+    path: PathBuf,
+    known: Option<&[Scene]>,
+) {
+    let is_other = known.is_some_and(|known| io::holds_other_scene(&path, known));
+    let result = if is_other {
+        Ok(None)
+    } else {
+        let result = io::save_scene(&scene, &path);
+        let result = result.map(|()| Some(Box::new(scene)));
+        result.map_err(|error| error.to_string())
+    };
     job.send(Event::SceneSaved { file, path, result });
 }
 

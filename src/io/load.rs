@@ -11,13 +11,14 @@ use super::mesh_file::{self, MeshError, MeshFile};
 use super::model_loading::{load_models, scene_of_models};
 use super::origin::WrittenOrigin;
 use super::radiance_file::{RadianceError, RadianceFile, load_radiance};
+use super::save::portable_text;
 use super::scene_file::{self, SceneFile, SceneFileError};
 use super::scene_paths::{absolute_image, absolute_mesh, is_render_file, is_scene_file};
 use super::texture_loader::TextureLoader;
 use super::whole_file::read_bounded_file;
 use crate::control::{CancelToken, Progress};
 use crate::scene::{Background, Scene, SceneError, Textures};
-use contents::{load_background, load_contents, read_mesh};
+use contents::{load_background, load_contents, named_from_root, read_mesh};
 
 pub(super) use contents::work_of;
 pub use warnings::{image_warnings, lost_digits_warning, mesh_warnings, texture_warnings};
@@ -155,6 +156,32 @@ pub fn reload_scene(
         scene.textures.retain(|name, _| textures.contains(name));
     }
     Ok(loaded)
+}
+
+/// Whether there is a file at `path` that holds none of the scenes `known`, as far as scene files hold them: somebody has written another
+/// one. What is there and cannot be read is another one, too.
+#[must_use]
+pub fn holds_other_scene(path: &Path, known: &[Scene]) -> bool {
+    if !path.exists() {
+        return false;
+    }
+    let Ok(Some(text)) = read_text(path, &CancelToken::new()) else {
+        return true;
+    };
+    let texts = known
+        .iter()
+        .filter_map(|scene| portable_text(scene, path).ok());
+    let texts: Vec<String> = texts.collect();
+    if texts.contains(&text) {
+        return false;
+    }
+    // Written by hand, the same scene looks otherwise.
+    let Ok(file) = SceneFile::parse(&text, &path.display().to_string()) else {
+        return true;
+    };
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let there = portable_text(&named_from_root(&file, folder), path);
+    !there.is_ok_and(|there| texts.contains(&there))
 }
 
 /// Loads the mesh file at `path`. `progress` counts bytes. `None` when cancelled.

@@ -52,8 +52,8 @@ pub use image_file::{
     write_render_unless,
 };
 pub use load::{
-    LoadError, LoadedScene, demo_scene, image_warnings, load_image, load_mesh, load_scene,
-    load_scenes, lost_digits_warning, mesh_warnings, override_scene, reload_scene,
+    LoadError, LoadedScene, demo_scene, holds_other_scene, image_warnings, load_image, load_mesh,
+    load_scene, load_scenes, lost_digits_warning, mesh_warnings, override_scene, reload_scene,
     texture_warnings,
 };
 pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};

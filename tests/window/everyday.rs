@@ -745,7 +745,22 @@ fn a_file_that_will_be_replaced_is_told_of() {
     let mut window = Window::open(&files.path("pyramid.off"));
     window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     window.fill("Path", files.path("room").to_str().unwrap());
-    window.until_says("will be replaced");
+    window.until_says("A file of this name is there");
+    let scene_file = || std::fs::read_to_string(files.path("room.toml")).unwrap();
+    // Enter goes no further than to ask, and then nowhere.
+    window.press(Modifiers::NONE, Key::Enter);
+    assert!(window.has("Replace room.toml?"));
+    window.press(Modifiers::NONE, Key::Enter);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Path(_))));
+    window.enter_path(&files.path("room.toml"));
+    window.click("Cancel");
+    assert!(window.app().dialog().is_none());
+    assert_eq!(scene_file(), SCENE);
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&files.path("room"));
+    window.click("Replace");
+    window.until_saved(&files.path("room.toml"));
+    assert_ne!(scene_file(), SCENE);
 }
 
 /// To look at a panel is no edit.

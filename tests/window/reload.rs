@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::driver::{Files, MESH, SCENE, Window, library_hash, load, set_samples};
 use egui::{Key, Modifiers};
 use raymini::gui::App;
+use raymini::gui::dialogs::Dialog;
 use raymini::gui::jobs::Lane;
 use raymini::gui::picture::Picture;
 use raymini::math::DVec3;
@@ -209,6 +210,52 @@ fn an_edit_made_while_the_scene_file_is_read_is_asked_about() {
     });
     assert_eq!(window.scene(), &load(&files.path("room.toml")));
     assert!(!window.app().asks_to_reload());
+}
+
+/// Also where the window has not seen yet that it has changed: nobody's work is lost without a question.
+#[test]
+fn saving_asks_before_it_replaces_what_another_program_has_written() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let held = || std::fs::read_to_string(files.path("room.toml")).unwrap();
+    let save = |window: &mut Window| window.press(Modifiers::COMMAND, Key::S);
+    let is_asked = |app: &App| matches!(app.dialog(), Some(Dialog::Overwrite(_)));
+    window.operate("Add light");
+    let other = SCENE.replace("60.0, 60.0, 60.0", "7, 9, 9");
+    files.write("room.toml", &other);
+    save(&mut window);
+    window.until("it is asked", is_asked);
+    assert!(window.has("Overwrite room.toml?"));
+    window.click("Cancel");
+    assert_eq!(held(), other);
+    assert!(window.app().document().is_modified());
+
+    // Another file is another way; also out of the window.
+    window.ask_to_close();
+    window.click("Save first");
+    window.until("it is asked", is_asked);
+    window.click("Save as…");
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(window.app().dialog().is_none() && window.app().document().is_modified());
+    assert_eq!(held(), other);
+
+    save(&mut window);
+    window.until("it is asked", is_asked);
+    window.click("Overwrite");
+    window.until("it is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
+
+    // What the window has written itself it does not ask about, however quickly one saves, nor about the same scene in other words.
+    window.operate("Add light");
+    save(&mut window);
+    window.operate("Add light");
+    save(&mut window);
+    window.until("it is saved", |app| !app.document().is_modified());
+    files.write("room.toml", &format!("# mine\n{}", held()));
+    window.operate("Add light");
+    save(&mut window);
+    window.until("it is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&files.path("room.toml")).lights.len(), 5);
 }
 
 /// Images of materials are read again as meshes are, in every step to undo.

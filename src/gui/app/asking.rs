@@ -6,6 +6,7 @@ use egui::RichText;
 
 use super::{App, FileDialogs};
 use crate::gui::dialogs::files::{self, Answer, FilePurpose};
+use crate::gui::dialogs::overwrite::{Choice as OverwriteChoice, Overwrite};
 use crate::gui::dialogs::path_field::{self, Outcome as PathOutcome, PathField};
 use crate::gui::dialogs::{Dialog, buttons_ui, modal_ui, question, recovery, shortcuts_ui};
 use crate::gui::event::Event;
@@ -55,8 +56,12 @@ impl App {
                 self.decide_about_lost_work(lost, answer);
             }
             Some(Dialog::Waiting(purpose)) => self.waiting_ui(ctx, purpose),
+            Some(Dialog::Overwrite(overwrite)) => self.overwrite_ui(ctx, overwrite),
             Some(Dialog::Path(mut field)) => match field.show_ui(ctx) {
                 PathOutcome::Cancelled => self.after_saving = None,
+                PathOutcome::Chosen(path) if field.purpose.is_save() => {
+                    self.write_unless_there(field.purpose, path);
+                }
                 PathOutcome::Chosen(path) => self.use_paths(field.purpose, vec![path]),
                 outcome => {
                     if let PathOutcome::List(text) = outcome
@@ -154,22 +159,65 @@ impl App {
                 self.report.set_path(purpose, &path);
             }
             (FilePurpose::SaveScene | FilePurpose::SavePicture, Some(path)) => {
-                self.write_to(purpose, &path);
+                self.write_to(purpose, path);
             }
         }
     }
 
     /// Writes the scene or the picture to `path`, with the extension that it lacks.
-    fn write_to(&mut self, purpose: FilePurpose, path: &Path) {
-        let whole = purpose.with_extension(path.to_owned());
-        if whole != path && whole.exists() {
-            // The desktop has asked about a file of the shorter name.
-            let field = PathField::new(purpose, &whole, None);
-            self.ask(Dialog::Path(field));
-        } else if purpose == FilePurpose::SaveScene {
-            self.write_scene(whole);
+    fn write_to(&mut self, purpose: FilePurpose, path: PathBuf) {
+        let whole = purpose.with_extension(path.clone());
+        if whole == path {
+            self.write(purpose, path);
         } else {
-            self.write_picture(whole);
+            // The desktop has asked about a file of the shorter name.
+            self.write_unless_there(purpose, whole);
+        }
+    }
+
+    /// Writes the scene or the picture to `path`; where a file is there, it is asked first.
+    fn write_unless_there(&mut self, purpose: FilePurpose, path: PathBuf) {
+        if path.is_file() {
+            self.ask(Dialog::Overwrite(Overwrite {
+                purpose,
+                path,
+                has_changed: false,
+            }));
+        } else {
+            self.write(purpose, path);
+        }
+    }
+
+    fn write(&mut self, purpose: FilePurpose, path: PathBuf) {
+        if purpose == FilePurpose::SaveScene {
+            self.write_scene(path, true);
+        } else {
+            self.write_picture(path);
+        }
+    }
+
+    /// The scene's own file at `path` is not what was read or saved last.
+    pub(super) fn ask_to_overwrite_scene(&mut self, path: PathBuf) {
+        let mut asked = self.dialog.iter().chain(&self.asked_later);
+        if !asked.any(|dialog| matches!(dialog, Dialog::Overwrite(_))) {
+            self.ask(Dialog::Overwrite(Overwrite {
+                purpose: FilePurpose::SaveScene,
+                path,
+                has_changed: true,
+            }));
+        }
+    }
+
+    fn overwrite_ui(&mut self, ctx: &egui::Context, overwrite: Overwrite) {
+        match overwrite.show_ui(ctx) {
+            None => self.dialog = Some(Dialog::Overwrite(overwrite)),
+            Some(OverwriteChoice::Overwrite) => self.write(overwrite.purpose, overwrite.path),
+            Some(OverwriteChoice::Elsewhere) if self.file_dialogs == FileDialogs::PathField => {
+                let field = PathField::new(overwrite.purpose, &overwrite.path, None);
+                self.ask(Dialog::Path(field));
+            }
+            Some(OverwriteChoice::Elsewhere) => self.ask_for_path(overwrite.purpose),
+            Some(OverwriteChoice::Cancel) => self.after_saving = None,
         }
     }
 

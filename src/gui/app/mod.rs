@@ -195,8 +195,8 @@ pub struct App {
     dialog: Option<Dialog>,
     file_dialogs: FileDialogs,
     after_saving: Option<Intent>,
-    /// How many scene files are being written.
-    scene_saves: usize,
+    /// The scenes that are being written, in that order.
+    scene_saves: VecDeque<Scene>,
     /// The pictures that are being written, in that order.
     picture_saves: VecDeque<saving::PictureSave>,
     /// Questions that wait for the one that shows.
@@ -303,7 +303,7 @@ impl App {
             dialog: None,
             file_dialogs: options.file_dialogs,
             after_saving: None,
-            scene_saves: 0,
+            scene_saves: VecDeque::new(),
             picture_saves: VecDeque::new(),
             asked_later: VecDeque::new(),
             may_close: false,

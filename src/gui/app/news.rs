@@ -162,7 +162,7 @@ impl App {
             Lane::Render => self.end_picture(Outcome::Failed),
             Lane::Encode => self.await_look_of(None),
             Lane::SaveScene => {
-                self.scene_saves -= 1;
+                self.scene_saves.pop_front();
                 self.after_saving = None;
             }
             Lane::SavePicture => self.picture_save_failed(),

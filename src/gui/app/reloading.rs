@@ -339,9 +339,9 @@ impl App {
                     let reload = ui.button("Read it again").on_hover_text(
                         "Take the file's scene in place of yours; Undo brings yours back",
                     );
-                    let keep = ui
-                        .button("Keep mine")
-                        .on_hover_text("Go on with what is here; saving replaces the file");
+                    let keep = ui.button("Keep mine").on_hover_text(
+                        "Go on with what is here; saving asks before it replaces the file",
+                    );
                     if reload.clicked() {
                         let (path, is_wanted) = (path.clone(), true);
                         self.queue_reload(Stale::Scene { path, is_wanted });

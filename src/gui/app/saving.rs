@@ -38,21 +38,25 @@ pub(super) struct RunningWork {
 }
 
 impl App {
-    /// Writes the scene to its file, or asks for one.
+    /// Writes the scene to its file, or asks for one; it is asked, too, where that is not what was last read from it or written to it.
     pub(super) fn save_scene(&mut self) {
         match self.document.path().map(Path::to_owned) {
-            Some(path) => self.write_scene(path),
+            Some(path) => self.write_scene(path, false),
             None => self.ask_for_path(FilePurpose::SaveScene),
         }
     }
 
-    pub(super) fn write_scene(&mut self, path: PathBuf) {
+    /// Writes the scene to `path`; `is_sure`: whatever is there.
+    pub(super) fn write_scene(&mut self, path: PathBuf, is_sure: bool) {
         let scene = self.document.scene.clone();
         let file = self.document.file_number();
         self.messages.news("Saving the scene…");
-        self.scene_saves += 1;
+        self.scene_saves.push_back(scene.clone());
+        // What is written before this one may be there, too, and this one itself would lose nothing.
+        let known = self.scene_saves.iter().chain([self.document.saved()]);
+        let known: Option<Vec<Scene>> = (!is_sure).then(|| known.cloned().collect());
         self.jobs.start(Lane::SaveScene, move |job| {
-            worker::save_scene(job, scene, file, path);
+            worker::save_scene(job, scene, file, path, known.as_deref());
         });
     }
 
@@ -62,10 +66,19 @@ impl App {
         ctx: &egui::Context,
         file: usize,
         path: PathBuf,
-        result: Result<Box<Scene>, String>,
+        result: Result<Option<Box<Scene>>, String>,
     ) {
-        self.scene_saves -= 1;
-        let is_last = self.scene_saves == 0;
+        self.scene_saves.pop_front();
+        let is_last = self.scene_saves.is_empty();
+        let result = match result {
+            Ok(None) if file == self.document.file_number() => {
+                self.messages.news("");
+                return self.ask_to_overwrite_scene(path);
+            }
+            Ok(None) => Err(format!("another program has written to {}", path.display())),
+            Ok(Some(scene)) => Ok(scene),
+            Err(error) => Err(error),
+        };
         match result {
             Ok(scene) => {
                 self.messages.withdraw(CANNOT_SAVE);
@@ -390,13 +403,18 @@ mod tests {
         let ctx = window.ctx.clone();
         let app = window.state_mut();
         let (scene, file) = (app.document.scene.clone(), app.document.file_number());
-        app.scene_saves = 2;
+        app.scene_saves = [scene.clone(), scene.clone()].into();
         app.after_saving = Some(Intent::Close);
         let failure = Err("the disk is full".to_owned());
         app.scene_saved(&ctx, file, PathBuf::from("a.toml"), failure);
         assert_eq!(app.messages().banners()[0].title, CANNOT_SAVE);
         assert!(app.after_saving.is_some() && !app.may_close);
-        app.scene_saved(&ctx, file, PathBuf::from("b.toml"), Ok(Box::new(scene)));
+        app.scene_saved(
+            &ctx,
+            file,
+            PathBuf::from("b.toml"),
+            Ok(Some(Box::new(scene))),
+        );
         assert!(app.may_close);
     }
 }

@@ -3,6 +3,7 @@
 mod desktop;
 pub mod files;
 pub mod import;
+pub mod overwrite;
 pub mod path_field;
 pub mod question;
 pub mod recovery;
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 
 use files::FilePurpose;
 use import::Import;
+use overwrite::Overwrite;
 use path_field::PathField;
 
 use super::keeping::Lost;
@@ -26,6 +28,8 @@ pub enum Dialog {
     Path(PathField),
     /// The desktop's file dialog is open.
     Waiting(FilePurpose),
+    /// A file is about to be written over.
+    Overwrite(Overwrite),
     /// Unsaved work is about to be lost.
     Unsaved(Intent),
     /// Something that runs is about to be given up with the window.

@@ -175,11 +175,11 @@ impl PathField {
         was_clicked
     }
 
-    /// Says that a file is going to be replaced.
+    /// Says that a file is there, which it is asked about.
     fn overwrite_ui(&self, ui: &mut Ui) {
         let replaces = self.purpose.is_save() && self.listing.as_ref().is_some_and(|l| l.is_file);
         let text = if replaces {
-            "A file of this name is there and will be replaced."
+            "A file of this name is there."
         } else {
             ""
         };

@@ -78,7 +78,7 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent) -> Decision 
 }
 
 /// Whether Enter was pressed and no button has the focus, which it would press.
-fn is_confirmed(ctx: &egui::Context) -> bool {
+pub(super) fn is_confirmed(ctx: &egui::Context) -> bool {
     ctx.input(|input| input.key_pressed(egui::Key::Enter))
         && ctx.memory(|memory| memory.focused().is_none())
 }

@@ -25,19 +25,13 @@ pub fn load_contents(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<Scene>, LoadError> {
-    let mut scene = file.scene.clone();
-    for object in &mut scene.objects {
-        object.mesh = absolute_mesh(&object.mesh, folder);
-    }
+    let mut scene = named_from_root(file, folder);
     let meshes = scene.objects.iter().map(|object| work_of(&object.mesh));
     let image = match &scene.background {
-        Background::Image { image, .. } => work_of(&absolute_image(image, folder)),
+        Background::Image { image, .. } => work_of(image),
         _ => 0,
     };
     let work = meshes.sum::<u64>() + image;
-    for image in scene.material_textures_mut().flat_map(Textures::images_mut) {
-        *image = absolute_image(image, folder);
-    }
     let textures = scene.texture_names();
     let textures = textures.iter().map(|image| work_of(image));
     progress.add_to_total(work + textures.sum::<u64>());
@@ -51,6 +45,21 @@ pub fn load_contents(
     }
     let whole = whole && load_textures(file, &mut scene, folder, warnings, cancel, progress)?;
     Ok(whole.then_some(scene))
+}
+
+/// The file's scene, its meshes and images named from the root and not loaded; in the file they are named from `folder`.
+pub fn named_from_root(file: &SceneFile, folder: &Path) -> Scene {
+    let mut scene = file.scene.clone();
+    for object in &mut scene.objects {
+        object.mesh = absolute_mesh(&object.mesh, folder);
+    }
+    if let Background::Image { image, .. } = &mut scene.background {
+        *image = absolute_image(image, folder);
+    }
+    for image in scene.material_textures_mut().flat_map(Textures::images_mut) {
+        *image = absolute_image(image, folder);
+    }
+    scene
 }
 
 /// Loads the meshes of all objects, each file once; `None` when cancelled.

@@ -281,7 +281,32 @@ fn the_scenes_of_this_repository_load_without_a_warning() {
     for path in scenes {
         let loaded = load(&path).expect("is right");
         assert_eq!(loaded.warnings, Vec::<String>::new(), "{}", path.display());
+        assert!(
+            !holds_other_scene(&path, &[loaded.scene]),
+            "{}",
+            path.display()
+        );
     }
+}
+
+#[test]
+fn a_scene_that_somebody_else_has_written_is_told_from_ones_own() {
+    let (_folder, path) = scene_under_a_sky();
+    let read = load(&path).expect("is right").scene;
+    let mut edited = read.clone();
+    edited.render.seed += 1;
+    let known = [read.clone()];
+    assert!(!holds_other_scene(&path, &known));
+    save_scene(&edited, &path).expect("is saved");
+    assert!(holds_other_scene(&path, &known));
+    assert!(!holds_other_scene(&path, &[read.clone(), edited.clone()]));
+    std::fs::write(&path, "[camera\n").expect("is written");
+    assert!(holds_other_scene(&path, &[read.clone(), edited]));
+    std::fs::remove_file(&path).expect("is removed");
+    assert!(
+        !holds_other_scene(&path, &[read]),
+        "nothing is there to lose"
+    );
 }
 
 #[test]
