@@ -8,6 +8,7 @@ use super::app::Stale;
 use super::commands::TextureUse;
 use super::compare::{Distance, Side};
 use super::dialogs::files::Answer;
+use super::dialogs::missing::Missing;
 use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
@@ -105,6 +106,8 @@ pub enum Event {
         /// The picture of it in the file, where that is one of a render.
         picture: Option<OpenedPicture>,
     },
+    /// A scene file lacks meshes.
+    MeshesMissing(Missing),
     /// An image that was dropped on the window tells what was rendered, so it is to be opened.
     RenderDropped(PathBuf),
     /// Mesh files; what becomes of them is still to be decided.

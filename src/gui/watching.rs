@@ -55,7 +55,8 @@ impl Watched {
         let is_settled = self.seen == now;
         self.seen = now;
         let Some(now) = now else {
-            // It may be about to be replaced.
+            // It may be about to be replaced, or is missing: then it is new when it comes.
+            self.read.get_or_insert(Stamp::OTHER);
             return false;
         };
         let is_newer = now.modified.zip(self.began).is_some_and(|(a, b)| a > b);

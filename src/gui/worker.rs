@@ -15,6 +15,7 @@ use eframe::wgpu;
 use super::app::Stale;
 use super::commands::TextureUse;
 use super::costs::PAIRS;
+use super::dialogs::missing::Missing;
 use super::event::{Event, Reloaded};
 use super::first_look::FirstLook;
 use super::jobs::Job;
@@ -104,6 +105,15 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     let Some(mut result) = unless_cancelled(loaded) else {
         return;
     };
+    if let ([path], Err(_)) = (&paths[..], &result)
+        && io::is_scene_file(path)
+    {
+        let meshes = io::missing_meshes(path, &job.cancel);
+        if !meshes.is_empty() {
+            let path = path.clone();
+            return job.send(Event::MeshesMissing(Missing { path, meshes }));
+        }
+    }
     let picture = match (render, &mut result) {
         (Some(path), Ok(loaded)) => OpenedPicture::of(path, loaded, &job.cancel, progress),
         _ => None,
@@ -114,6 +124,18 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
         result,
         picture,
     });
+}
+
+/// Loads a scene file without the meshes whose files are not there.
+pub fn load_scene_without_missing(job: &Job<Event>, path: PathBuf, progress: &Progress) {
+    let loaded = io::load_scene_without_missing(&path, &job.cancel, progress);
+    if let Some(result) = unless_cancelled(loaded) {
+        job.send(Event::SceneLoaded {
+            paths: vec![path],
+            result: result.map(Box::new),
+            picture: None,
+        });
+    }
 }
 
 /// Loads files of meshes of which it is to be decided what becomes of them. `replaces`: whether they are likely to take the place of

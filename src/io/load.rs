@@ -1,6 +1,7 @@
 //! From paths to a scene with its meshes and images.
 
 mod contents;
+mod missing;
 mod warnings;
 
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ use crate::scene::{Background, Scene, SceneError, Textures};
 use contents::{load_background, load_contents, named_from_root, read_mesh};
 
 pub(super) use contents::work_of;
+pub use missing::{MissingMesh, load_scene_without_missing, missing_meshes};
 pub use warnings::{image_warnings, lost_digits_warning, mesh_warnings, texture_warnings};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the

@@ -105,10 +105,104 @@ fn a_broken_file_gets_a_banner_and_the_scene_stays() {
     assert!(banner.text.contains("broken.toml:"), "{}", banner.text);
     assert_eq!(window.scene(), &before);
     assert_eq!(window.app().document().name(), "room");
+    assert!(banner.text.ends_with("The scene you had is still here."));
     window.click("Dismiss");
     assert!(window.app().messages().banners().is_empty());
     window.render();
     assert_eq!(window.hash(), library_hash(&before));
+
+    // Unsaved work is not asked about for nothing.
+    window.operate("Add light");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&broken);
+    window.until("a banner shows", |app| !app.messages().banners().is_empty());
+    assert!(window.app().dialog().is_none());
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.write("other.toml", SCENE));
+    window.until("it is asked", |app| {
+        matches!(app.dialog(), Some(Dialog::Unsaved(_)))
+    });
+    window.click("Save first");
+    window.until("it is open", |app| app.document().name() == "other");
+    assert_eq!(load(&files.path("room.toml")).lights.len(), 2);
+
+    // At the start there is no scene that could still be here.
+    let window = Window::open(&broken);
+    let banner = &window.app().messages().banners()[0];
+    assert!(banner.text.contains("broken.toml:"), "{}", banner.text);
+    assert!(!banner.text.contains("still here"), "{}", banner.text);
+}
+
+/// The file as it was saved is opened, not as it was read before that.
+#[test]
+fn the_same_file_is_opened_as_it_was_saved_just_now() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.operate("Add light");
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.path("room.toml"));
+    window.until("it is asked", |app| {
+        matches!(app.dialog(), Some(Dialog::Unsaved(_)))
+    });
+    window.click("Save first");
+    window.until("it is open", |app| {
+        app.messages().last_news() == "Undo brings room back"
+    });
+    assert_eq!(window.scene().lights.len(), 2);
+    assert!(!window.app().document().is_modified());
+}
+
+/// What is there can be worked with, and no object is lost by that.
+#[test]
+fn a_scene_opens_without_a_mesh_that_is_missing_and_gets_it_later() {
+    let files = Files::new();
+    let two = "\n[[objects]]\nname = \"ram\"\nmesh = \"meshes/ram.off\"\nmaterial = \"clay\"\n";
+    let path = files.write("two.toml", &(SCENE.to_owned() + two));
+    let mut window = Window::open(&files.path("room.toml"));
+    let open = |window: &mut Window| {
+        window.press(Modifiers::COMMAND, Key::O);
+        window.enter_path(&path);
+        window.until("it is asked", |app| {
+            matches!(app.dialog(), Some(Dialog::Missing(_)))
+        });
+    };
+    open(&mut window);
+    assert!(window.says("two.toml lacks 1 mesh"));
+    let mesh = files.path("meshes").join("ram.off");
+    assert!(window.says(&format!("ram: there is no file {}", mesh.display())));
+    window.click("Cancel");
+    assert_eq!(window.app().document().name(), "room");
+    open(&mut window);
+    window.click("Open without");
+    window.until("it is open", |app| app.document().name() == "two");
+    window.settle();
+    assert!(!window.app().document().is_modified());
+    assert_eq!(window.scene().objects.len(), 2);
+    let warning = &window.app().messages().banners()[0];
+    assert!(
+        warning.text.contains("ram has no triangles"),
+        "{}",
+        warning.text
+    );
+    window.render();
+    let without = window.hash();
+    let alone = load(&files.path("room.toml"));
+    assert_eq!(without, library_hash(&alone));
+
+    // Saving keeps what it is called, and the mesh shows once it is there.
+    window.operate("Add light");
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("it is saved", |app| !app.document().is_modified());
+    let saved = std::fs::read_to_string(&path).unwrap();
+    assert!(saved.contains("\"meshes/ram.off\""), "{saved}");
+    std::fs::create_dir(files.path("meshes")).unwrap();
+    // Moved there, it is older than the scene.
+    std::fs::rename(files.path("pyramid.off"), &mesh).unwrap();
+    window.until("it is read", |app| {
+        let name = mesh.to_string_lossy();
+        app.document().scene.meshes[&*name].triangles.len() == 10
+    });
+    assert!(!window.app().document().is_modified());
 }
 
 #[test]

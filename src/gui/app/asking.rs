@@ -56,6 +56,11 @@ impl App {
                 self.decide_about_lost_work(lost, answer);
             }
             Some(Dialog::Waiting(purpose)) => self.waiting_ui(ctx, purpose),
+            Some(Dialog::Missing(missing)) => match missing.show_ui(ctx) {
+                None => self.dialog = Some(Dialog::Missing(missing)),
+                Some(true) => self.load_without_missing(missing.path),
+                Some(false) => {}
+            },
             Some(Dialog::Overwrite(overwrite)) => self.overwrite_ui(ctx, overwrite),
             Some(Dialog::Path(mut field)) => match field.show_ui(ctx) {
                 PathOutcome::Cancelled => self.after_saving = None,

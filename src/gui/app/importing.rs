@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::App;
 use super::opening::{cannot_open, what};
 use crate::gui::dialogs::import::{Import, ImportDecision, Unit};
-use crate::gui::dialogs::{Dialog, Intent};
+use crate::gui::dialogs::{Dialog, Intent, Opened};
 use crate::gui::jobs::Lane;
 use crate::gui::selection::Selection;
 use crate::gui::worker;
@@ -40,10 +40,7 @@ impl App {
                     self.ask(Dialog::Import(import));
                 }
             }
-            Err(error) => {
-                let text = format!("{error}\nThe scene you had is still here.");
-                self.messages.error(cannot_open(&paths), text);
-            }
+            Err(error) => self.not_opened(&paths, &error),
         }
     }
 
@@ -65,7 +62,15 @@ impl App {
         let factor = import.factor(None);
         let models = import.take_models(factor);
         let made = io::scene_of_models(models).map_err(|error| error.to_string());
-        self.scene_loaded(&import.paths, made, None);
+        let paths = import.paths;
+        match made {
+            Ok(loaded) => self.put_opened(Opened {
+                paths,
+                loaded,
+                picture: None,
+            }),
+            Err(error) => self.not_opened(&paths, &error),
+        }
     }
 
     /// Adds what was read to the scene.

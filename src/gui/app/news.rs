@@ -58,7 +58,8 @@ impl App {
                 paths,
                 result,
                 picture,
-            } => self.scene_loaded(&paths, result.map(|loaded| *loaded), picture),
+            } => self.scene_loaded(paths, result.map(|loaded| *loaded), picture),
+            Event::MeshesMissing(missing) => self.meshes_missing(missing),
             Event::ModelsLoaded {
                 paths,
                 replaces,
@@ -166,8 +167,8 @@ impl App {
                 self.after_saving = None;
             }
             Lane::SavePicture => self.picture_save_failed(),
-            Lane::Keep => self.keep_failed(),
             Lane::Dialog => self.after_saving = None,
+            Lane::Keep => self.keep_failed(),
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,

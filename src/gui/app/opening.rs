@@ -8,7 +8,8 @@ use super::{App, Loading, WaitingRender};
 use crate::control::Progress;
 use crate::gui::commands::TextureUse;
 use crate::gui::costs::CostState;
-use crate::gui::dialogs::{Dialog, Intent};
+use crate::gui::dialogs::missing::Missing;
+use crate::gui::dialogs::{Dialog, Intent, Opened};
 use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
 use crate::gui::opened_picture::OpenedPicture;
@@ -22,14 +23,12 @@ use crate::render::SketchStore;
 use crate::scene::{Material, Scene};
 
 impl App {
-    /// Opens `paths` in place of the scene, once unsaved work is decided about; of meshes it is asked first whether they are to join the
-    /// scene.
+    /// Reads `paths`, to open them in place of the scene once unsaved work is decided about; of meshes it is asked first whether they are to
+    /// join the scene.
     pub(super) fn open(&mut self, paths: Vec<PathBuf>) {
         let is_whole = |path: &PathBuf| io::is_scene_file(path) || io::is_render_file(path);
         if !self.document.scene.objects.is_empty() && !paths.iter().any(is_whole) {
             self.import(paths, !self.document.is_modified());
-        } else if self.document.is_modified() {
-            self.ask(Dialog::Unsaved(Intent::Open(paths)));
         } else {
             self.load(paths);
         }
@@ -40,6 +39,20 @@ impl App {
         let progress = self.begin_loading(what(&paths));
         self.jobs.start(Lane::Load, move |job| {
             worker::load_scene(job, paths, &progress);
+        });
+    }
+
+    /// The scene at a path lacks meshes.
+    pub(super) fn meshes_missing(&mut self, missing: Missing) {
+        self.loading = None;
+        self.ask(Dialog::Missing(missing));
+    }
+
+    /// Loads the scene file at `path` without the meshes that are not there.
+    pub(super) fn load_without_missing(&mut self, path: PathBuf) {
+        let progress = self.begin_loading(what(std::slice::from_ref(&path)));
+        self.jobs.start(Lane::Load, move |job| {
+            worker::load_scene_without_missing(job, path, &progress);
         });
     }
 
@@ -140,19 +153,52 @@ impl App {
     /// `picture`: that in the file, where it is one of a render.
     pub(super) fn scene_loaded(
         &mut self,
-        paths: &[PathBuf],
+        paths: Vec<PathBuf>,
         result: Result<LoadedScene, String>,
         picture: Option<OpenedPicture>,
     ) {
         self.loading = None;
         let loaded = match result {
             Ok(loaded) => loaded,
-            Err(error) => {
-                let text = format!("{error}\nThe scene you had is still here.");
-                self.messages.error(cannot_open(paths), text);
-                return;
-            }
+            Err(error) => return self.not_opened(&paths, &error),
         };
+        let opened = Opened {
+            paths,
+            loaded,
+            picture,
+        };
+        if self.document.is_modified() {
+            self.ask(Dialog::Unsaved(Intent::Open(Box::new(opened))));
+        } else {
+            self.put_opened(opened);
+        }
+    }
+
+    /// Says that `paths` cannot be opened, for the reason `error`.
+    pub(super) fn not_opened(&mut self, paths: &[PathBuf], error: &str) {
+        let stays = if self.has_scene() {
+            "\nThe scene you had is still here."
+        } else {
+            ""
+        };
+        let text = format!("{error}{stays}");
+        self.messages.error(cannot_open(paths), text);
+    }
+
+    /// Whether there is a scene, or was one that undoing brings back.
+    fn has_scene(&self) -> bool {
+        let undone = self.document.undo_history().next_undo();
+        !self.document.scene.objects.is_empty() || undone.is_some()
+    }
+
+    /// Puts what was read in place of the scene.
+    pub(super) fn put_opened(&mut self, opened: Opened) {
+        let Opened {
+            paths,
+            loaded,
+            picture,
+        } = opened;
+        let paths = &paths[..];
         let file = match paths {
             [path] if io::is_scene_file(path) => Some(path.clone()),
             _ => None,

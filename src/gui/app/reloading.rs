@@ -194,7 +194,7 @@ impl App {
     }
 
     /// Whether `path` is the scene's own file.
-    fn is_own(&self, path: &Path) -> bool {
+    pub(super) fn is_own(&self, path: &Path) -> bool {
         let own = self.document.path().map(absolute);
         own.as_deref() == Some(path)
     }
@@ -362,6 +362,6 @@ fn has_all<T>(known: &BTreeMap<String, Arc<T>>, things: &[(String, Arc<T>)]) -> 
     })
 }
 
-fn absolute(path: &Path) -> PathBuf {
+pub(super) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::App;
 use super::opening::what;
+use super::reloading::absolute;
 use crate::control::CancelToken;
 use crate::gui::commands::Stoppable;
 use crate::gui::dialogs::files::FilePurpose;
@@ -359,10 +360,19 @@ impl App {
         }
     }
 
+    /// Whether `path` is the scene's own file, and holds it as it is.
+    fn is_just_saved(&self, path: &Path) -> bool {
+        !self.document.is_modified() && self.is_own(&absolute(path))
+    }
+
     /// Goes on with what unsaved work held up.
     fn go_on(&mut self, ctx: &egui::Context, intent: Intent) {
         match intent {
-            Intent::Open(paths) => self.load(paths),
+            // Saved just now, it is not what was read.
+            Intent::Open(opened) if opened.paths.iter().any(|path| self.is_just_saved(path)) => {
+                self.load(opened.paths);
+            }
+            Intent::Open(opened) => self.put_opened(*opened),
             Intent::Import(import) => self.replace_by(*import),
             Intent::Restore(lost, recovered) => self.put_restored(lost, *recovered),
             Intent::Close => self.close_unless_asked(ctx),

@@ -3,6 +3,7 @@
 mod desktop;
 pub mod files;
 pub mod import;
+pub mod missing;
 pub mod overwrite;
 pub mod path_field;
 pub mod question;
@@ -13,11 +14,14 @@ use std::path::PathBuf;
 
 use files::FilePurpose;
 use import::Import;
+use missing::Missing;
 use overwrite::Overwrite;
 use path_field::PathField;
 
 use super::keeping::Lost;
+use super::opened_picture::OpenedPicture;
 use super::recovering::Recovered;
+use crate::io::LoadedScene;
 
 pub use shortcuts::shortcuts_ui;
 
@@ -36,6 +40,8 @@ pub enum Dialog {
     Running,
     /// Pictures that took long are about to be lost with the window.
     Pictures,
+    /// A scene lacks meshes.
+    Missing(Missing),
     /// Meshes were read, and it is to be said what becomes of them.
     Import(Box<Import>),
     /// Work that a window before did not save.
@@ -81,11 +87,22 @@ pub(in crate::gui) fn buttons_ui<R>(
     .inner
 }
 
+/// A scene that was read.
+#[derive(Debug)]
+pub struct Opened {
+    /// The files it came from; none for the demo.
+    pub paths: Vec<PathBuf>,
+    /// The scene.
+    pub loaded: LoadedScene,
+    /// The picture of it in the file, where that is one of a render.
+    pub picture: Option<OpenedPicture>,
+}
+
 /// What the user was about to do when unsaved work stood in the way.
 #[derive(Debug)]
 pub enum Intent {
-    /// Open these files in place of the scene.
-    Open(Vec<PathBuf>),
+    /// Put this in place of the scene.
+    Open(Box<Opened>),
     /// Open these meshes, which were read, in place of the scene.
     Import(Box<Import>),
     /// Bring back lost work, which was read, in place of the scene.
