@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use egui::{Align, Frame, Layout, Margin, RichText, Ui};
 
+use super::widgets::counted;
+
 /// How serious a banner is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
@@ -39,8 +41,11 @@ pub struct Messages {
 /// How long good news are shown.
 const NEWS_TIME: Duration = Duration::from_secs(8);
 
-/// Banners shown at once; older ones go first.
-const MOST_BANNERS: usize = 3;
+/// Banners shown at once, the newest: more would leave the picture little room. Older ones are counted.
+const MOST_SHOWN: usize = 2;
+
+/// Banners that are kept; older ones go first.
+const MOST_BANNERS: usize = 20;
 
 impl Messages {
     /// Says that something failed.
@@ -121,18 +126,47 @@ impl Messages {
         self.banners.drain(..surplus);
     }
 
-    /// Draws the banners over the full width.
+    /// Removes the newest banner.
+    pub fn dismiss_newest(&mut self) {
+        self.banners.pop();
+    }
+
+    /// Draws the newest banners over the full width, and says how many others there are.
     pub fn banners_ui(&mut self, ui: &mut Ui) {
         let mut dismissed = None;
-        for (index, message) in self.banners.iter().enumerate() {
+        let hidden = self.banners.len().saturating_sub(MOST_SHOWN);
+        for (index, message) in self.banners.iter().enumerate().skip(hidden) {
             if banner_ui(ui, message) {
                 dismissed = Some(index);
             }
         }
         if let Some(index) = dismissed {
             self.banners.remove(index);
+        } else if self.banners.len() > 1 && all_ui(ui, hidden) {
+            self.clear();
         }
     }
+}
+
+/// Says how many banners do not show, and offers to remove all; returns whether they are to go.
+fn all_ui(ui: &mut Ui, hidden: usize) -> bool {
+    Frame::new()
+        .fill(ui.visuals().panel_fill)
+        .inner_margin(Margin::symmetric(12, 4))
+        .show(ui, |ui| {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let dismiss = ui
+                    .button("Dismiss all")
+                    .on_hover_text("Remove all messages");
+                if hidden > 0 {
+                    let older = counted(hidden, "older message", "older messages");
+                    ui.label(RichText::new(format!("and {older}")).weak());
+                }
+                dismiss.clicked()
+            })
+            .inner
+        })
+        .inner
 }
 
 /// Draws a banner; returns whether it is to go.
@@ -149,7 +183,7 @@ fn banner_ui(ui: &mut Ui, message: &Message) -> bool {
             ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
                 let dismiss = ui
                     .button("Dismiss")
-                    .on_hover_text("Remove this message")
+                    .on_hover_text("Remove this message; Esc removes the newest")
                     .clicked();
                 ui.with_layout(Layout::top_down(Align::Min), |ui| {
                     ui.label(RichText::new(&message.title).strong().color(color));
@@ -208,7 +242,17 @@ mod tests {
         for name in ["a", "b", "a", "c", "d"] {
             messages.error("cannot open", name);
         }
-        let texts: Vec<_> = messages.banners().iter().map(|m| m.text.as_str()).collect();
-        assert_eq!(texts, ["a", "c", "d"]);
+        let texts = |messages: &Messages| -> Vec<String> {
+            let banners = messages.banners().iter();
+            banners.map(|banner| banner.text.clone()).collect()
+        };
+        assert_eq!(texts(&messages), ["b", "a", "c", "d"]);
+        messages.dismiss_newest();
+        assert_eq!(texts(&messages), ["b", "a", "c"]);
+        for number in 0..MOST_BANNERS {
+            messages.error("cannot open", number.to_string());
+        }
+        assert_eq!(texts(&messages).len(), MOST_BANNERS);
+        assert_eq!(texts(&messages)[0], "0");
     }
 }

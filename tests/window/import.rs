@@ -181,6 +181,38 @@ fn escape_leaves_everything_and_a_broken_mesh_says_why() {
     assert_eq!(window.scene(), &before);
 }
 
+/// Nothing would come of adding it.
+#[test]
+fn a_mesh_without_triangles_is_told_of_and_not_asked_about() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let before = window.scene().clone();
+    window.drop_file(files.write("empty.off", "OFF\n1 0 0\n0 0 0\n"));
+    window.harness.step();
+    window.until("it is told why", |app| !app.messages().banners().is_empty());
+    assert!(window.app().dialog().is_none());
+    let banner = &window.app().messages().banners()[0];
+    assert_eq!(banner.title, "Cannot open empty.off");
+    assert!(banner.text.contains("no triangles"), "{}", banner.text);
+    assert_eq!(window.scene(), &before);
+
+    // Of many messages the newest show, and all go.
+    for name in ["a.off", "b.off", "c.off"] {
+        window.drop_file(files.write(name, "OFF\n1 0 0\n0 0 0\n"));
+        window.harness.step();
+        let title = format!("Cannot open {name}");
+        window.until("it is told", |app| {
+            app.messages().banners().last().unwrap().title == title
+        });
+    }
+    assert!(window.has("Cannot open b.off") && window.has("Cannot open c.off"));
+    assert!(!window.has("Cannot open a.off") && window.says("and 2 older messages"));
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.has("Cannot open c.off") && window.has("Cannot open a.off"));
+    window.click("Dismiss all");
+    assert!(window.app().messages().banners().is_empty());
+}
+
 /// Unsaved work is asked about before a mesh takes its place.
 #[test]
 fn replacing_unsaved_work_asks_first() {

@@ -30,6 +30,11 @@ impl App {
     ) {
         self.loading = None;
         match result {
+            Ok(models) if models.iter().all(|model| model.facts.triangles == 0) => {
+                let warnings = models.into_iter().flat_map(|model| model.warnings);
+                let reasons: Vec<String> = warnings.collect();
+                self.not_opened(&paths, &reasons.join("\n"));
+            }
             Ok(models) => {
                 self.messages.withdraw(&cannot_open(&paths));
                 let import = Box::new(Import::new(paths, models, replaces));

@@ -58,8 +58,11 @@ impl App {
         // First the tool goes, then what is selected; before both, what goes on is stopped.
         let is_asking = matches!(self.viewport.tool, Tool::Focus | Tool::Rays);
         let is_working = self.viewport.tool.has_handles() && self.what_to_stop().is_none();
+        let is_told = !self.messages.banners().is_empty() && self.what_to_stop().is_none();
         if (is_asking || is_working) && pressed(Key::Escape) {
             self.viewport.tool = Tool::Select;
+        } else if is_told && pressed(Key::Escape) {
+            self.messages.dismiss_newest();
         }
         if self.viewport.tool == Tool::Rays {
             for (key, step) in [(Key::Comma, -1), (Key::Period, 1)] {
