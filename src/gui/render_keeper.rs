@@ -102,7 +102,12 @@ impl<'a> RenderKeeper<'a> {
             is_told: AtomicBool::new(false),
         };
         if let Err(short) = memory.require() {
-            keeper.tell(short.0.to_string());
+            keeper.tell(format!(
+                "What is written to disk is copied in memory first. With the render itself that takes {} of memory, {}. A smaller \
+                 picture or a region of it takes less, and so does one without layers (Keep layers).",
+                short.0.needed_in_words(),
+                short.0.why()
+            ));
             return None;
         }
         Some(keeper)

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::driver::{DEADLINE, Files, Window};
+use egui::{Key, Modifiers};
 use raymini::control::Progress;
 use raymini::gui::event::Event;
 use raymini::gui::jobs::{Jobs, Lane, News};
@@ -136,4 +137,14 @@ fn a_window_begins_nothing_that_was_not_asked_for() {
     for lane in others {
         assert_eq!(started(lane), 0, "{lane:?}");
     }
+}
+
+/// Nor does one without anything to render keep still about why F5 does nothing.
+#[test]
+fn a_scene_without_objects_says_why_it_is_not_rendered() {
+    let files = Files::new();
+    let mut window = Window::open(&files.write("nothing.toml", "[render]\nwidth = 64\n"));
+    window.press(Modifiers::NONE, Key::F5);
+    assert!(window.app().picture().is_none());
+    assert!(window.says("There is nothing to render yet"));
 }

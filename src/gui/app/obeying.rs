@@ -15,7 +15,12 @@ use crate::math::DBounds;
 impl App {
     /// Carries out what the user asked for.
     pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
-        if !self.top_bar_state().allows(command) && command != Command::Cancel {
+        let state = self.top_bar_state();
+        if !state.allows(command) && command != Command::Cancel {
+            if command == Command::Render {
+                let reason = state.why_not(command);
+                self.messages.news_until_edit(reason);
+            }
             return;
         }
         if self.viewport.is_part_held() && command != Command::Cancel {

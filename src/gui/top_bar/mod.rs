@@ -189,7 +189,7 @@ impl TopBarState<'_> {
     }
 
     /// Why `command` cannot be asked for now, where it cannot.
-    fn why_not(self, command: Command) -> &'static str {
+    pub fn why_not(self, command: Command) -> &'static str {
         match command {
             Command::SavePicture | Command::ShowPicture | Command::CompareFile => {
                 "There is no picture yet: press Render"
@@ -228,6 +228,10 @@ impl TopBarState<'_> {
             _ if self.phase == Phase::Reporting => {
                 "A report is being made, and a render would spoil its times"
             }
+            _ if self.phase == Phase::Empty => {
+                "There is nothing to render yet: open a scene or add a mesh"
+            }
+            _ if !self.is_valid => "The scene cannot be rendered as it is, for the reason given",
             _ => "The scene is still loading",
         }
     }
