@@ -184,6 +184,12 @@ impl Progress {
         self.set_total(known.done + remaining);
     }
 
+    /// Says that there is another amount to do in all than was thought: the fraction is what is done of that.
+    pub fn begin_anew(&self, total: u64) {
+        *self.known() = Known::default();
+        self.set_total(total);
+    }
+
     fn known(&self) -> MutexGuard<'_, Known> {
         self.0.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -296,5 +302,7 @@ mod tests {
         assert_eq!(progress.fraction(), 1.0);
         progress.set_remaining(0);
         assert_eq!(progress.fraction(), 1.0);
+        progress.begin_anew(2 * progress.done());
+        assert_eq!(progress.fraction(), 0.5);
     }
 }

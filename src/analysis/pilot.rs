@@ -3,10 +3,11 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use crate::control::CancelToken;
-use crate::render::{Interval, PreparedScene, Region, RenderProgress, RunConfig, render};
+use crate::render::{Interval, PreparedScene, Region, RenderProgress, RunConfig, Sight, render};
 use crate::scene::{RenderSettings, Scene, SceneError, Stop};
 
 /// How long tiles are rendered for.
@@ -19,6 +20,8 @@ const SHORT_TILE: f64 = 2e-3;
 const NOISE_PIXELS: f64 = 4096.0;
 /// What the estimate of the error takes, as a share of the rest: `raymini plan` measures 3 to 10 per cent.
 const ERROR_SHARE: f64 = 0.05;
+/// Samples of a pixel that a render which stops at a noise takes at least.
+const LEAST_FORESEEN: f64 = 16.0;
 /// However well the tiles agree, a render may take so much longer or shorter: other programs come and go.
 const LEAST_DOUBT: f64 = 0.1;
 
@@ -29,6 +32,8 @@ pub struct TimeEstimate {
     pub seconds: Interval,
     /// Whether it may well be done sooner: it stops at a noise that a small picture did not come near enough to, to tell when.
     pub is_bound: bool,
+    /// Samples of a pixel that it is for, on average; `None` where only the time is known.
+    pub samples: Option<f64>,
 }
 
 impl TimeEstimate {
@@ -38,6 +43,7 @@ impl TimeEstimate {
         Self {
             seconds: exactly(time.as_secs_f64()),
             is_bound: false,
+            samples: None,
         }
     }
 }
@@ -126,6 +132,7 @@ pub fn estimate_time(
     let mut estimate = TimeEstimate {
         seconds: of_samples(exactly(most)),
         is_bound: settings.stop.noise.is_some(),
+        samples: Some(most),
     };
     if settings.stop.noise.is_some() {
         let samples = samples_to_stop(scene, prepared, run)?;
@@ -136,6 +143,7 @@ pub fn estimate_time(
             estimate = TimeEstimate {
                 seconds: of_samples(samples),
                 is_bound: false,
+                samples: Some(samples.value),
             };
         }
     }
@@ -149,6 +157,66 @@ pub fn estimate_time(
         };
     }
     Ok(Some(estimate))
+}
+
+/// How long a render runs before [`foreseeing`] looks ahead for it: a short one knows sooner by itself.
+const FORESEEING_AFTER: Duration = Duration::from_secs(1);
+
+/// Does `work`, which is to render `region` of `scene` and tell `progress` of it. Where it stops at a noise, and nothing is known of that after a
+/// second, a small picture tells meanwhile about how many samples that takes. `prepared`: the scene as it is rendered.
+pub fn foreseeing<T>(
+    scene: &Scene,
+    prepared: &PreparedScene,
+    region: Region,
+    progress: &RenderProgress,
+    work: impl FnOnce() -> T,
+) -> T {
+    if scene.render.stop.noise.is_none() {
+        return work();
+    }
+    let run = RunConfig {
+        threads: 1,
+        ..RunConfig::default()
+    };
+    let look_ahead = |over: &Receiver<()>| {
+        let is_over = over.recv_timeout(FORESEEING_AFTER) != Err(RecvTimeoutError::Timeout);
+        if is_over || progress.sight() != Sight::Bound {
+            return;
+        }
+        // What is wrong with the scene is told by who renders it.
+        if let Ok(Some(samples)) = samples_to_stop(scene, prepared, &run) {
+            let least = LEAST_FORESEEN.min(f64::from(scene.render.samples_per_pixel));
+            let samples = samples.value.max(least) * region.pixel_count() as f64;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a number of samples"
+            )]
+            progress.expect_samples(samples as u64);
+        }
+    };
+    std::thread::scope(|scope| {
+        let (sender, over) = channel();
+        // Also where the work panics: the scope waits for its thread.
+        let ending = EndWhenDropped(&run.cancel, sender);
+        let ahead = scope.spawn(move || look_ahead(&over));
+        let done = work();
+        drop(ending);
+        // Where the program fails in it, nothing is known of the samples.
+        let _ = ahead.join();
+        done
+    })
+}
+
+/// Cancels a token when it goes, and wakes whoever waits for that.
+struct EndWhenDropped<'a>(&'a CancelToken, Sender<()>);
+
+impl Drop for EndWhenDropped<'_> {
+    fn drop(&mut self) {
+        self.0.cancel();
+        // Whoever does not wait any more is over too.
+        let _ = self.1.send(());
+    }
 }
 
 fn exactly(value: f64) -> Interval {

@@ -38,6 +38,11 @@ pub(super) fn say(
             "interrupted: the picture has the samples taken so far{gaps}"
         ));
     }
+    if stats.ending == Ending::Time && stats.sample_range[0] == 0 {
+        super::warn(
+            "the time was up before every pixel had a sample: the picture is black where there is none",
+        );
+    }
     if stats.ending != Ending::Noise
         && let Some(noise) = settings.stop.noise
     {

@@ -1,5 +1,6 @@
 //! `raymini render`: renders a scene file or a mesh to a picture. A signal ends it early, with what is there.
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
@@ -15,6 +16,7 @@ use super::stats::{self, Stats};
 use super::trace::TraceArguments;
 use super::{Signals, outcome, progress_bar, values};
 use crate::analysis::cost::Trial;
+use crate::analysis::pilot;
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene, Origin, Values, WrittenError};
 use crate::render::{
@@ -227,12 +229,16 @@ fn render_scene(
             Some(file) => file.load(&prepared, region, &run, memory)?,
             None => None,
         };
-        render_with_progress(&prepared, region, &run, kept.as_ref(), start)
+        render_with_progress(scene, &prepared, region, &run, kept.as_ref(), start)
     };
     let rendered = rendered.ok_or_else(|| anyhow!("rendering was cancelled"))?;
     let is_interrupted = rendered.stats.ending == Ending::Interrupted;
     let [fewest, most] = rendered.stats.sample_range;
-    if fewest == 0 && (kept.is_some() || most == 0) {
+    let is_out_of_time = rendered.stats.ending == Ending::Time && fewest == 0;
+    if is_out_of_time && most == 0 {
+        bail!("the time was up before the first samples were taken: no picture is written");
+    }
+    if !is_out_of_time && fewest == 0 && (kept.is_some() || most == 0) {
         let code = interrupted_early(signals);
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
         return Ok(code);
@@ -262,6 +268,9 @@ fn render_scene(
     }
     failure.map_or(Ok(()), Err)?;
     recorded?;
+    if is_out_of_time {
+        return Ok(ExitCode::FAILURE);
+    }
     Ok(exit_code(signals))
 }
 
@@ -339,6 +348,7 @@ fn write_picture(
 
 /// Renders, from `start` on if there is one, with the progress and the rate of rays shown, and checkpoints `kept`.
 fn render_with_progress(
+    scene: &Scene,
     prepared: &PreparedScene,
     region: Region,
     run: &RunConfig,
@@ -352,10 +362,7 @@ fn render_with_progress(
         let noise = progress.latest_error().map_or_else(String::new, |point| {
             format!(", noise {}", outcome::percent(point.error.noise().value))
         });
-        (
-            progress.samples.fraction(),
-            format!("{rate:.1} Mrays/s{noise}"),
-        )
+        (progress.share(), format!("{rate:.1} Mrays/s{noise}"))
     };
     let keep = |checkpoint| {
         if let Some(file) = kept {
@@ -370,10 +377,16 @@ fn render_with_progress(
         }),
         ..Watch::default()
     };
-    progress_bar::show(how_far, || match start {
+    let render = || match start {
         Some(start) => resume(prepared, start, run, &progress, watch),
         None => render_watched(prepared, Some(region), run, &progress, watch),
-    })
+    };
+    if std::io::stderr().is_terminal() {
+        let show = || pilot::foreseeing(scene, prepared, region, &progress, render);
+        progress_bar::show(how_far, show)
+    } else {
+        render()
+    }
 }
 
 /// [`render_watched`] of a picture too large to be held in one piece.
@@ -382,7 +395,7 @@ fn render_bands(prepared: &PreparedScene, bands: &Bands, run: &RunConfig) -> Opt
     let lock = || current.lock().unwrap_or_else(PoisonError::into_inner);
     let how_far = || {
         let (number, progress) = &*lock();
-        let done = f64::from(number.max(&1) - 1) + progress.samples.fraction();
+        let done = f64::from(number.max(&1) - 1) + progress.share();
         let count = bands.count();
         (done / count as f64, format!("part {number} of {count}"))
     };

@@ -31,6 +31,8 @@ pub(super) struct Stats {
     samples_per_pixel: f64,
     /// The fewest and the most of a pixel.
     sample_range: [u32; 2],
+    /// Whether the clock ended it in the middle of a pass, so that `passes` does not reproduce it.
+    is_cut_short: bool,
     passes: u32,
     ending: Ending,
     rays: RayCounts,
@@ -69,6 +71,7 @@ impl Stats {
             threads: stats.threads,
             samples_per_pixel: stats.samples_per_pixel,
             sample_range: stats.sample_range,
+            is_cut_short: stats.is_cut_short,
             passes: stats.passes,
             ending: stats.ending,
             rays: stats.rays,

@@ -61,7 +61,8 @@ pub fn in_words(estimate: &TimeEstimate) -> String {
 }
 
 /// So many seconds with no more digits than an estimate has.
-fn rounded(seconds: f64) -> String {
+#[must_use]
+pub fn rounded(seconds: f64) -> String {
     let unit = 10.0_f64.powf(seconds.abs().max(1e-3).log10().floor() - 1.0);
     let seconds = (seconds / unit).round() * unit;
     let time = Duration::try_from_secs_f64(seconds).map_or_else(|_| "ages".to_owned(), duration);
@@ -84,6 +85,7 @@ mod tests {
                 high: 13.4,
             },
             is_bound: false,
+            samples: None,
         };
         assert_eq!(in_short(&estimate), "about 12 s");
         assert_eq!(

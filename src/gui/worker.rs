@@ -432,6 +432,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
         checkpoints: keeper.as_ref().map(|keeper| keeper.checkpoints(&keep)),
         blocks: keeper.as_ref().map(|keeper| keeper as &dyn BlockStore),
+        ..Watch::default()
     };
     let progress = &request.progress;
     let outcome = match start {

@@ -7,11 +7,13 @@ use super::film::Film;
 use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::ErrorPoint;
-use super::renderer::TILE_SIDE;
+use super::renderer::{TILE_SIDE, leads_elsewhere};
+use super::rules::StopRules;
 use super::run::OnTile;
 use super::tile_samples::{PassWork, SampleCounts};
 use super::tiles::{Region, TilePixels};
 use crate::control::CancelToken;
+use crate::scene::RenderSettings;
 
 /// A moment of a render, from which [`resume`](super::resume) goes on as if nothing had happened.
 ///
@@ -96,10 +98,12 @@ impl Pass {
 }
 
 impl Course {
-    /// Whether the error already decides which pixels get samples.
-    pub fn chooses_pixels(&self) -> bool {
-        let pass = self.pass.as_ref();
-        pass.is_some_and(|pass| pass.selected.is_some())
+    /// Whether the error has decided already which pixels of `film` get samples.
+    pub fn has_chosen_pixels(&self, film: &Film) -> bool {
+        match &self.pass {
+            Some(pass) => pass.selected.is_some(),
+            None => film.total_samples() > film.pixels() as u64 * u64::from(self.even_samples),
+        }
     }
 }
 
@@ -139,6 +143,26 @@ impl Checkpoint {
     #[must_use]
     pub fn region(&self) -> Region {
         self.shared.film.region()
+    }
+
+    /// Whether a render that goes on from it by the rules of `after` instead of `before`, which differ in nothing else, ends with another
+    /// picture than one by those from the start would, were it to take as many samples.
+    #[must_use]
+    pub fn leads_elsewhere(&self, before: &RenderSettings, after: &RenderSettings) -> bool {
+        let Self { shared, course, .. } = self;
+        let has_chosen = course.has_chosen_pixels(&shared.film);
+        let rules = [before, after].map(StopRules::of);
+        leads_elsewhere(before, rules.each_ref(), course.even_samples, has_chosen)
+    }
+
+    /// The same with other rules to end by: as many samples as `settings` allow are expected of it.
+    #[must_use]
+    pub fn with_rules_of(self, settings: &RenderSettings) -> Self {
+        let pixels = self.region().pixel_count() as u64;
+        Self {
+            expected_samples: pixels * u64::from(settings.samples_per_pixel),
+            ..self
+        }
     }
 
     /// Wall time of the render so far.

@@ -1,5 +1,6 @@
 //! The time a render takes, wall and processor time in seconds, without pauses and without the work of those who watch.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -21,7 +22,7 @@ pub struct Clock {
     seconds_before: f64,
     cpu_seconds_before: f64,
     /// Nanoseconds of wall time and processor time of work that was not done again.
-    ahead: AtomicU64,
+    ahead: Arc<AtomicU64>,
     cpu_ahead: AtomicU64,
     /// Processor time of the thread that leads, when the clock was started.
     lead_started: Duration,
@@ -44,6 +45,24 @@ fn seconds(nanoseconds: &AtomicU64) -> f64 {
     Duration::from_nanos(nanoseconds.load(Ordering::Relaxed)).as_secs_f64()
 }
 
+/// The wall time of a render for whoever watches it: that of its [`Clock`], but for what is left out there.
+#[derive(Debug)]
+pub struct Timer {
+    /// When it was started, earlier by the time that had been paused until then.
+    started: Instant,
+    throttle: Throttle,
+    seconds_before: f64,
+    ahead: Arc<AtomicU64>,
+}
+
+impl Timer {
+    /// Wall time since the start, in seconds.
+    pub fn seconds(&self) -> f64 {
+        let here = self.throttle.time_since(self.started).as_secs_f64();
+        self.seconds_before + here + seconds(&self.ahead)
+    }
+}
+
 impl Clock {
     /// A clock that goes on from `seconds` of wall time and `cpu_seconds` of processor time. The thread that calls leads; `others` more
     /// begin now. It stands still whenever `throttle` pauses them.
@@ -55,12 +74,22 @@ impl Clock {
             uncounted: Duration::ZERO,
             seconds_before: seconds,
             cpu_seconds_before: cpu_seconds,
-            ahead: AtomicU64::new(0),
+            ahead: Arc::default(),
             cpu_ahead: AtomicU64::new(0),
             lead_started: thread_time(),
             lead_paused: Duration::ZERO,
             lead: AtomicU64::new(0),
             others: (0..others).map(|_| AtomicU64::new(0)).collect(),
+        }
+    }
+
+    /// Tells its time to others.
+    pub fn timer(&self) -> Timer {
+        Timer {
+            started: self.started,
+            throttle: self.throttle.clone(),
+            seconds_before: self.seconds_before,
+            ahead: Arc::clone(&self.ahead),
         }
     }
 

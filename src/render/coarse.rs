@@ -113,7 +113,7 @@ impl Sketch {
         match show(&self.0, region, &Crew::new(run), on_coarse) {
             Ok(()) => Some(()),
             Err(Cut::Failed(fault)) => resume_unwind(Box::new(fault)),
-            Err(Cut::Cancelled | Cut::Interrupted) => None,
+            Err(Cut::Cancelled | Cut::Interrupted | Cut::TimeUp) => None,
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::control::CancelToken;
 pub enum Cut {
     Cancelled,
     Interrupted,
+    TimeUp,
     Failed(RenderFault),
 }
 

@@ -45,6 +45,7 @@ mod primary_hits;
 mod progress;
 mod radiance_image;
 mod renderer;
+mod rules;
 mod run;
 mod sampler;
 mod shadow_ray;
@@ -80,8 +81,9 @@ pub use memory::{PictureMemory, PictureTooLarge};
 pub use plan::{Feature, Plan, reasons};
 pub use prepare::PreparedScene;
 pub use primary_hits::PrimaryHitStore;
-pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress, TilesInHand};
+pub use progress::{ErrorPoint, NOISE_TARGETS, RenderProgress, Sight, TilesInHand};
 pub use renderer::even_passes;
+pub use rules::{LiveRules, StopRules};
 pub use run::{
     CheckpointKeeper, Clamped, Ending, OnRound, OnTile, RayCounts, RenderOutcome, RenderStats,
     Round, RunConfig, Watch, render, render_watched, resume,

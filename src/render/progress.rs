@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
+use super::clock::Timer;
 use super::error::{ErrorEstimate, Interval};
+use super::rules::LiveRules;
 use super::tiles::Region;
 use crate::control::Progress;
 
@@ -19,8 +21,36 @@ pub struct RenderProgress {
     pub samples: Progress,
     rays: Arc<AtomicU64>,
     errors: Arc<Mutex<Vec<ErrorPoint>>>,
+    ending: Arc<Mutex<HowFar>>,
     /// The tiles that are being rendered.
     pub in_hand: TilesInHand,
+}
+
+/// What is known of the samples that a render takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Sight {
+    /// No more than the most there may be.
+    #[default]
+    Bound,
+    /// What was found out before the render itself could tell.
+    Guess,
+    /// All there is to know.
+    Known,
+}
+
+/// How far the render is beside its samples.
+#[derive(Debug, Default)]
+struct HowFar {
+    /// The time it takes, and the rules by which it ends; `None` before it begins.
+    run: Option<(Timer, LiveRules)>,
+    /// What was done when it was interrupted, `0..=1`.
+    before: f64,
+    /// What is known of the samples it takes.
+    sight: Sight,
+    /// How many they are, as somebody knew before it began.
+    expected: Option<u64>,
+    /// What was done when it was over, `0..=1`.
+    at_end: Option<f64>,
 }
 
 /// The tiles that the threads of a render are at, as far as anybody wants to see them.
@@ -64,6 +94,14 @@ pub struct ErrorPoint {
     pub time_to_stop: Option<Interval>,
 }
 
+impl HowFar {
+    /// The seconds the render has taken, and those it may take, where the clock ends it.
+    fn time(&self) -> Option<(f64, f64)> {
+        let (timer, rules) = self.run.as_ref()?;
+        Some((timer.seconds(), rules.get().stop.seconds?))
+    }
+}
+
 impl RenderProgress {
     /// Rays traced so far; those before the checkpoint that a render goes on from do not count.
     #[must_use]
@@ -81,6 +119,97 @@ impl RenderProgress {
     #[must_use]
     pub fn latest_error(&self) -> Option<ErrorPoint> {
         self.errors().last().copied()
+    }
+
+    /// The done part of the whole, `0..=1`: by the rule that is nearest to ending the render, of which time is one. It never jumps by more
+    /// than what is learnt at once, and stands still when the render is over.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        let how_far = self.how_far();
+        how_far.at_end.unwrap_or_else(|| self.share_of(&how_far))
+    }
+
+    fn share_of(&self, how_far: &HowFar) -> f64 {
+        let by_time = how_far
+            .time()
+            .map_or(0.0, |(seconds, limit)| seconds / limit);
+        let by_samples = self.samples.fraction();
+        by_time.max(by_samples).max(how_far.before).min(1.0)
+    }
+
+    /// Seconds until the clock ends the render, where it does.
+    #[must_use]
+    pub fn seconds_until_time_is_up(&self) -> Option<f64> {
+        let (seconds, limit) = self.how_far().time()?;
+        Some((limit - seconds).max(0.0))
+    }
+
+    /// What is known of the samples it takes: where noise may end it, little at first.
+    #[must_use]
+    pub fn sight(&self) -> Sight {
+        let how_far = self.how_far();
+        let run = how_far.run.as_ref();
+        if run.is_some_and(|(_, rules)| rules.get().stop.noise.is_none()) {
+            return Sight::Known;
+        }
+        how_far.sight
+    }
+
+    /// Says how many samples the render takes in all, as far as somebody knows before the render itself does.
+    pub fn expect_samples(&self, samples: u64) {
+        let mut how_far = self.how_far();
+        if how_far.run.is_none() {
+            how_far.expected = Some(samples);
+        } else if how_far.sight != Sight::Known {
+            how_far.sight = Sight::Guess;
+            let done = self.samples.done();
+            self.samples.set_remaining(samples.saturating_sub(done));
+        }
+    }
+
+    /// Says that so much of it, `0..=1`, is done from the start, which a render that goes on takes up bit by bit.
+    pub fn go_on_at(&self, share: f64) {
+        self.how_far().before = share;
+    }
+
+    /// Says that other rules end the render from now on: what is done is a share of another whole. `samples`: the most it takes.
+    pub fn begin_anew(&self, samples: u64) {
+        self.samples.begin_anew(samples);
+        let mut how_far = self.how_far();
+        how_far.before = 0.0;
+        how_far.sight = Sight::Bound;
+    }
+
+    /// The render begins.
+    pub(super) fn begin(&self, timer: Timer, rules: LiveRules) {
+        let mut how_far = self.how_far();
+        how_far.run = Some((timer, rules));
+        how_far.at_end = None;
+        if let Some(samples) = how_far.expected.take() {
+            drop(how_far);
+            self.expect_samples(samples);
+        }
+    }
+
+    /// The render says how many samples are left.
+    pub(super) fn foresee(&self, remaining: u64) {
+        self.samples.set_remaining(remaining);
+        self.how_far().sight = Sight::Known;
+    }
+
+    /// The render is over. `is_whole`: as its rules wanted.
+    pub(super) fn end(&self, is_whole: bool) {
+        let mut how_far = self.how_far();
+        let share = if is_whole {
+            1.0
+        } else {
+            self.share_of(&how_far)
+        };
+        how_far.at_end = Some(share);
+    }
+
+    fn how_far(&self) -> MutexGuard<'_, HowFar> {
+        self.ending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn count_rays(&self, rays: u64) {

@@ -3,7 +3,10 @@
 //! At first all pixels get the same number of samples, in passes that end at powers of two and in the middle between them. A render that
 //! may stop early then doubles the samples of those pixels where that helps most, in rounds: passes over the selected pixels until each has
 //! its double. Decisions are made at the end of a round, from the film alone, so that the picture does not depend on threads; only a stop
-//! by time depends on the clock.
+//! by time depends on the clock. It falls between passes, so that a picture can be made again, but for the first: a render that has no whole
+//! picture when its time is up ends all the same.
+//!
+//! The rules by which it ends may change on the way. They are looked at between passes, the time alone also within.
 //!
 //! [`telling`] tells how far it is to whoever watches, [`keeping`] has kept what a later render may go on from.
 
@@ -11,6 +14,7 @@ mod keeping;
 mod telling;
 
 use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
@@ -25,6 +29,7 @@ use super::layers::Layer;
 use super::plan::Feature;
 use super::prepare::PreparedScene;
 use super::progress::RenderProgress;
+use super::rules::{LiveRules, StopRules};
 use super::run::{Ending, RenderOutcome, RenderStats, RunConfig, Watch};
 use super::texturing::{Textured, Untextured};
 use super::tile_samples::{TileBlock, sample_tile};
@@ -60,6 +65,43 @@ const LEAST_SAMPLES: u32 = 16;
 /// The share of the samples so far that are handed out before it is decided again where they belong.
 const ROUND_SHARE: f64 = 0.5;
 
+/// How far beyond its time a render may go to end with a whole pass, as a share of the time.
+const MOST_DELAY: f64 = 0.25;
+
+/// Whether a pass that is as long as it may be ends with so many samples of every pixel.
+fn is_end_of_a_pass(samples: u32) -> bool {
+    let mut taken = 0;
+    while taken < samples {
+        taken += block_after(taken).min(MOST_SAMPLES_PER_PASS);
+    }
+    taken == samples
+}
+
+/// Whether a render that may end by these rules gives some pixels more samples than others.
+fn chooses_pixels(settings: &RenderSettings, rules: &StopRules) -> bool {
+    let stop = &rules.stop;
+    settings.adaptive
+        && settings.measures_error()
+        && (stop.noise.is_some() || stop.seconds.is_some())
+}
+
+/// Whether rules that are changed from `before` to `after` lead to another picture than the new ones would have from the start, where they end
+/// up with as many samples. `even_samples`: those that every pixel has; `has_chosen`: whether some have more.
+pub fn leads_elsewhere(
+    settings: &RenderSettings,
+    [before, after]: [&StopRules; 2],
+    even_samples: u32,
+    has_chosen: bool,
+) -> bool {
+    let chooses = chooses_pixels(settings, after);
+    if has_chosen {
+        let choice = |rules: &StopRules| (rules.samples_per_pixel, rules.stop.noise);
+        !chooses || choice(before) != choice(after)
+    } else {
+        chooses && !chooses_pixels(settings, before) && even_samples > LEAST_SAMPLES
+    }
+}
+
 /// See the module's description.
 pub struct Renderer<'a> {
     scene: &'a PreparedScene,
@@ -74,6 +116,14 @@ pub struct Renderer<'a> {
     crew: Crew<'a>,
     clock: Clock,
     last_kept: Mutex<LastKept>,
+    live_rules: LiveRules,
+    /// Those that the pass goes by.
+    rules: StopRules,
+    /// Whether some pixels may have more samples than others.
+    is_choosing: bool,
+    is_cut_short: bool,
+    /// What was there before a pass over all pixels that is shorter than it might be.
+    before_short_pass: Option<Box<(Shared, Course)>>,
 }
 
 /// What follows the passes over all pixels.
@@ -124,17 +174,26 @@ impl<'a> Renderer<'a> {
         } = checkpoint;
         let crew = Crew::new(run);
         let clock = Clock::start_at(seconds, cpu_seconds, crew.threads(), &run.throttle);
+        let settings = scene.settings();
+        let own = || LiveRules::new(StopRules::of(settings));
+        let live_rules = run.rules.clone().unwrap_or_else(own);
         progress.samples.set_total(expected_samples);
         progress.samples.advance(shared.film.total_samples());
+        progress.begin(clock.timer(), live_rules.clone());
         for point in errors {
             progress.note(point);
         }
         Self {
             scene,
-            settings: scene.settings(),
+            settings,
             run,
             progress,
             watch,
+            rules: live_rules.get(),
+            live_rules,
+            is_choosing: course.has_chosen_pixels(&shared.film),
+            is_cut_short: false,
+            before_short_pass: None,
             tiles: shared.film.region().tiles(TILE_SIDE),
             layers: run.layers_of(scene),
             shared: Mutex::new(shared),
@@ -150,9 +209,16 @@ impl<'a> Renderer<'a> {
     /// # Panics
     /// With a [`RenderFault`], where the program fails at a sample.
     pub fn render(&mut self) -> Option<Ending> {
-        match self.take_samples() {
+        let taken = self.take_samples();
+        self.progress
+            .end(taken.is_ok() || matches!(taken, Err(Cut::TimeUp)));
+        match taken {
             Ok(ending) => Some(ending),
             Err(Cut::Cancelled) => None,
+            Err(Cut::TimeUp) => {
+                self.is_cut_short = true;
+                Some(Ending::Time)
+            }
             Err(Cut::Interrupted) => {
                 self.keep_last_checkpoint();
                 Some(Ending::Interrupted)
@@ -179,7 +245,7 @@ impl<'a> Renderer<'a> {
             self.clock.leave_out(watched);
             shown?;
         }
-        if !self.course.chooses_pixels()
+        if !self.is_choosing
             && let Next::End(ending) = self.render_evenly()?
         {
             return Ok(ending);
@@ -208,6 +274,7 @@ impl<'a> Renderer<'a> {
             samples_per_pixel: film.mean_samples(),
             sample_range: film.sample_range(),
             passes: self.course.passes,
+            is_cut_short: self.is_cut_short,
             ending,
             error: estimator.and_then(ErrorEstimator::estimate),
             non_finite_samples: counts.non_finite,
@@ -234,21 +301,60 @@ impl<'a> Renderer<'a> {
 
     /// Whether some pixels may get more samples than others.
     fn is_adaptive(&self) -> bool {
-        let stop = &self.settings.stop;
-        self.settings.adaptive
-            && self.course.estimator.is_some()
-            && (stop.noise.is_some() || stop.seconds.is_some())
+        self.is_choosing || chooses_pixels(self.settings, &self.rules)
+    }
+
+    /// Takes over the rules as they are now. Returns whether they were changed.
+    fn look_at_rules(&mut self) -> bool {
+        let rules = self.live_rules.get();
+        let before = std::mem::replace(&mut self.rules, rules);
+        let course = &self.course;
+        if leads_elsewhere(
+            self.settings,
+            [&before, &rules],
+            course.even_samples,
+            self.is_choosing,
+        ) {
+            self.live_rules.set_lead_elsewhere();
+        }
+        rules != before
+    }
+
+    /// Remembers what is there, where there is room for it, as a pass begins that other rules would have made longer.
+    fn note_short_pass(&mut self) {
+        let shared = self.shared.get_mut().expect("no thread panicked");
+        self.before_short_pass =
+            (self.run.has_room).then(|| Box::new((shared.clone(), self.course.clone())));
+    }
+
+    /// Goes back to what was there before the pass, so that the next is as long as it would have been by the rules as they are now. Returns
+    /// whether it was known.
+    fn undo_short_pass(&mut self) -> bool {
+        let Some(before) = self.before_short_pass.take() else {
+            return false;
+        };
+        let (shared, course) = *before;
+        self.shared = Mutex::new(shared);
+        self.course = course;
+        true
     }
 
     /// Gives all pixels the same number of samples: all they may get, unless the time is up or the noise low enough before, or
     /// from some number on the error decides who gets more.
     fn render_evenly(&mut self) -> Result<Next, Cut> {
-        let most = self.settings.samples_per_pixel;
-        while self.course.even_samples < most {
-            let samples = self.course.even_samples;
-            let block = block_after(samples)
-                .min(MOST_SAMPLES_PER_PASS)
-                .min(most - samples);
+        loop {
+            self.look_at_rules();
+            let (samples, most) = (self.course.even_samples, self.rules.samples_per_pixel);
+            if self.course.pass.is_none() {
+                if samples >= most {
+                    return Ok(Next::End(Ending::Samples));
+                }
+                if samples.is_power_of_two() && samples >= LEAST_SAMPLES && self.is_adaptive() {
+                    return Ok(Next::ChoosePixels);
+                }
+            }
+            let whole = block_after(samples).min(MOST_SAMPLES_PER_PASS);
+            let block = whole.min(most.saturating_sub(samples));
             if self.course.pass.is_none() {
                 // The last pass takes what the clock leaves. A render of as many samples would end with the same pass.
                 let taken = match samples {
@@ -257,6 +363,13 @@ impl<'a> Renderer<'a> {
                 };
                 if taken == 0 {
                     return Ok(Next::End(Ending::Time));
+                }
+                if !is_end_of_a_pass(samples) {
+                    self.live_rules.set_lead_elsewhere();
+                }
+                self.before_short_pass = None;
+                if taken < whole {
+                    self.note_short_pass();
                 }
                 self.begin_pass(Pass {
                     selected: None,
@@ -270,7 +383,13 @@ impl<'a> Renderer<'a> {
                 started,
                 ..
             } = self.finish_pass()?;
+            let is_changed = self.look_at_rules();
             let samples = samples + taken;
+            let most = self.rules.samples_per_pixel;
+            let goes_on = is_changed && samples < most && self.time_left() > 0.0;
+            if goes_on && taken < whole && self.undo_short_pass() {
+                continue;
+            }
             self.course.even_samples = samples;
             self.course.seconds_per_sample = (self.clock.seconds() - started) / f64::from(taken);
 
@@ -281,38 +400,45 @@ impl<'a> Renderer<'a> {
                 estimator.advance(samples);
             }
             self.tell(is_round);
-            if is_round || samples == most {
+            if is_round || samples >= most {
                 self.show_round();
             }
             if samples >= LEAST_SAMPLES && self.is_quiet() {
                 return Ok(Next::End(Ending::Noise));
             }
-            if taken < block {
+            if taken < block && !goes_on {
                 return Ok(Next::End(Ending::Time));
             }
             if self.has_all_passes() {
                 return Ok(Next::End(Ending::Samples));
             }
-            if is_round && samples >= LEAST_SAMPLES && self.is_adaptive() {
-                return Ok(Next::ChoosePixels);
-            }
         }
-        Ok(Next::End(Ending::Samples))
     }
 
     /// Doubles the samples of those pixels where it helps most, again and again.
     fn render_where_it_helps(&mut self) -> Result<Ending, Cut> {
+        self.is_choosing = true;
+        if self.course.allotment.is_none() {
+            self.allot()?;
+        }
         loop {
+            self.look_at_rules();
             if self.course.pass.is_none() {
-                let Some(selected) = self.select() else {
+                let unfinished = self.pixels_of_unfinished_round();
+                let begins_round = unfinished.is_none();
+                let Some(selected) = unfinished.or_else(|| self.select()) else {
                     return Ok(Ending::Samples);
                 };
-                self.begin_pass(Pass {
+                let pass = Pass {
                     selected: Some(selected),
-                    begins_round: true,
+                    begins_round,
                     longest: MOST_SAMPLES_PER_ROUND_PASS,
                     started: self.clock.seconds(),
-                });
+                };
+                if !self.has_time_for(&pass) {
+                    return Ok(Ending::Time);
+                }
+                self.begin_pass(pass);
             }
             let last = self.finish_round()?;
             self.update_estimate(last.selected.as_deref())?;
@@ -330,6 +456,30 @@ impl<'a> Renderer<'a> {
         }
     }
 
+    /// The pixels that a round which ended early, or that they may get no more, left on the way to double their samples; `None` where there
+    /// are none. Other rules may take them there.
+    fn pixels_of_unfinished_round(&self) -> Option<Vec<bool>> {
+        let (film, most) = (&self.lock().film, self.rules.samples_per_pixel);
+        let is_unfinished = |index: usize| {
+            let samples = film.samples(index);
+            samples < most && !samples.is_power_of_two()
+        };
+        let pixels: Vec<bool> = (0..film.pixels()).map(is_unfinished).collect();
+        pixels.contains(&true).then_some(pixels)
+    }
+
+    /// Whether `pass` ends nearer to the end of the time than the render does without it, as far as can be told.
+    fn has_time_for(&self, pass: &Pass) -> bool {
+        let left = self.time_left();
+        if left.is_infinite() {
+            return true;
+        }
+        let film = &self.lock().film;
+        let samples = pass.work(self.rules.samples_per_pixel).samples(film) as f64;
+        let seconds = samples * self.clock.seconds() / film.total_samples() as f64;
+        seconds / 2.0 < left
+    }
+
     /// Goes on with passes until the pixels selected have doubled their samples, or it is time to end. Returns the last pass.
     fn finish_round(&mut self) -> Result<Pass, Cut> {
         loop {
@@ -337,8 +487,9 @@ impl<'a> Renderer<'a> {
                 begins_round: false,
                 ..self.finish_pass()?
             };
-            let work = next.work(self.settings.samples_per_pixel);
-            if self.time_left() <= 0.0
+            self.look_at_rules();
+            let work = next.work(self.rules.samples_per_pixel);
+            if !self.has_time_for(&next)
                 || self.has_all_passes()
                 || !work.has_pixels(&self.lock().film)
             {
@@ -355,9 +506,9 @@ impl<'a> Renderer<'a> {
             .allotment
             .as_ref()
             .zip(self.course.estimator.as_ref())?;
-        let most = self.settings.samples_per_pixel;
+        let most = self.rules.samples_per_pixel;
         let film = &self.lock().film;
-        let forecast = match (self.settings.stop.noise, estimator.estimate()) {
+        let forecast = match (self.rules.stop.noise, estimator.estimate()) {
             (Some(noise), Some(error)) => {
                 allotment.for_variance((noise * noise / error.relmse.value).min(1.0), most)
             }
@@ -371,21 +522,32 @@ impl<'a> Renderer<'a> {
     fn is_quiet(&self) -> bool {
         let estimator = self.course.estimator.as_ref();
         let estimate = estimator.and_then(ErrorEstimator::estimate);
-        let target = self.settings.stop.noise;
+        let target = self.rules.stop.noise;
         target
             .zip(estimate)
             .is_some_and(|(noise, error)| error.relmse.value <= noise * noise)
     }
 
     fn has_all_passes(&self) -> bool {
-        let passes = self.settings.stop.passes;
+        let passes = self.rules.stop.passes;
         passes.is_some_and(|passes| self.course.passes >= passes)
     }
 
     /// Seconds until the render is to stop.
     fn time_left(&self) -> f64 {
-        let seconds = self.settings.stop.seconds;
+        let seconds = self.rules.stop.seconds;
         seconds.map_or(f64::INFINITY, |seconds| seconds - self.clock.seconds())
+    }
+
+    /// Whether the time is up by the rules of this very moment, so that not even a pass that is going on is finished.
+    fn is_too_late(&self) -> bool {
+        let delay = if self.course.passes == 0 {
+            0.0
+        } else {
+            MOST_DELAY
+        };
+        let limit = self.live_rules.get().stop.seconds;
+        limit.is_some_and(|limit| self.clock.seconds() >= limit * (1.0 + delay))
     }
 
     fn lock(&self) -> MutexGuard<'_, Shared> {
@@ -424,8 +586,13 @@ impl<'a> Renderer<'a> {
     fn finish_pass(&mut self) -> Result<Pass, Cut> {
         let this = &*self;
         let pass = this.course.pass.as_ref().expect("one is going on");
-        let work = pass.work(this.settings.samples_per_pixel);
+        let work = pass.work(this.rules.samples_per_pixel);
+        let is_late = AtomicBool::new(false);
         this.for_each_tile(&|number, tile, block| {
+            if this.is_too_late() {
+                is_late.store(true, Ordering::Relaxed);
+                return None;
+            }
             let shared = this.lock();
             work.of_tile(&shared.film, tile, &mut block.samples);
             if shared.has_pass[number] || block.samples.iter().all(|pixel| pixel.count == 0) {
@@ -453,6 +620,9 @@ impl<'a> Renderer<'a> {
             this.keep_checkpoint_if_due();
             Some(())
         })?;
+        if is_late.into_inner() {
+            return Err(Cut::TimeUp);
+        }
         self.course.passes += 1;
         Ok(self.course.pass.take().expect("one is going on"))
     }
@@ -491,6 +661,21 @@ impl<'a> Renderer<'a> {
             .pool()
             .broadcast(|thread| self.clock.note(thread.index()));
         self.clock.note_lead();
+        Ok(())
+    }
+
+    /// Finds out where samples belong, by the estimate as it is.
+    fn allot(&mut self) -> Result<(), Cut> {
+        let film = &self.shared.get_mut().expect("no thread panicked").film;
+        let estimator = self.course.estimator.as_ref();
+        let (pool, cancel) = (self.crew.pool(), &self.run.cancel);
+        self.course.allotment = match estimator {
+            Some(estimator) => {
+                let allotment = pool.install(|| Allotment::new(film, estimator, cancel));
+                Some(allotment.ok_or(Cut::Cancelled)?)
+            }
+            None => None,
+        };
         Ok(())
     }
 }

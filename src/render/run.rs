@@ -14,6 +14,7 @@ use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::{ErrorPoint, RenderProgress};
 use super::renderer::Renderer;
+use super::rules::LiveRules;
 use super::tiles::{Region, TilePixels};
 use crate::control::{CancelToken, Throttle};
 
@@ -31,6 +32,11 @@ pub struct RunConfig {
     pub throttle: Throttle,
     /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
     pub layers: bool,
+    /// Whether there is memory for one more copy of the sums of the picture, as a checkpoint takes: with it a render goes on with the very bits
+    /// of a longer one where its rules are changed while it ends, or after, see [`Watch::at_end`].
+    pub has_room: bool,
+    /// By which rules it ends; `None`: by those of the settings, all the while.
+    pub rules: Option<LiveRules>,
 }
 
 impl RunConfig {
@@ -101,7 +107,7 @@ pub enum Ending {
     Samples,
     /// The noise is as low as asked for.
     Noise,
-    /// The time is up.
+    /// The time is up. Where that was before the first pass was over, pixels have one sample or none.
     Time,
     /// It was told to end. Pixels may have any number of samples, even none, and the error is that of the last whole pass over them, if
     /// anything too large.
@@ -128,8 +134,10 @@ pub struct RenderStats {
     /// The fewest and the most samples of a pixel.
     pub sample_range: [u32; 2],
     /// Passes over the picture that are over. Where the error decides which pixels get samples, their number reproduces a picture that the
-    /// clock ended.
+    /// clock ended between two of them.
     pub passes: u32,
+    /// Whether the clock ended it in the middle of a pass: in the first, or far beyond its time. Nothing reproduces that.
+    pub is_cut_short: bool,
     /// Why it ended.
     pub ending: Ending,
     /// How wrong the picture is; `None` where it is not asked for, or there are too few samples to tell.
@@ -225,6 +233,9 @@ pub struct Watch<'a> {
     pub on_round: Option<OnRound<'a>>,
     /// Keeps checkpoints.
     pub checkpoints: Option<CheckpointKeeper<'a>>,
+    /// Is given what it has reached at its end, for whoever would go on from there by other rules: when it was cancelled, and otherwise where
+    /// [there is room](RunConfig::has_room).
+    pub at_end: Option<&'a (dyn Fn(Checkpoint) + Sync)>,
     /// Keeps what tiles get between checkpoints, and knows what they got before.
     pub blocks: Option<&'a dyn BlockStore>,
 }
@@ -264,9 +275,7 @@ pub fn render_watched(
 ) -> Option<RenderOutcome> {
     let settings = scene.settings();
     let region = region.unwrap_or(Region::full(settings.width, settings.height));
-    let mut renderer = Renderer::new(scene, region, run, progress, watch);
-    let ending = renderer.render()?;
-    renderer.outcome(ending)
+    finished(Renderer::new(scene, region, run, progress, watch))
 }
 
 /// [`render_watched`] that goes on from `checkpoint`. The picture, its error and all counts are those of a render that was never
@@ -287,7 +296,15 @@ pub fn resume(
         checkpoint.fits(scene, checkpoint.region(), run.layers_of(scene)),
         "the checkpoint is one of another render"
     );
-    let mut renderer = Renderer::resume(scene, checkpoint, run, progress, watch);
-    let ending = renderer.render()?;
-    renderer.outcome(ending)
+    finished(Renderer::resume(scene, checkpoint, run, progress, watch))
+}
+
+fn finished(mut renderer: Renderer<'_>) -> Option<RenderOutcome> {
+    if let Some(ending) = renderer.render() {
+        renderer.hand_on_copy();
+        renderer.outcome(ending)
+    } else {
+        renderer.hand_on();
+        None
+    }
 }

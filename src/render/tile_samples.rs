@@ -68,6 +68,14 @@ impl PassWork<'_> {
         samples.extend(indices.map(|index| self.of_pixel(film, index)));
     }
 
+    /// How many samples it takes.
+    pub fn samples(&self, film: &Film) -> u64 {
+        let indices = 0..film.region().pixel_count();
+        indices
+            .map(|index| u64::from(self.of_pixel(film, index).count))
+            .sum()
+    }
+
     /// Whether there is anything to do.
     pub fn has_pixels(&self, film: &Film) -> bool {
         (0..film.region().pixel_count()).any(|index| self.of_pixel(film, index).count > 0)

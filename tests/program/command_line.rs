@@ -833,6 +833,22 @@ fn numbers_of_options_are_numbers() {
     }
 }
 
+/// A picture that has no sample of most pixels when the time is up takes the place of none.
+#[test]
+fn what_the_clock_leaves_unfinished_is_called_so() {
+    let folder = folder();
+    let render = "render scene.toml -o out.png --size 2000x1500 --mode ao --seconds 0.3 --stats stats.json \
+                  --set render.ambient_occlusion.samples=4000";
+    let arguments: Vec<&str> = render.split_whitespace().collect();
+    let complaint = fail(folder.path(), 1, &arguments);
+    assert!(complaint.contains("the time was up"), "{complaint}");
+    assert!(!folder.path().join("out.png").exists());
+    assert!(folder.path().join("out.unfinished.png").is_file());
+    let stats = json(&folder.path().join("stats.json"));
+    assert_eq!(stats["ending"], "time");
+    assert_eq!(stats["is_cut_short"], true);
+}
+
 /// What a scene is read from is not written over.
 #[test]
 fn no_input_is_written_over() {

@@ -16,6 +16,7 @@ mod resume;
 mod scaling;
 mod sky;
 mod smooth;
+mod stopping;
 mod textures;
 mod trace;
 mod whole;

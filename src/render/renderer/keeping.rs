@@ -3,8 +3,11 @@
 use std::time::{Duration, Instant};
 
 use super::Renderer;
+use super::telling::whole;
 use crate::render::blocks::{Block, BlockHeader};
-use crate::render::checkpoint::Checkpoint;
+use crate::render::checkpoint::{Checkpoint, Course, Shared};
+use crate::render::clock::Clock;
+use crate::render::progress::RenderProgress;
 use crate::render::run::CheckpointKeeper;
 use crate::render::tile_samples::TileBlock;
 
@@ -97,14 +100,60 @@ impl Renderer<'_> {
     /// The render as it is now; `None` when cancelled.
     fn checkpoint(&self) -> Option<Checkpoint> {
         let shared = self.lock().copy_unless(&self.run.cancel)?;
-        Some(Checkpoint {
+        let course = self.course.clone();
+        Some(checkpoint_of(shared, course, &self.clock, self.progress))
+    }
+
+    /// Hands on what was reached to whoever may go on from there, where there is nothing to show for it.
+    pub fn hand_on(self) {
+        let Self {
             shared,
-            course: self.course.clone(),
-            seconds: self.clock.seconds(),
-            cpu_seconds: self.clock.cpu_seconds(),
-            errors: self.progress.errors_from(0),
-            expected_samples: self.progress.samples.total(),
-        })
+            course,
+            clock,
+            progress,
+            watch,
+            ..
+        } = self;
+        if let Some(at_end) = watch.at_end {
+            let shared = shared.into_inner().expect("no thread panicked");
+            at_end(checkpoint_of(shared, course, &clock, progress));
+        }
+    }
+
+    /// [`Self::hand_on`] where the picture is still to be made of it, if there is room for a copy. Of a last pass that was shorter than it might
+    /// be, what was there before is handed on: a longer render takes its samples in one pass with others.
+    pub fn hand_on_copy(&mut self) {
+        let Some(at_end) = self.watch.at_end.filter(|_| self.run.has_room) else {
+            return;
+        };
+        let (shared, course) = match self.before_short_pass.take() {
+            Some(before) => *before,
+            None => (self.lock().clone(), self.course.clone()),
+        };
+        at_end(checkpoint_of(shared, course, &self.clock, self.progress));
+    }
+}
+
+/// What a render has reached.
+fn checkpoint_of(
+    shared: Shared,
+    course: Course,
+    clock: &Clock,
+    progress: &RenderProgress,
+) -> Checkpoint {
+    let done = shared.film.total_samples() as f64;
+    let share = progress.share();
+    Checkpoint {
+        shared,
+        course,
+        seconds: clock.seconds(),
+        cpu_seconds: clock.cpu_seconds(),
+        errors: progress.errors_from(0),
+        expected_samples: if share > 0.0 {
+            whole(done / share)
+        } else {
+            progress.samples.total()
+        },
     }
 }
 

@@ -14,13 +14,11 @@ impl Renderer<'_> {
     pub(super) fn tell(&mut self, is_round: bool) {
         let film = &self.shared.get_mut().expect("no thread panicked").film;
         let (samples, pixels) = (film.total_samples() as f64, film.pixels() as f64);
-        let most = self.settings.samples_per_pixel;
+        let most = self.rules.samples_per_pixel;
         let seconds = self.clock.seconds();
-        // As far as is known now, the render ends after so many samples.
+        // As far as is known now, the render ends after so many samples, where its time is not up before.
         let mut total = pixels * f64::from(most);
-        if let Some(limit) = self.settings.stop.seconds {
-            total = total.min((samples * limit / seconds).max(samples));
-        }
+        let mut is_foreseen = self.rules.stop.noise.is_none();
         if let Some(estimator) = &self.course.estimator
             && let Some(error) = estimator.estimate()
         {
@@ -30,7 +28,8 @@ impl Renderer<'_> {
                 samples,
                 seconds,
             };
-            let noise = self.settings.stop.noise;
+            is_foreseen = true;
+            let noise = self.rules.stop.noise;
             let to_stop = noise.and_then(|noise| outlook.samples_to(noise, most));
             if let Some(to_stop) = to_stop {
                 total = total.min(to_stop.value);
@@ -48,7 +47,9 @@ impl Renderer<'_> {
                 self.course.noted_samples = samples;
             }
         }
-        self.progress.samples.set_remaining(whole(total - samples));
+        if is_foreseen {
+            self.progress.foresee(whole((total - samples).max(0.0)));
+        }
     }
 
     pub(super) fn show_round(&mut self) {
@@ -77,6 +78,6 @@ impl Renderer<'_> {
     clippy::cast_sign_loss,
     reason = "limits are what is meant"
 )]
-fn whole(number: f64) -> u64 {
+pub fn whole(number: f64) -> u64 {
     number.round() as u64
 }
