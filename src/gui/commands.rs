@@ -97,6 +97,8 @@ pub enum Command {
     Render,
     /// Render anew whenever the scene or the camera changes, or no longer.
     ToggleLive,
+    /// Go on with the samples of the render that ended.
+    Continue,
     /// Have the running render rest, or go on.
     TogglePause,
     /// Draw the part of the picture to render, or put the tool away.
@@ -161,7 +163,7 @@ pub enum TextureUse {
 
 impl Command {
     /// All of them, by menu, but for those of buttons alone.
-    pub const ALL: [Self; 53] = [
+    pub const ALL: [Self; 54] = [
         Self::Open,
         Self::AddMesh,
         Self::SetBackground,
@@ -184,6 +186,7 @@ impl Command {
         Self::FocusTool,
         Self::RayTool,
         Self::Render,
+        Self::Continue,
         Self::ToggleLive,
         Self::TogglePause,
         Self::Cancel,
@@ -267,6 +270,7 @@ impl Command {
             Self::Enlarge => "Enlarge",
             Self::Reduce => "Reduce",
             Self::Render => "Render",
+            Self::Continue => "Continue",
             Self::ToggleLive => "Live",
             Self::TogglePause => "Pause",
             Self::DrawRegion => "Draw region to render",
@@ -347,6 +351,9 @@ impl Command {
             Self::Enlarge => "Show the picture larger",
             Self::Reduce => "Show the picture smaller",
             Self::Render => "Render the picture; restarts a running render",
+            Self::Continue => {
+                "Go on with the samples of the render that was cancelled, or that may take more by now"
+            }
             Self::ToggleLive => {
                 "Render anew whenever the scene or the camera changes: coarse at once, then ever finer"
             }
@@ -429,6 +436,7 @@ impl Command {
             Self::Enlarge => const { &[plain(Key::Plus), plain(Key::Equals)] },
             Self::Reduce => const { &[plain(Key::Minus)] },
             Self::Render => const { &[plain(Key::F5), command(Key::R)] },
+            Self::Continue => const { &[KeyboardShortcut::new(Modifiers::SHIFT, Key::F5)] },
             Self::ToggleLive => const { &[plain(Key::L)] },
             Self::TogglePause => const { &[plain(Key::P)] },
             Self::DrawRegion => const { &[plain(Key::B)] },

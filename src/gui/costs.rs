@@ -32,6 +32,15 @@ pub enum CostState {
 }
 
 impl CostState {
+    /// How far measuring is, `0..=1`, where it goes on.
+    #[must_use]
+    pub fn share_measured(&self) -> Option<f64> {
+        match self {
+            Self::Measuring(progress) => Some(progress.fraction()),
+            _ => None,
+        }
+    }
+
     /// What is known of the effects of `scene`.
     #[must_use]
     pub fn of_effects(&self, scene: &Scene) -> EffectCosts<'_> {

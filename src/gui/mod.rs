@@ -64,6 +64,7 @@ pub mod picture_buffer;
 pub mod preview;
 pub mod preview_image;
 pub mod ray_view;
+mod reached;
 mod recovering;
 pub mod region;
 mod render_keeper;

@@ -11,9 +11,10 @@ use super::keeping::KeptRender;
 use super::opened_picture::OpenedPicture;
 use super::part::Part;
 use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureBuffer};
+use super::reached::Reached;
 use crate::control::{Progress, Throttle};
 use crate::io::WrittenError;
-use crate::render::{ErrorPoint, RenderProgress, RenderStats};
+use crate::render::{ErrorPoint, LiveRules, RenderProgress, RenderStats, StopRules};
 use crate::scene::Scene;
 
 /// From this time on a render is work that nobody wants to lose: edits start it anew only where the picture follows them, it is remembered, it
@@ -91,11 +92,19 @@ pub struct Picture {
     pub first_look: FirstLook,
     /// Where it is on disk, in case the program is killed.
     kept: Option<Arc<KeptRender>>,
+    /// What it has reached, once it has ended, for one that goes on from there.
+    reached: Reached,
+    /// Whether it took up the samples of another that had ended.
+    is_continued: bool,
+    /// By which rules it ends.
+    rules: LiveRules,
     hold: Hold,
     /// What was edited since it began, and that it is not to be made anew for.
     passed_over: Option<(Scene, Part)>,
     /// What is known of its error, oldest first.
     errors: Vec<ErrorPoint>,
+    /// How much of that is by rules that do not hold any more.
+    outdated_errors: usize,
     /// How long it had taken when the last of it came.
     newest_error: Duration,
     started: Instant,
@@ -130,7 +139,6 @@ impl Picture {
             name,
             scene_name,
             file: 0,
-            scene,
             buffer,
             progress,
             reading: Progress::new(),
@@ -142,9 +150,14 @@ impl Picture {
             why_black: None,
             first_look: FirstLook::default(),
             kept: None,
+            reached: Reached::default(),
+            is_continued: false,
+            rules: LiveRules::new(StopRules::of(&scene.render)),
+            scene,
             hold: Hold::default(),
             passed_over: None,
             errors: Vec::new(),
+            outdated_errors: 0,
             newest_error: Duration::ZERO,
             started,
             before: None,
@@ -332,6 +345,67 @@ impl Picture {
         !self.is_running() && self.is_long() && !self.is_saved && self.first_tile.is_some()
     }
 
+    /// By which rules it ends, for the threads that render.
+    #[must_use]
+    pub fn rules(&self) -> &LiveRules {
+        &self.rules
+    }
+
+    /// Has it end by `rules` from now on: it goes on with the samples that it has. `name`: what it is called then.
+    pub fn end_by(&mut self, rules: StopRules, name: String) {
+        rules.put_into(&mut self.scene.render);
+        self.rules.set(rules);
+        self.name = name;
+        self.outdated_errors = self.errors.len();
+        let pixels = self.buffer.part().region.pixel_count() as u64;
+        self.progress
+            .begin_anew(pixels * u64::from(rules.samples_per_pixel));
+    }
+
+    /// Where what it has reached is left at its end.
+    #[must_use]
+    pub fn reached(&self) -> &Reached {
+        &self.reached
+    }
+
+    /// Takes note that it took up the samples of another, which had ended by other rules. `leads_elsewhere`: whether its picture is not that of
+    /// a render by its own rules from the start.
+    pub fn continue_another(&mut self, leads_elsewhere: bool) {
+        self.is_continued = true;
+        if leads_elsewhere {
+            self.rules.set_lead_elsewhere();
+        }
+    }
+
+    /// Whether it took up the samples of another that had ended.
+    #[must_use]
+    pub fn is_continued(&self) -> bool {
+        self.is_continued
+    }
+
+    /// Whether it ended, and would go on by `rules` if it could.
+    #[must_use]
+    pub fn would_go_on_by(&self, rules: &StopRules) -> bool {
+        let stop = &rules.stop;
+        match &self.outcome {
+            Outcome::Cancelled => {
+                let seconds = self.elapsed().as_secs_f64();
+                self.first_tile.is_some() && stop.seconds.is_none_or(|limit| limit > seconds)
+            }
+            Outcome::Finished { stats, .. } => {
+                let noise = stats.error.map(|error| error.noise().value);
+                let is_quiet = stop.noise.zip(noise).is_some_and(|(to, noise)| noise <= to);
+                stats.sample_range[0] < rules.samples_per_pixel
+                    && stop
+                        .seconds
+                        .is_none_or(|limit| limit > stats.render_seconds)
+                    && stop.passes.is_none_or(|passes| passes > stats.passes)
+                    && !is_quiet
+            }
+            _ => false,
+        }
+    }
+
     /// What holds the render back, for the threads that render.
     #[must_use]
     pub fn throttle(&self) -> &Throttle {
@@ -432,7 +506,15 @@ impl Picture {
 
     /// [`Self::remaining`], where [`Self::elapsed`] is `elapsed`.
     fn remaining_after(&self, elapsed: Duration) -> Option<Duration> {
-        if let Some((point, stop)) = self.errors.last().and_then(|p| Some((p, p.time_to_stop?))) {
+        let until = self.progress.seconds_until_time_is_up();
+        let until = until.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        let by_samples = self.remaining_by_samples(elapsed);
+        until.into_iter().chain(by_samples).min()
+    }
+
+    fn remaining_by_samples(&self, elapsed: Duration) -> Option<Duration> {
+        let known = self.errors.get(self.outdated_errors..).unwrap_or_default();
+        if let Some((point, stop)) = known.last().and_then(|p| Some((p, p.time_to_stop?))) {
             let end = stop
                 .value
                 .min(self.scene.render.stop.seconds.unwrap_or(f64::INFINITY));
@@ -440,7 +522,7 @@ impl Picture {
             let since = since.as_secs_f64();
             return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
         }
-        time_left(self.progress.samples.fraction(), elapsed)
+        time_left(self.progress.share(), elapsed)
     }
 
     /// How many samples a pixel has so far.
@@ -463,10 +545,12 @@ impl Picture {
         Samples::OnAverage(self.progress.samples.done() as f64 / pixels)
     }
 
-    /// Million rays per second so far.
+    /// Million rays per second so far; `None` before there are any to speak of.
     #[must_use]
-    pub fn mrays_per_second(&self) -> f64 {
-        self.progress.rays() as f64 / self.elapsed_here().as_secs_f64().max(1e-9) / 1e6
+    pub fn mrays_per_second(&self) -> Option<f64> {
+        let seconds = self.elapsed_here().as_secs_f64();
+        let rate = self.progress.rays() as f64 / seconds.max(1e-9) / 1e6;
+        (seconds > 0.2 && rate >= 0.005).then_some(rate)
     }
 }
 

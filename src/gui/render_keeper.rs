@@ -1,7 +1,7 @@
 //! A render that is kept on disk while it runs, to be gone on with when the program is killed.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::event::Event;
@@ -11,8 +11,9 @@ use super::worker::RenderRequest;
 use crate::io::{LoggedBlocks, block_record, describe_render};
 use crate::render::{
     Block, BlockHeader, BlockStore, Checkpoint, CheckpointKeeper, Layer, PictureMemory,
-    PreparedScene,
+    PreparedScene, StopRules,
 };
+use crate::scene::{RenderSettings, Scene};
 
 /// The least time between two checkpoints.
 const LEAST_INTERVAL: Duration = Duration::from_secs(1);
@@ -60,6 +61,8 @@ pub struct RenderKeeper<'a> {
     known: OnceLock<LoggedBlocks>,
     /// Whether it was told that one cannot be kept.
     is_told: AtomicBool,
+    /// By which rules it ends, as far as that is on disk.
+    rules: Mutex<StopRules>,
 }
 
 /// Where a render goes on.
@@ -69,6 +72,17 @@ pub struct Start {
     pub share_done: f64,
     /// When the last of them was there, in seconds of wall time of the render.
     pub seconds: f64,
+}
+
+impl Start {
+    /// At `checkpoint`, and what is known beside: so many `samples`, the last after so many `seconds`.
+    pub fn of(checkpoint: Checkpoint, samples: u64, seconds: f64) -> Self {
+        Self {
+            share_done: checkpoint.share_done(samples),
+            seconds: seconds.max(checkpoint.seconds()),
+            checkpoint,
+        }
+    }
 }
 
 impl<'a> RenderKeeper<'a> {
@@ -100,6 +114,7 @@ impl<'a> RenderKeeper<'a> {
             written: AtomicU64::new(0),
             known: OnceLock::new(),
             is_told: AtomicBool::new(false),
+            rules: Mutex::new(request.rules.get()),
         };
         if let Err(short) = memory.require() {
             keeper.tell(format!(
@@ -152,7 +167,7 @@ impl<'a> RenderKeeper<'a> {
             .headers()
             .iter()
             .filter(|block| checkpoint.lacks(block.pass, block.tile));
-        let (mut samples, mut seconds) = (0, checkpoint.seconds());
+        let (mut samples, mut seconds) = (0, 0.0_f64);
         for BlockHeader {
             samples: more,
             seconds: end,
@@ -162,11 +177,7 @@ impl<'a> RenderKeeper<'a> {
             samples += more;
             seconds = end.max(seconds);
         }
-        Ok(Some(Start {
-            share_done: checkpoint.share_done(samples),
-            seconds,
-            checkpoint,
-        }))
+        Ok(Some(Start::of(checkpoint, samples, seconds)))
     }
 
     /// Keeps `checkpoint`. That it cannot be is told once.
@@ -174,7 +185,8 @@ impl<'a> RenderKeeper<'a> {
         let Some(description) = self.description() else {
             return;
         };
-        let scene = &self.request.scene;
+        self.keep_rules();
+        let scene = &self.scene();
         let known = self.known.get().map_or(&[][..], LoggedBlocks::headers);
         let mut known = known.iter();
         let needs_old = known.any(|block| checkpoint.lacks(block.pass, block.tile));
@@ -191,7 +203,7 @@ impl<'a> RenderKeeper<'a> {
         let Some(description) = self.description() else {
             return;
         };
-        let begun = self.kept.begin_log(&self.request.scene, description);
+        let begun = self.kept.begin_log(&self.scene(), description);
         self.has_log.store(begun.is_ok(), Ordering::Relaxed);
     }
 
@@ -199,9 +211,35 @@ impl<'a> RenderKeeper<'a> {
     fn description(&self) -> Option<&str> {
         let description = self.description.get_or_init(|| {
             let region = self.kept.about().region;
-            describe_render(&self.request.scene, region, self.layers, &self.job.cancel)
+            // By which rules it ends may change on the way.
+            let mut scene = self.request.scene.clone();
+            let any = RenderSettings {
+                samples_per_pixel: RenderSettings::MAX_SAMPLES,
+                ..RenderSettings::default()
+            };
+            StopRules::of(&any).put_into(&mut scene.render);
+            describe_render(&scene, region, self.layers, &self.job.cancel)
         });
         description.as_deref()
+    }
+
+    /// What is rendered, with the rules as they are now. A pixel that has its samples by other rules keeps them.
+    fn scene(&self) -> Scene {
+        let mut scene = self.request.scene.clone();
+        let before = scene.render.samples_per_pixel;
+        let mut rules = self.request.rules.get();
+        rules.samples_per_pixel = rules.samples_per_pixel.max(before);
+        rules.put_into(&mut scene.render);
+        scene
+    }
+
+    /// Takes the rules to disk, where they are others than those that are there.
+    fn keep_rules(&self) {
+        let rules = self.request.rules.get();
+        let mut known = self.rules.lock().unwrap_or_else(PoisonError::into_inner);
+        if *known != rules && self.kept.keep_scene_anew(&self.scene()).is_ok() {
+            *known = rules;
+        }
     }
 
     /// Whether blocks have taken all the time by now that they may, or all the room.
@@ -233,6 +271,7 @@ impl BlockStore for RenderKeeper<'_> {
         if !self.is_beginning.swap(true, Ordering::Relaxed) {
             self.begin_log();
         }
+        self.keep_rules();
         if self.is_spent() || !self.has_log.load(Ordering::Relaxed) {
             return;
         }

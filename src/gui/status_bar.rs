@@ -8,8 +8,9 @@ use super::commands::{Command, Stoppable};
 use super::picture::{Outcome, Picture};
 use super::report::Run;
 use super::theme;
+use super::time_estimate::rounded;
 use super::widgets::{chosen_percent, counted, format_number, grouped, noise_in_words, percent};
-use crate::render::{Ending, RenderStats};
+use crate::render::{Ending, RenderStats, Sight};
 use crate::scene::{RenderSettings, Scene, Stop};
 
 /// What runs or was last done.
@@ -49,6 +50,12 @@ pub struct Status<'a> {
     pub activity: Activity<'a>,
     /// Which pictures are being written, in words; `None` where none are.
     pub saving: Option<String>,
+    /// How far measuring what effects cost is, `0..=1`, where that goes on.
+    pub measuring: Option<f64>,
+    /// The render that runs while another picture is looked at.
+    pub running: Option<&'a Picture>,
+    /// Whether the render that ended can go on with its samples.
+    pub can_continue: bool,
     /// What Esc would stop.
     pub esc_stops: Option<Stoppable>,
     /// The last thing that was done, such as saving.
@@ -60,9 +67,18 @@ pub struct Status<'a> {
 /// Height of the bar, in points.
 pub const HEIGHT: f32 = 26.0;
 
-/// Draws the bar; returns what is to be stopped.
-pub fn status_bar_ui(ui: &mut Ui, status: &Status<'_>) -> Option<Stoppable> {
-    let mut asked = None;
+/// What was asked for in the bar.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked {
+    /// What is to be stopped.
+    pub stop: Option<Stoppable>,
+    /// What else is to be done.
+    pub command: Option<Command>,
+}
+
+/// Draws the bar; returns what was asked for.
+pub fn status_bar_ui(ui: &mut Ui, status: &Status<'_>) -> Asked {
+    let mut asked = Asked::default();
     ui.horizontal(|ui| {
         ui.set_min_height(HEIGHT);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -76,6 +92,24 @@ pub fn status_bar_ui(ui: &mut Ui, status: &Status<'_>) -> Option<Stoppable> {
                     ui.label(format!("Saving {saving}…"));
                     ui.separator();
                 }
+                if let Some(share) = status.measuring {
+                    stop_ui(ui, Stoppable::Measuring, status, &mut asked);
+                    progress_ui(ui, share);
+                    ui.label("Measuring costs");
+                    ui.separator();
+                }
+                if let Some(picture) = status.running {
+                    progress_ui(ui, picture.progress.share());
+                    let what = if picture.is_paused() {
+                        "Paused"
+                    } else {
+                        "Rendering"
+                    };
+                    let left = time_left_in_words(picture);
+                    let parts: Vec<String> = std::iter::once(what.to_owned()).chain(left).collect();
+                    ui.label(parts.join("  ·  "));
+                    ui.separator();
+                }
                 activity_ui(ui, status, &mut asked);
             });
         });
@@ -84,7 +118,7 @@ pub fn status_bar_ui(ui: &mut Ui, status: &Status<'_>) -> Option<Stoppable> {
 }
 
 /// The button that stops `what`.
-fn stop_ui(ui: &mut Ui, what: Stoppable, status: &Status<'_>, asked: &mut Option<Stoppable>) {
+fn stop_ui(ui: &mut Ui, what: Stoppable, status: &Status<'_>, asked: &mut Asked) {
     let name = format!("Cancel {}", what.in_words());
     let tooltip = if status.esc_stops == Some(what) {
         format!("{name}  ({})", Command::Cancel.shortcut_text(ui.ctx()))
@@ -96,11 +130,22 @@ fn stop_ui(ui: &mut Ui, what: Stoppable, status: &Status<'_>, asked: &mut Option
         .accessible_name(name)
         .on_hover_text(tooltip);
     if response.clicked() {
-        *asked = Some(what);
+        asked.stop = Some(what);
     }
 }
 
-fn activity_ui(ui: &mut Ui, status: &Status<'_>, asked: &mut Option<Stoppable>) {
+/// The button that goes on with the render that ended.
+fn continue_ui(ui: &mut Ui, asked: &mut Asked) {
+    let command = Command::Continue;
+    let response = ui
+        .add(Button::new(command.label()).small())
+        .on_hover_text(command.tooltip(ui.ctx()));
+    if response.clicked() {
+        asked.command = Some(command);
+    }
+}
+
+fn activity_ui(ui: &mut Ui, status: &Status<'_>, asked: &mut Asked) {
     let news = status.news;
     match &status.activity {
         Activity::Idle if news.is_empty() => {
@@ -119,8 +164,10 @@ fn activity_ui(ui: &mut Ui, status: &Status<'_>, asked: &mut Option<Stoppable>) 
             stop_ui(ui, Stoppable::Preparing, status, asked);
             if *share > 0.0 {
                 progress_ui(ui, *share);
+                line_ui(ui, "Preparing the scene: building its tree");
+            } else {
+                line_ui(ui, "Preparing the scene: placing its triangles");
             }
-            line_ui(ui, "Preparing the scene…");
         }
         Activity::Reporting(run) => {
             progress_ui(ui, run.progress.how_far().0);
@@ -135,9 +182,12 @@ fn activity_ui(ui: &mut Ui, status: &Status<'_>, asked: &mut Option<Stoppable>) 
             is_of_other,
             outdated,
         } => {
+            if status.can_continue {
+                continue_ui(ui, asked);
+            }
             let hint = match (is_of_other, outdated) {
                 (true, _) => Some(other_scene(picture)),
-                (false, true) => Some(other_settings(picture).to_owned()),
+                (false, true) => Some(other_settings(picture, status.can_continue).to_owned()),
                 (false, false) => None,
             };
             picture_ui(ui, picture, hint, news);
@@ -156,11 +206,13 @@ fn other_scene(picture: &Picture) -> String {
 }
 
 /// What is said where the scene is no longer the one that `picture` shows.
-fn other_settings(picture: &Picture) -> &'static str {
+fn other_settings(picture: &Picture, can_continue: bool) -> &'static str {
     if picture.is_paused() {
         "settings changed: Resume goes on without, F5 restarts"
     } else if picture.is_running() {
         "settings changed: F5 restarts"
+    } else if can_continue {
+        "may go on by now: Continue takes its samples along, F5 begins anew"
     } else {
         "settings changed since"
     }
@@ -184,7 +236,7 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, hint: Option<String>, news: &str) 
                 progress_ui(ui, share);
                 parts.push("Reading what was rendered before".to_owned());
             } else {
-                progress_ui(ui, picture.progress.samples.fraction());
+                progress_ui(ui, picture.progress.share());
                 parts.extend(running_parts(picture, &size));
             }
         }
@@ -201,6 +253,10 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, hint: Option<String>, news: &str) 
             let mrays = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
             parts.push(format!("{mrays:.2} Mrays/s"));
             parts.push(short_hash(hash));
+            if picture.rules().lead_elsewhere() {
+                let text = "its stop rules were changed on the way: begun anew by the last ones, it has other noise";
+                parts.push(text.to_owned());
+            }
             warnings.extend(faults(stats));
             if render.clamp.is_some() {
                 let share = stats.clamped.energy_share * 100.0;
@@ -208,7 +264,7 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, hint: Option<String>, news: &str) 
             }
         }
         Outcome::Cancelled => {
-            let share = (picture.progress.samples.fraction() * 100.0).floor();
+            let share = (picture.progress.share() * 100.0).floor();
             parts.push(format!(
                 "Cancelled at {share} % after {}",
                 duration(picture.elapsed())
@@ -256,17 +312,37 @@ fn running_parts(picture: &Picture, size: &str) -> Vec<String> {
     parts.push(format!("{what} {size}, {most}{samples}"));
     if let Some(share) = picture.goes_on_from() {
         let done = (share * 100.0).floor();
-        parts.push(format!("interrupted at {done} %, goes on"));
+        parts.push(if picture.is_continued() {
+            format!("goes on from {done} %")
+        } else {
+            format!("interrupted at {done} %, goes on")
+        });
     }
     parts.push(duration(picture.elapsed()));
-    if let Some(remaining) = picture.remaining() {
-        parts.push(format!("{} left", duration(remaining)));
-    }
+    parts.extend(time_left_in_words(picture));
     if let Some(point) = picture.errors().last() {
         parts.push(format!("noise {}", noise_in_words(point.error.noise())));
     }
-    parts.push(format!("{:.2} Mrays/s", picture.mrays_per_second()));
+    let rate = picture.mrays_per_second();
+    parts.extend(rate.map(|rate| format!("{rate:.2} Mrays/s")));
     parts
+}
+
+/// How long a running render will take yet, as far as that is known.
+fn time_left_in_words(picture: &Picture) -> Option<String> {
+    Some(time_left(picture.remaining()?, picture.progress.sight()))
+}
+
+/// `left` in words; `sight`: what is known of the samples that it is for.
+fn time_left(left: Duration, sight: Sight) -> String {
+    if left < Duration::from_secs(1) {
+        return "under 1 s left".to_owned();
+    }
+    match sight {
+        Sight::Bound => format!("at most {} left", duration(left)),
+        Sight::Guess => format!("about {} left", rounded(left.as_secs_f64())),
+        Sight::Known => format!("{} left", duration(left)),
+    }
 }
 
 fn short_hash(hash: &str) -> String {
@@ -278,6 +354,9 @@ fn ending(stats: &RenderStats, render: &RenderSettings) -> String {
     match (stats.ending, render.stop.noise) {
         (Ending::Noise, Some(noise)) => format!("down to {}", chosen_percent(noise)),
         (Ending::Noise, None) => "noise reached".to_owned(),
+        (Ending::Time, _) if stats.sample_range[0] == 0 => {
+            "time is up before every pixel has a sample".to_owned()
+        }
         (Ending::Time, _) => "time is up".to_owned(),
         (Ending::Interrupted, _) => "interrupted".to_owned(),
         (Ending::Samples, _) if render.stop.passes == Some(stats.passes) => {
@@ -390,6 +469,15 @@ mod tests {
         assert_eq!(shown(119.7), "2 min 00 s");
         assert_eq!(shown(3599.9), "1 h 00 min");
         assert_eq!(shown(7500.0), "2 h 05 min");
+    }
+
+    #[test]
+    fn what_is_left_is_told_no_surer_than_it_is() {
+        let shown = |seconds, sight| time_left(Duration::from_secs_f64(seconds), sight);
+        assert_eq!(shown(0.769, Sight::Known), "under 1 s left");
+        assert_eq!(shown(18.34, Sight::Known), "18.3 s left");
+        assert_eq!(shown(18.34, Sight::Guess), "about 18 s left");
+        assert_eq!(shown(1620.0, Sight::Bound), "at most 27 min 00 s left");
     }
 
     #[test]

@@ -26,6 +26,7 @@ use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
+use super::reached::{self, Reached};
 use super::render_keeper::{RenderKeeper, Start};
 use super::report::Findings;
 use super::time_estimate::Subject;
@@ -36,9 +37,9 @@ use crate::control::{CancelToken, Progress, Throttle};
 use crate::io::{self, LoadedScene, WrittenOrigin};
 use crate::math::DBounds;
 use crate::render::{
-    self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, OnCoarse, OnRound, PictureMemory,
-    PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, Round,
-    RunConfig, Sketch, SketchStore, TilePixels, Watch,
+    self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, LiveRules, OnCoarse, OnRound,
+    PictureMemory, PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress,
+    Round, RunConfig, Sketch, SketchStore, TilePixels, Watch,
 };
 use crate::scene::{Object, Scene, SceneError};
 
@@ -330,6 +331,14 @@ pub struct RenderRequest {
     pub kept: Option<Arc<KeptRender>>,
     /// Whether it goes on from what is kept there.
     pub goes_on: bool,
+    /// By which rules it ends, as the window has them.
+    pub rules: LiveRules,
+    /// Mean samples of a pixel that it takes, as far as that is known.
+    pub expected_samples: Option<f64>,
+    /// What it goes on from, where it takes up another that has ended.
+    pub continues: Option<Reached>,
+    /// Where what it has reached is left at its end; `None` where nobody will go on from there.
+    pub reached: Option<Reached>,
 }
 
 /// How a render prepares its scene itself: a picture that follows what moves shows where that is first.
@@ -360,6 +369,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         cancel: job.cancel.clone(),
         throttle: request.throttle.clone(),
         layers: !request.buffer.layers().is_empty(),
+        rules: Some(request.rules.clone()),
         ..RunConfig::default()
     };
     let on_coarse = |coarse: &CoarsePicture| {
@@ -375,6 +385,10 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     };
     let region = request.buffer.part().region();
     let memory = memory_of(request, &prepared, &run);
+    let run = RunConfig {
+        has_room: request.reached.is_some() && has_room(memory),
+        ..run
+    };
     if let Err(short) = memory.require() {
         request.primary_hits.clear();
         return job.send(Event::RenderFailed {
@@ -385,7 +399,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let prepared = prepared.with_primary_hits(&request.primary_hits);
     let layers = run.layers_of(&prepared);
     let keeper = RenderKeeper::new(job, request, layers, memory, run.thread_count());
-    let start = match start(request, keeper.as_ref(), &prepared) {
+    let start = match start(request, keeper.as_ref(), &prepared, layers) {
         Ok(start) => start,
         Err(reason) => return job.send(Event::RenderLost(reason)),
     };
@@ -396,6 +410,11 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let keep = |checkpoint: Checkpoint| {
         if let Some(keeper) = &keeper {
             keeper.keep(&checkpoint);
+        }
+    };
+    let at_end = |checkpoint: Checkpoint| {
+        if let Some(reached) = &request.reached {
+            reached.set(checkpoint);
         }
     };
     let is_first = AtomicBool::new(true);
@@ -432,15 +451,28 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
         checkpoints: keeper.as_ref().map(|keeper| keeper.checkpoints(&keep)),
         blocks: keeper.as_ref().map(|keeper| keeper as &dyn BlockStore),
-        ..Watch::default()
+        at_end: request
+            .reached
+            .is_some()
+            .then_some(&at_end as &(dyn Fn(Checkpoint) + Sync)),
     };
     let progress = &request.progress;
-    let outcome = match start {
+    if let Some(samples) = request.expected_samples {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of samples"
+        )]
+        progress
+            .expect_samples((samples * request.buffer.part().region.pixel_count() as f64) as u64);
+    }
+    let render = || match start {
         Some(Start {
             checkpoint,
             share_done,
             seconds,
         }) => {
+            progress.go_on_at(share_done);
             job.send(Event::RenderGoesOn {
                 share_done,
                 seconds,
@@ -450,6 +482,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         }
         None => render::render_watched(&prepared, region, &run, progress, watch),
     };
+    let whole = request.buffer.part().region;
+    let outcome = pilot::foreseeing(&request.scene, &prepared, whole, progress, render);
     if let Some(kept) = &request.kept {
         kept.end_log();
     }
@@ -466,7 +500,14 @@ fn start(
     request: &RenderRequest,
     keeper: Option<&RenderKeeper<'_>>,
     prepared: &PreparedScene,
+    layers: &[Layer],
 ) -> Result<Option<Start>, String> {
+    let reached = request.continues.as_ref().and_then(Reached::take);
+    let region = request.buffer.part().region;
+    if let Some(checkpoint) = reached.filter(|reached| reached.fits(prepared, region, layers)) {
+        let checkpoint = checkpoint.with_rules_of(prepared.settings());
+        return Ok(Some(Start::of(checkpoint, 0, 0.0)));
+    }
     if !request.goes_on {
         return Ok(None);
     }
@@ -479,6 +520,16 @@ fn start(
         kept.accept();
     }
     start
+}
+
+/// Whether what a render that takes `memory` has reached may be copied, beside its checkpoints.
+fn has_room(memory: PictureMemory) -> bool {
+    let all = PictureMemory {
+        has_checkpoint: true,
+        kept_bytes: memory.kept_bytes + memory.checkpoint_bytes(),
+        ..memory
+    };
+    memory.checkpoint_bytes() <= reached::MOST_BYTES && all.require().is_ok()
 }
 
 /// What the picture of a render takes.

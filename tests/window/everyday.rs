@@ -1045,9 +1045,9 @@ fn a_render_stops_at_a_noise_and_its_course_is_plotted() {
 
     window.operate("Stop at noise");
     assert_eq!(window.scene().render.stop.noise, Some(0.03));
-    assert!(window.says("at most: allow more"));
+    assert!(window.says("at most: if they do not reach it"));
     set_samples(&mut window, 4096);
-    assert!(!window.says("at most: allow more"));
+    assert!(!window.says("at most: if they do not reach it"));
     set_number(&mut window, "Noise to stop at", "1.5");
     assert_eq!(window.scene().render.stop.noise, Some(0.015));
     window.click("Select Light 1");

@@ -23,5 +23,6 @@ mod renders;
 mod restoring;
 mod seeing;
 mod start;
+mod stopping;
 mod tools;
 mod tree;

@@ -65,10 +65,11 @@ impl App {
             .frame(bar(10, 6))
             .show(ui, |ui| top_bar::top_bar_ui(ui, state, name))
             .inner;
-        let stop = Panel::bottom("status bar")
+        let status_asked = Panel::bottom("status bar")
             .frame(bar(12, 1))
             .show(ui, |ui| self.status_ui(ui))
             .inner;
+        bar_asked.commands.extend(status_asked.command);
         let mut open = self.panel_open;
         let panel = Panel::right("side panel")
             .frame(bar(0, 0))
@@ -105,7 +106,7 @@ impl App {
             commands: bar_asked.commands,
             recent: bar_asked.recent,
             render,
-            stop,
+            stop: status_asked.stop,
         }
     }
 
@@ -141,8 +142,8 @@ impl App {
         }
     }
 
-    /// Draws the status bar; returns what is to be stopped.
-    fn status_ui(&self, ui: &mut Ui) -> Option<Stoppable> {
+    /// Draws the status bar; returns what was asked for there.
+    fn status_ui(&self, ui: &mut Ui) -> status_bar::Asked {
         let activity = if let Some(loading) = &self.loading {
             Activity::Loading {
                 what: &loading.what,
@@ -180,8 +181,18 @@ impl App {
         if let Some(left) = left {
             ui.ctx().request_repaint_after(left);
         }
+        let told = match &activity {
+            Activity::Picture { picture, .. } => Some(picture.number),
+            _ => None,
+        };
+        let present = self.picture.as_ref();
+        let is_present_told = present.is_some_and(|picture| Some(picture.number) == told);
+        let running = present.filter(|picture| picture.is_running() && !is_present_told);
         let status = Status {
             activity,
+            measuring: self.costs.share_measured(),
+            running,
+            can_continue: is_present_told && self.can_continue(),
             saving: self.pictures_being_saved(),
             esc_stops: self.what_to_stop(),
             news,

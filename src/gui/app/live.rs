@@ -33,7 +33,7 @@ impl App {
     }
 
     /// Starts a render anew whose scene was edited while it is looked at, where it runs and has not run for long, or is to follow every
-    /// change. In the preview, editing goes on beside it.
+    /// change. In the preview, editing goes on beside it. It goes on where only the rules by which it ends were edited.
     pub(super) fn restart_edited_render(&mut self) {
         let is_shown = self.view == View::Picture && self.shown_render.is_none();
         let picture = self.picture.as_ref().filter(|_| is_shown);
@@ -44,7 +44,9 @@ impl App {
         let is_followed = self.is_live && can_start && self.waiting_render.is_none();
         let file = self.document.file_number();
         let is_given_up = |p: &Picture| p.is_running() && !p.is_long() && p.file == file;
-        let is_wanted = |p: &Picture| (is_given_up(p) || is_followed) && self.is_outdated(p);
+        let takes_over = |p: &Picture| p.is_running() && self.differs_in_rules_alone(p);
+        let is_wanted =
+            |p: &Picture| (is_given_up(p) || is_followed) && self.is_outdated(p) && !takes_over(p);
         if picture.is_some_and(is_wanted) {
             self.replace_picture();
             self.ask_for_render();

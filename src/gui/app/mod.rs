@@ -228,6 +228,8 @@ struct WaitingRender {
     asked: Instant,
     /// What it goes on with; `None` where it is one of the scene as it is.
     interrupted: Option<Interrupted>,
+    /// Whether it takes up the samples of the present one, which ended by other rules.
+    continues: bool,
 }
 
 impl WaitingRender {
@@ -236,6 +238,7 @@ impl WaitingRender {
         Self {
             asked: Instant::now(),
             interrupted: None,
+            continues: false,
         }
     }
 }
@@ -492,6 +495,7 @@ impl App {
             can_cancel: self.what_to_stop().is_some(),
             can_pause: self.picture.as_ref().is_some_and(Picture::is_running),
             is_paused: self.is_paused(),
+            can_continue: self.can_continue(),
             time: self.estimated_time(),
             is_estimating_time: self.is_estimating_time(),
             can_estimate_time: self.can_estimate_time(),
@@ -529,7 +533,7 @@ impl App {
             ""
         };
         let running = self.picture.as_ref().filter(|picture| picture.is_running());
-        let rendered = running.map(|picture| picture.progress.samples.fraction());
+        let rendered = running.map(|picture| picture.progress.share());
         let run = self.report.run().filter(|_| self.report.is_running());
         let share = rendered.or_else(|| Some(run?.progress.how_far().0));
         let paused = if self.is_paused() { ", paused" } else { "" };
@@ -636,8 +640,13 @@ impl eframe::App for App {
         }
 
         self.selection = std::mem::take(&mut self.selection).within(&self.document.scene);
-        if !self.gesture.goes_on(&ctx) && self.document.record_edit(&self.selection) {
+        let is_editing = self.gesture.goes_on(&ctx);
+        if !is_editing && self.document.record_edit(&self.selection) {
             self.messages.note_edit();
+        }
+        // Half of a number that is typed may be less than what is there.
+        if !is_editing {
+            self.take_over_rules();
         }
         let display = self.document.scene.display;
         if self

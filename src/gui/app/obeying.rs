@@ -86,6 +86,7 @@ impl App {
             Command::Enlarge => self.zoom.nearer(),
             Command::Reduce => self.zoom.farther(),
             Command::Render => self.ask_for_render(),
+            Command::Continue => self.continue_render(),
             Command::ToggleLive => self.toggle_live(),
             Command::TogglePause => self.toggle_pause(),
             Command::DrawRegion => self.region.toggle_drawing(),

@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::{App, PreparedState, WaitingRender};
 use crate::analysis::hazards::why_black;
 use crate::control::Progress;
-use crate::gui::document::{same_geometry, same_image, same_picture};
+use crate::gui::document::{same_geometry, same_image, same_picture, same_picture_but_render};
 use crate::gui::error_plot::name_of_render;
 use crate::gui::jobs::{Lane, drop_elsewhere};
 use crate::gui::keeping::{KeptRender, RenderAbout};
@@ -24,7 +24,7 @@ use crate::gui::recovering::Interrupted;
 use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
 use crate::gui::worker::{self, Placed, Preparation, RenderRequest};
-use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats};
+use crate::render::{Layer, PreparedScene, RenderProgress, RenderStats, StopRules};
 use crate::scene::{Display, Scene};
 
 impl App {
@@ -203,6 +203,10 @@ impl App {
 
     /// Starts a render as soon as its geometry is there; one that runs is given up.
     pub(super) fn ask_for_render(&mut self) {
+        self.ask_for(WaitingRender::new());
+    }
+
+    fn ask_for(&mut self, render: WaitingRender) {
         if self.picture.as_ref().is_some_and(Picture::is_running) {
             self.replace_picture();
             self.cancel_render();
@@ -211,7 +215,7 @@ impl App {
         self.stop_estimating_time();
         self.messages.news("");
         self.unwanted_preparation = None;
-        self.waiting_render = Some(WaitingRender::new());
+        self.waiting_render = Some(render);
         self.update_background_work();
     }
 
@@ -223,8 +227,74 @@ impl App {
         }
     }
 
+    /// Has the running render end by the rules that the scene holds now, where nothing else was edited.
+    pub(super) fn take_over_rules(&mut self) {
+        let rules = StopRules::of(&self.document.scene.render);
+        let is_other = |picture: &&Picture| {
+            picture.is_running() && StopRules::of(&picture.scene.render) != rules
+        };
+        let Some(picture) = self.picture.as_ref().filter(is_other) else {
+            return;
+        };
+        if !self.differs_in_rules_alone(picture) {
+            return;
+        }
+        let before = self.renders.entries().last();
+        let before = before.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));
+        let name = self.name_of_picture_after(before);
+        if let Some(picture) = &mut self.picture {
+            picture.end_by(rules, name);
+        }
+    }
+
+    /// Whether `picture` is of the scene and the part of it that are edited now but for the rules by which its render ends, and could go on by
+    /// those of now.
+    pub(super) fn differs_in_rules_alone(&self, picture: &Picture) -> bool {
+        let (scene, now) = (&picture.scene, &self.document.scene);
+        let rules = StopRules::of(&now.render);
+        let mut render = scene.render.clone();
+        rules.put_into(&mut render);
+        picture.buffer.part() == self.wanted_part()
+            && render == now.render
+            && rules.suit(&scene.render)
+            && scene.camera == now.camera
+            && same_picture_but_render(scene, now)
+    }
+
+    /// Whether the render that ended can go on with its samples, by the rules as they are now.
+    pub(super) fn can_continue(&self) -> bool {
+        let rules = StopRules::of(&self.document.scene.render);
+        self.invalid.is_none()
+            && self.waiting_render.is_none()
+            && !self.report.is_running()
+            && self.picture.as_ref().is_some_and(|picture| {
+                picture.reached().is_there()
+                    && picture.would_go_on_by(&rules)
+                    && self.differs_in_rules_alone(picture)
+            })
+    }
+
+    /// Goes on with the render that ended, as soon as its geometry is there.
+    pub(super) fn continue_render(&mut self) {
+        if self.can_continue() {
+            self.ask_for(WaitingRender {
+                continues: true,
+                ..WaitingRender::new()
+            });
+        }
+    }
+
     fn start_render(&mut self, waiting: WaitingRender, preparation: Option<Preparation>) {
-        let WaitingRender { asked, interrupted } = waiting;
+        let WaitingRender {
+            asked,
+            interrupted,
+            continues,
+        } = waiting;
+        let reached = self
+            .picture
+            .as_ref()
+            .map(|picture| picture.reached().clone());
+        let expected_samples = self.expected_samples().filter(|_| interrupted.is_none());
         let goes_on = interrupted.is_some();
         let (scene, part, kept) = if let Some(Interrupted { scene, kept }) = interrupted {
             let region = kept.about().region;
@@ -271,6 +341,10 @@ impl App {
             asked,
         );
         if let Some(mut previous) = self.picture.take() {
+            if continues {
+                let changes = previous.reached().leads_elsewhere(&previous.scene, &scene);
+                picture.continue_another(changes || previous.rules().lead_elsewhere());
+            }
             // Layers have no coarse picture to begin with: tiles of this one among those of another would be two pictures.
             if was_shown && (self.shown_layer.is_none() || self.is_live) {
                 picture.continue_from(&mut previous);
@@ -294,6 +368,9 @@ impl App {
         let kept = kept.map(Arc::new);
         picture.keep_in(kept.clone());
         let reading = picture.reading.clone();
+        let rules = picture.rules().clone();
+        // One that follows every change is soon another.
+        let leaves = (!self.is_live).then(|| picture.reached().clone());
         self.picture = Some(picture);
         self.view = View::Picture;
 
@@ -312,9 +389,17 @@ impl App {
             tile_delay: self.refresh_interval(),
             kept,
             goes_on,
+            rules,
+            expected_samples,
+            continues: reached.clone().filter(|_| continues),
+            reached: leaves,
         };
         self.jobs.cancel(Lane::Encode);
-        let freed = std::mem::take(&mut self.freed);
+        let unwanted = reached.filter(|_| !continues);
+        let freed = (
+            std::mem::take(&mut self.freed),
+            unwanted.map(|reached| reached.take()),
+        );
         self.jobs.start(Lane::Render, move |job| {
             // Before it is looked how much there is.
             drop(freed);
@@ -341,7 +426,12 @@ impl App {
         let present = present.map(|picture| (picture.scene_name.as_str(), &picture.scene));
         let past = self.renders.entries().last();
         let past = past.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));
-        let name = name_of_render(self.document.name(), &self.document.scene, present.or(past));
+        self.name_of_picture_after(present.or(past))
+    }
+
+    /// What a render of the scene as it is is called after one of the scene `before`, with its name.
+    fn name_of_picture_after(&self, before: Option<(&str, &Scene)>) -> String {
+        let name = name_of_render(self.document.name(), &self.document.scene, before);
         if self.wanted_part().is_whole() {
             name
         } else {

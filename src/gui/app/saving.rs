@@ -308,7 +308,7 @@ impl App {
         let picture = picture.filter(|picture| picture.is_running() && is_asked_for(picture));
         let render = picture.map(|picture| RunningWork {
             what: Stoppable::Render,
-            share: Some(picture.progress.samples.fraction()),
+            share: Some(picture.progress.share()),
         });
         let report = self.report.run().filter(|_| self.report.is_running());
         let report = report.map(|run| RunningWork {

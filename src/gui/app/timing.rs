@@ -24,6 +24,12 @@ impl App {
         is_same.then(|| TimeEstimate::as_before(last.elapsed()))
     }
 
+    /// Mean samples of a pixel that a render of the scene as it is takes, as far as that is known.
+    pub(super) fn expected_samples(&self) -> Option<f64> {
+        let known = self.estimated_time().filter(|estimate| !estimate.is_bound);
+        known.and_then(|estimate| estimate.samples)
+    }
+
     fn is_present(&self, subject: &Subject) -> bool {
         subject.part == self.wanted_part()
             && subject.threads == self.threads

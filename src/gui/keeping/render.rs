@@ -213,6 +213,18 @@ impl KeptRender {
         Ok(())
     }
 
+    /// Writes `scene` in place of the one that is here, which differs in nothing but when it ends, where one is.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn keep_scene_anew(&self, scene: &Scene) -> Result<(), String> {
+        let logs = self.logs();
+        if !logs.has_scene {
+            return Ok(());
+        }
+        self.session.write_render(|| self.keep_scene(scene))
+    }
+
     /// Writes what belongs to all that is kept.
     fn keep_scene(&self, scene: &Scene) -> Result<(), String> {
         let in_words = |error| format!("{}: {error}", self.folder.display());

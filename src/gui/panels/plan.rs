@@ -8,7 +8,6 @@ use crate::gui::commands::Command;
 use crate::gui::contributions::Contributions;
 use crate::gui::costs::CostState;
 use crate::gui::document::same_picture;
-use crate::gui::status_bar::progress_ui;
 use crate::gui::widgets::grouped;
 use crate::render::{Used, reasons};
 use crate::scene::Scene;
@@ -45,14 +44,9 @@ pub fn plan_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     ui.add_space(6.0);
     contributions_ui(ui, state.contributions);
     match state.costs {
-        CostState::Measuring(progress) => {
-            ui.horizontal(|ui| {
-                progress_ui(ui, progress.fraction());
-                ui.label("Measuring costs");
-            });
-            if ui.button("Cancel measuring").clicked() {
-                state.commands.push(Command::Cancel);
-            }
+        CostState::Measuring(_) => {
+            // The status bar has its progress, and the button that ends it.
+            ui.weak("Costs are being measured");
             return;
         }
         CostState::Unknown => {}

@@ -115,7 +115,7 @@ fn stop_ui(ui: &mut Ui, settings: &mut RenderSettings, costs: EffectCosts<'_>) {
     settings.error_estimate |= stop.noise.is_some();
     if stop.noise.is_some() && settings.samples_per_pixel < FEW_SAMPLES {
         let samples = counted(settings.samples_per_pixel as usize, "sample", "samples");
-        let text = format!("A pixel gets {samples} at most: allow more to reach it");
+        let text = format!("A pixel gets {samples} at most: if they do not reach it, allow more");
         ui.label(egui::RichText::new(text).weak().small());
     }
     optional_number_row_ui(

@@ -79,6 +79,7 @@ pub(super) fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
 fn render_menu_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
     for command in [
         Command::Render,
+        Command::Continue,
         Command::ToggleLive,
         Command::TogglePause,
         Command::Cancel,

@@ -65,6 +65,8 @@ pub struct TopBarState<'a> {
     pub can_pause: bool,
     /// Whether it rests.
     pub is_paused: bool,
+    /// Whether the render that ended can go on with its samples.
+    pub can_continue: bool,
     /// What a render of the scene as it is takes, where that is known.
     pub time: Option<TimeEstimate>,
     /// Whether that is being found out.
@@ -159,6 +161,7 @@ impl TopBarState<'_> {
             Command::ShowOlderRender | Command::ShowNewerRender => self.has_renders,
             Command::Cancel => self.can_cancel,
             Command::TogglePause => self.can_pause,
+            Command::Continue => self.can_continue,
             Command::ClearRegion => self.has_region,
             Command::EstimateTime => self.can_estimate_time,
             Command::Render => {
@@ -205,6 +208,9 @@ impl TopBarState<'_> {
                 "The scene is still being prepared"
             }
             Command::TogglePause => "Nothing is rendered now",
+            Command::Continue => {
+                "There is no render that was cancelled, or may take more samples or time than it took"
+            }
             Command::Cancel => "Nothing goes on that could be stopped",
             Command::EstimateTime if self.phase == Phase::Rendering || self.is_measuring => {
                 "Something is rendered or measured now, which would spoil it"

@@ -1,0 +1,143 @@
+//! Rules by which renders end, changed while they run and after, and what the status bar says meanwhile.
+
+use crate::driver::{Files, Window, library_hash, set_number, set_samples};
+use egui::{Key, Modifiers};
+use raymini::gui::App;
+use raymini::gui::costs::CostState;
+use raymini::gui::picture::{Outcome, Picture};
+use raymini::render::Ending;
+
+fn picture(window: &Window) -> &Picture {
+    window.app().picture().expect("a picture")
+}
+
+fn is_over(app: &App) -> bool {
+    app.picture().is_some_and(|picture| !picture.is_running())
+}
+
+fn start_long_render(window: &mut Window) {
+    set_samples(window, 1_000_000);
+    window.click("Render");
+    window.until("the render goes on", |app| {
+        app.picture()
+            .is_some_and(|p| p.first_tile.is_some() && p.progress.samples.done() > 0)
+    });
+}
+
+/// Samples of a pixel that the running render ends with soon, after a pass that it would make anyway.
+fn a_few_more_samples(window: &Window) -> u32 {
+    let picture = picture(window);
+    let pixels = picture.scene.render.pixel_count();
+    let taken = picture.progress.samples.done().div_ceil(pixels);
+    u32::try_from((taken / 16 + 2) * 16).expect("not that many")
+}
+
+/// Other rules, and nothing else, do not begin a render anew: it ends by them, with the bits of one that had them from the start.
+#[test]
+fn a_running_render_takes_over_other_samples() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
+    window.click("Pause");
+    let (number, started) = (picture(&window).number, picture(&window).started());
+    let samples = a_few_more_samples(&window);
+    set_samples(&mut window, samples);
+    let samples = picture(&window).scene.render.samples_per_pixel;
+    assert_eq!(samples, window.scene().render.samples_per_pixel);
+    assert!(!window.says("settings changed"));
+    window.click("Resume");
+    window.until("the render ends", is_over);
+    assert_eq!(picture(&window).started(), started);
+    assert_eq!(picture(&window).number, number);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    assert!(!window.says("changed on the way"));
+}
+
+/// A time that is set while a render runs ends it.
+#[test]
+fn a_running_render_takes_over_a_time() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
+    let started = picture(&window).started();
+    window.operate("Stop after");
+    set_number(&mut window, "Time to stop after", "0.5");
+    window.until("the render ends", is_over);
+    assert_eq!(picture(&window).started(), started);
+    assert_eq!(window.finished().1.ending, Ending::Time);
+}
+
+/// A render that is done takes more samples when it may, and keeps those it has.
+#[test]
+fn a_finished_render_goes_on_to_more_samples() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    assert!(!window.has("Continue"), "it has all there are");
+    set_samples(&mut window, 12);
+    assert!(window.says("Continue takes its samples along"));
+    window.click("Continue");
+    window.until("the render ends", is_over);
+    assert_eq!(picture(&window).goes_on_from(), Some(4.0 / 12.0));
+    assert_eq!(picture(&window).number, 2);
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    assert!(!window.has("Continue"));
+    // Another edit makes it another picture.
+    set_samples(&mut window, 16);
+    assert!(window.has("Continue"));
+    window.operate("Shadows: Off");
+    assert!(!window.has("Continue"));
+}
+
+#[test]
+fn a_cancelled_render_goes_on_where_it_was() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
+    window.click("Cancel");
+    assert_eq!(picture(&window).outcome, Outcome::Cancelled);
+    window.until("what it reached is there", |app| {
+        app.picture().is_some_and(|p| p.reached().is_there())
+    });
+    let samples = a_few_more_samples(&window);
+    set_samples(&mut window, samples);
+    window.press(Modifiers::SHIFT, Key::F5);
+    window.until("the render ends", is_over);
+    assert!(
+        picture(&window)
+            .goes_on_from()
+            .is_some_and(|share| share > 0.0)
+    );
+    assert_eq!(window.hash(), library_hash(window.scene()));
+}
+
+/// While an older picture is looked at, the bar goes on telling of the render that runs.
+#[test]
+fn the_running_render_is_told_of_beside_an_older_one() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Renders");
+    window.render();
+    start_long_render(&mut window);
+    window.click("Show render 1");
+    window.harness.run_steps(3);
+    assert_eq!(window.app().picture_on_screen().map(|p| p.number), Some(1));
+    assert!(window.says("all samples taken"), "the older one");
+    assert!(window.has("Progress") && window.says("Rendering"));
+    window.click("Cancel");
+    window.until("the render ends", is_over);
+    assert!(!window.has("Progress"));
+}
+
+/// With the panel closed, too.
+#[test]
+fn measuring_costs_shows_its_progress_and_is_cancelled_in_the_bar() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.press(Modifiers::NONE, Key::F9);
+    window.press(Modifiers::NONE, Key::F7);
+    assert!(window.has("Measuring costs") && window.has("Progress"));
+    window.click("Cancel measuring");
+    assert!(matches!(window.app().costs(), CostState::Unknown));
+    assert!(!window.has("Measuring costs"));
+}
