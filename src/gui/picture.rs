@@ -94,8 +94,6 @@ pub struct Picture {
     kept: Option<Arc<KeptRender>>,
     /// What it has reached, once it has ended, for one that goes on from there.
     reached: Reached,
-    /// Whether it took up the samples of another that had ended.
-    is_continued: bool,
     /// By which rules it ends.
     rules: LiveRules,
     hold: Hold,
@@ -103,8 +101,7 @@ pub struct Picture {
     passed_over: Option<(Scene, Part)>,
     /// What is known of its error, oldest first.
     errors: Vec<ErrorPoint>,
-    /// How much of that is by rules that do not hold any more.
-    outdated_errors: usize,
+    before_rules: BeforeRules,
     /// How long it had taken when the last of it came.
     newest_error: Duration,
     started: Instant,
@@ -113,6 +110,15 @@ pub struct Picture {
     elapsed: Option<Duration>,
     canvas: Canvas,
     next_look: NextLook,
+}
+
+/// What there was before the rules by which a render ends were those of now.
+#[derive(Clone, Copy, Debug, Default)]
+struct BeforeRules {
+    /// Whether that was another render, which had ended, and whose samples this one took up.
+    is_another_render: bool,
+    /// How much of what is known of the error is by rules that do not hold any more.
+    errors: usize,
 }
 
 /// All of a picture on its way in another look, see [`Picture::await_look`].
@@ -151,13 +157,12 @@ impl Picture {
             first_look: FirstLook::default(),
             kept: None,
             reached: Reached::default(),
-            is_continued: false,
             rules: LiveRules::new(StopRules::of(&scene.render)),
             scene,
             hold: Hold::default(),
             passed_over: None,
             errors: Vec::new(),
-            outdated_errors: 0,
+            before_rules: BeforeRules::default(),
             newest_error: Duration::ZERO,
             started,
             before: None,
@@ -356,7 +361,7 @@ impl Picture {
         rules.put_into(&mut self.scene.render);
         self.rules.set(rules);
         self.name = name;
-        self.outdated_errors = self.errors.len();
+        self.before_rules.errors = self.errors.len();
         let pixels = self.buffer.part().region.pixel_count() as u64;
         self.progress
             .begin_anew(pixels * u64::from(rules.samples_per_pixel));
@@ -371,7 +376,7 @@ impl Picture {
     /// Takes note that it took up the samples of another, which had ended by other rules. `leads_elsewhere`: whether its picture is not that of
     /// a render by its own rules from the start.
     pub fn continue_another(&mut self, leads_elsewhere: bool) {
-        self.is_continued = true;
+        self.before_rules.is_another_render = true;
         if leads_elsewhere {
             self.rules.set_lead_elsewhere();
         }
@@ -380,7 +385,7 @@ impl Picture {
     /// Whether it took up the samples of another that had ended.
     #[must_use]
     pub fn is_continued(&self) -> bool {
-        self.is_continued
+        self.before_rules.is_another_render
     }
 
     /// Whether it ended, and would go on by `rules` if it could.
@@ -513,7 +518,10 @@ impl Picture {
     }
 
     fn remaining_by_samples(&self, elapsed: Duration) -> Option<Duration> {
-        let known = self.errors.get(self.outdated_errors..).unwrap_or_default();
+        let known = self
+            .errors
+            .get(self.before_rules.errors..)
+            .unwrap_or_default();
         if let Some((point, stop)) = known.last().and_then(|p| Some((p, p.time_to_stop?))) {
             let end = stop
                 .value

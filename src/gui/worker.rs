@@ -383,7 +383,6 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     let Some((prepared, is_sketched)) = prepared_to_render(job, request, &run, &on_coarse) else {
         return;
     };
-    let region = request.buffer.part().region();
     let memory = memory_of(request, &prepared, &run);
     let run = RunConfig {
         has_room: request.reached.is_some() && has_room(memory),
@@ -407,6 +406,35 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     if job.cancel.is_cancelled() {
         return;
     }
+    let ready = Ready {
+        prepared,
+        run,
+        keeper,
+        start,
+        on_coarse: (!is_sketched).then_some(&on_coarse as OnCoarse<'_>),
+    };
+    carry_out(job, request, ready);
+}
+
+/// A render that can begin.
+struct Ready<'a> {
+    prepared: PreparedScene,
+    run: RunConfig,
+    keeper: Option<RenderKeeper<'a>>,
+    start: Option<Start>,
+    on_coarse: Option<OnCoarse<'a>>,
+}
+
+/// Renders what is ready, and sends what comes of it.
+fn carry_out(job: &Job<Event>, request: &RenderRequest, ready: Ready<'_>) {
+    let Ready {
+        prepared,
+        run,
+        keeper,
+        start,
+        on_coarse,
+    } = ready;
+    let region = request.buffer.part().region();
     let keep = |checkpoint: Checkpoint| {
         if let Some(keeper) = &keeper {
             keeper.keep(&checkpoint);
@@ -435,18 +463,11 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         let mut seconds = error_layer_seconds
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        let is_cheap = *seconds <= ERROR_LAYER_SHARE * round.seconds;
-        if round.error.is_some() && (is_cheap || request.buffer.shows_error()) {
-            let started = Instant::now();
-            if let Some(errors) = round.error_image(&job.cancel) {
-                show_error(job, request, errors);
-            }
-            *seconds = started.elapsed().as_secs_f64();
-        }
+        show_error_of(job, request, round, &mut seconds);
     };
     let keeps_error = request.buffer.layers().contains(&Layer::Error);
     let watch = Watch {
-        on_coarse: (!is_sketched && start.is_none()).then_some(&on_coarse as OnCoarse<'_>),
+        on_coarse: on_coarse.filter(|_| start.is_none()),
         on_tile: Some(&on_tile),
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
         checkpoints: keeper.as_ref().map(|keeper| keeper.checkpoints(&keep)),
@@ -457,15 +478,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
             .then_some(&at_end as &(dyn Fn(Checkpoint) + Sync)),
     };
     let progress = &request.progress;
-    if let Some(samples) = request.expected_samples {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a number of samples"
-        )]
-        progress
-            .expect_samples((samples * request.buffer.part().region.pixel_count() as f64) as u64);
-    }
+    expect_samples(request);
     let render = || match start {
         Some(Start {
             checkpoint,
@@ -490,6 +503,32 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     if let Some(outcome) = outcome {
         finish(job, request, outcome);
     }
+}
+
+/// Shows the error of each pixel after a round, where it is looked at or takes little of the time. `seconds`: what it took last.
+fn show_error_of(job: &Job<Event>, request: &RenderRequest, round: &Round<'_>, seconds: &mut f64) {
+    let is_cheap = *seconds <= ERROR_LAYER_SHARE * round.seconds;
+    if round.error.is_some() && (is_cheap || request.buffer.shows_error()) {
+        let started = Instant::now();
+        if let Some(errors) = round.error_image(&job.cancel) {
+            show_error(job, request, errors);
+        }
+        *seconds = started.elapsed().as_secs_f64();
+    }
+}
+
+/// Tells how many samples the render is expected to take, where an estimate is there.
+fn expect_samples(request: &RenderRequest) {
+    let Some(per_pixel) = request.expected_samples else {
+        return;
+    };
+    let pixels = request.buffer.part().region.pixel_count() as f64;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of samples"
+    )]
+    request.progress.expect_samples((per_pixel * pixels) as u64);
 }
 
 /// Where a render goes on, if it does not begin; none either when cancelled.

@@ -5,6 +5,7 @@ use std::time::Instant;
 use super::App;
 use crate::gui::costs::CostState;
 use crate::gui::dialogs::Dialog;
+use crate::gui::dialogs::path_field::Listing;
 use crate::gui::event::Event;
 use crate::gui::jobs::{Lane, News};
 use crate::gui::picture::{Outcome, Picture};
@@ -148,11 +149,14 @@ impl App {
             Event::FilesChanged(paths) => self.files_changed(paths),
             Event::Reloaded { stale, result } => self.reloaded(&stale, result),
             Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
-            Event::Listed(listing) => {
-                if let Some(Dialog::Path(field)) = &mut self.dialog {
-                    field.set_listing(listing);
-                }
-            }
+            Event::Listed(listing) => self.listed(listing),
+        }
+    }
+
+    /// The folder of a path that is typed has been read.
+    fn listed(&mut self, listing: Listing) {
+        if let Some(Dialog::Path(field)) = &mut self.dialog {
+            field.set_listing(listing);
         }
     }
 

@@ -306,26 +306,12 @@ impl App {
             let scene = self.document.scene.clone();
             (scene, self.wanted_part(), self.place_for_render())
         };
-        let mut layers = if scene.output.layers {
-            Layer::all_of(&scene)
-        } else {
-            Vec::new()
-        };
-        if !layers.is_empty() && scene.render.measures_error() {
-            layers.push(Layer::Error);
-        }
-        let buffer = PictureBuffer::new(part, layers, scene.display);
+        let buffer = PictureBuffer::new(part, layers_of(&scene), scene.display);
         let Some(buffer) = buffer.map(Arc::new) else {
-            let text = format!(
-                "A picture of {} pixels does not fit into memory. Make it smaller.",
-                part.size_in_words()
-            );
-            self.messages.error("Cannot render", text);
             if preparation.is_some() {
                 self.preparing = None;
             }
-            self.is_live = false;
-            return;
+            return self.cannot_hold(part);
         };
         self.look_at(&buffer);
         let progress = RenderProgress::default();
@@ -340,16 +326,8 @@ impl App {
             progress.clone(),
             asked,
         );
-        if let Some(mut previous) = self.picture.take() {
-            if continues {
-                let changes = previous.reached().leads_elsewhere(&previous.scene, &scene);
-                picture.continue_another(changes || previous.rules().lead_elsewhere());
-            }
-            // Layers have no coarse picture to begin with: tiles of this one among those of another would be two pictures.
-            if was_shown && (self.shown_layer.is_none() || self.is_live) {
-                picture.continue_from(&mut previous);
-            }
-            self.keep_render(previous);
+        if let Some(previous) = self.picture.take() {
+            self.follow(previous, &mut picture, continues, was_shown);
         }
         // On disk there is one at a time.
         self.renders.forget_kept();
@@ -405,6 +383,36 @@ impl App {
             drop(freed);
             worker::render(job, &request);
         });
+    }
+
+    /// Lets `picture` take the place of the `previous` one, which is remembered. `continues`: with its samples; `was_shown`: on the screen.
+    fn follow(
+        &mut self,
+        mut previous: Picture,
+        picture: &mut Picture,
+        continues: bool,
+        was_shown: bool,
+    ) {
+        if continues {
+            let reached = previous.reached();
+            let changes = reached.leads_elsewhere(&previous.scene, &picture.scene);
+            picture.continue_another(changes || previous.rules().lead_elsewhere());
+        }
+        // Layers have no coarse picture to begin with: tiles of this one among those of another would be two pictures.
+        if was_shown && (self.shown_layer.is_none() || self.is_live) {
+            picture.continue_from(&mut previous);
+        }
+        self.keep_render(previous);
+    }
+
+    /// There is no memory for the pixels of `part`.
+    fn cannot_hold(&mut self, part: Part) {
+        let text = format!(
+            "A picture of {} pixels does not fit into memory. Make it smaller.",
+            part.size_in_words()
+        );
+        self.messages.error("Cannot render", text);
+        self.is_live = false;
     }
 
     /// Where the render that starts now is kept while it runs. One that follows every change is soon another.
@@ -596,4 +604,16 @@ impl App {
 /// Whether the same is prepared for both: triangles, images, what the preview paints.
 fn is_prepared_alike(a: &Scene, b: &Scene) -> bool {
     same_geometry(a, b) && same_image(a, b) && same_paint(a, b)
+}
+
+/// The layers that a render of `scene` keeps.
+fn layers_of(scene: &Scene) -> Vec<Layer> {
+    if !scene.output.layers {
+        return Vec::new();
+    }
+    let mut layers = Layer::all_of(scene);
+    if !layers.is_empty() && scene.render.measures_error() {
+        layers.push(Layer::Error);
+    }
+    layers
 }

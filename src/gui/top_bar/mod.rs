@@ -192,6 +192,7 @@ impl TopBarState<'_> {
     }
 
     /// Why `command` cannot be asked for now, where it cannot.
+    #[must_use]
     pub fn why_not(self, command: Command) -> &'static str {
         match command {
             Command::SavePicture | Command::ShowPicture | Command::CompareFile => {
