@@ -407,8 +407,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         return;
     }
     let ready = Ready {
-        prepared,
-        run,
+        prepared: &prepared,
+        run: &run,
         keeper,
         start,
         on_coarse: (!is_sketched).then_some(&on_coarse as OnCoarse<'_>),
@@ -418,8 +418,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
 
 /// A render that can begin.
 struct Ready<'a> {
-    prepared: PreparedScene,
-    run: RunConfig,
+    prepared: &'a PreparedScene,
+    run: &'a RunConfig,
     keeper: Option<RenderKeeper<'a>>,
     start: Option<Start>,
     on_coarse: Option<OnCoarse<'a>>,
@@ -491,12 +491,12 @@ fn carry_out(job: &Job<Event>, request: &RenderRequest, ready: Ready<'_>) {
                 seconds,
             });
             checkpoint.show(&on_tile);
-            render::resume(&prepared, checkpoint, &run, progress, watch)
+            render::resume(prepared, checkpoint, run, progress, watch)
         }
-        None => render::render_watched(&prepared, region, &run, progress, watch),
+        None => render::render_watched(prepared, region, run, progress, watch),
     };
     let whole = request.buffer.part().region;
-    let outcome = pilot::foreseeing(&request.scene, &prepared, whole, progress, render);
+    let outcome = pilot::foreseeing(&request.scene, prepared, whole, progress, render);
     if let Some(kept) = &request.kept {
         kept.end_log();
     }
