@@ -137,9 +137,11 @@ impl From<&ErrorEstimate> for ErrorFacts {
             relmse_interval: ends(error.relmse),
             noise: error.noise().value,
             noise_interval: ends(error.noise()),
-            percentile_999: error.percentile_999,
+            percentile_999: error.percentile_999.value,
+            percentile_999_interval: ends(error.percentile_999),
             unmeasured_pixels: error.unmeasured_pixels,
             method: "halves of each pixel's sequence, extrapolated by the measured decay; 95 % intervals",
         }
     }
 }
+    percentile_999_interval: [f64; 2],

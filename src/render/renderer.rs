@@ -18,7 +18,7 @@ use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
 use super::coarse::{self, CoarsePicture};
 use super::crew::{Crew, Cut};
-use super::error::{Allotment, ErrorEstimator, Forecast};
+use super::error::{Allotment, ErrorEstimator, Forecast, Outlook, ROUND_SHARE};
 use super::film::block_after;
 use super::kernel::{Layered, Plain};
 use super::layers::Layer;
@@ -53,12 +53,26 @@ pub fn even_passes(samples: u32) -> u32 {
     passes
 }
 
+/// The first number of samples, from `samples` on, at which a pass over all pixels ends, where none may get more than `most`.
+fn end_of_even_pass(samples: f64, most: u32) -> u32 {
+    let mut taken = 0;
+    while f64::from(taken) < samples && taken < most {
+        taken = (taken + block_after(taken).min(MOST_SAMPLES_PER_PASS)).min(most);
+    }
+    taken
+}
+
 /// What every pixel gets before a render stops for its noise, or gives some pixels more than others: from fewer, what is rare
 /// would be taken for absent.
 const LEAST_SAMPLES: u32 = 16;
 
-/// The share of the samples so far that are handed out before it is decided again where they belong.
-const ROUND_SHARE: f64 = 0.5;
+/// Pixels get different numbers of samples only where that is foreseen to take at most so many times the samples still to come as if all got
+/// the same. It is foreseen with caution, as if judgements never got better: where noise is even it is several times as much, where it is
+/// uneven hardly ever more.
+const MOST_PRICE_OF_CHOICE: f64 = 1.25;
+
+/// What is aimed at where no noise is: a quarter of the variance, half the noise.
+const USUAL_SHARE: f64 = 0.25;
 
 /// See the module's description.
 pub struct Renderer<'a> {
@@ -239,6 +253,7 @@ impl<'a> Renderer<'a> {
     /// from some number on the error decides who gets more.
     fn render_evenly(&mut self) -> Result<Next, Cut> {
         let most = self.settings.samples_per_pixel;
+        let mut is_shown = true;
         while self.course.even_samples < most {
             let samples = self.course.even_samples;
             let block = block_after(samples)
@@ -251,6 +266,9 @@ impl<'a> Renderer<'a> {
                     _ => whole_below(self.time_left() / self.course.seconds_per_sample).min(block),
                 };
                 if taken == 0 {
+                    if !is_shown {
+                        self.show_round();
+                    }
                     return Ok(Next::End(Ending::Time));
                 }
                 self.begin_pass(Pass {
@@ -276,19 +294,21 @@ impl<'a> Renderer<'a> {
                 estimator.advance(samples);
             }
             self.tell(is_round);
-            if is_round || samples == most {
+            let ending = if samples >= LEAST_SAMPLES && self.is_quiet() {
+                Some(Ending::Noise)
+            } else if taken < block {
+                Some(Ending::Time)
+            } else {
+                self.has_all_passes().then_some(Ending::Samples)
+            };
+            is_shown = is_round || samples == most || ending.is_some();
+            if is_shown {
                 self.show_round();
             }
-            if samples >= LEAST_SAMPLES && self.is_quiet() {
-                return Ok(Next::End(Ending::Noise));
+            if let Some(ending) = ending {
+                return Ok(Next::End(ending));
             }
-            if taken < block {
-                return Ok(Next::End(Ending::Time));
-            }
-            if self.has_all_passes() {
-                return Ok(Next::End(Ending::Samples));
-            }
-            if is_round && samples >= LEAST_SAMPLES && self.is_adaptive() {
+            if is_round && samples >= LEAST_SAMPLES && self.course.allotment.is_some() {
                 return Ok(Next::ChoosePixels);
             }
         }
@@ -343,6 +363,25 @@ impl<'a> Renderer<'a> {
         }
     }
 
+    /// Whether it saves enough to give some pixels more samples than others, as `allotment` would.
+    fn is_choice_worthwhile(&self, allotment: &Allotment) -> bool {
+        let Some(estimator) = &self.course.estimator else {
+            return false;
+        };
+        let goal = self.settings.stop.noise.zip(estimator.estimate());
+        let share = goal.map_or(USUAL_SHARE, |(noise, error)| {
+            (noise * noise / error.relmse.value).min(1.0)
+        });
+        let outlook = Outlook {
+            estimator,
+            allotment: Some(allotment),
+            samples: self.lock().film.total_samples() as f64,
+            seconds: self.clock.seconds(),
+        };
+        let limits = [LEAST_SAMPLES, self.settings.samples_per_pixel];
+        outlook.price_of_choice(share, limits) <= MOST_PRICE_OF_CHOICE
+    }
+
     /// The pixels that get samples next; `None` when none can get more.
     fn select(&self) -> Option<Vec<bool>> {
         let (allotment, estimator) = self
@@ -354,11 +393,11 @@ impl<'a> Renderer<'a> {
         let film = &self.lock().film;
         let forecast = match (self.settings.stop.noise, estimator.estimate()) {
             (Some(noise), Some(error)) => {
-                allotment.for_variance((noise * noise / error.relmse.value).min(1.0), most)
+                allotment.for_variance((noise * noise / error.relmse.value).min(1.0), [1, most])
             }
             _ => Forecast::ALL,
         };
-        let budget = (film.total_samples() as f64 * ROUND_SHARE).min(forecast.samples / 2.0);
+        let budget = (film.total_samples() as f64 * ROUND_SHARE).min(forecast.price / 2.0);
         allotment.select(film, forecast, budget, most)
     }
 
@@ -472,11 +511,14 @@ impl<'a> Renderer<'a> {
             return;
         };
         let film = &self.shared.get_mut().expect("no thread panicked").film;
-        self.course.allotment = self.crew.pool().install(|| {
+        let allotment = self.crew.pool().install(|| {
             estimator.update(film, selected);
             (is_adaptive && film.mean_samples() * 2.0 >= f64::from(LEAST_SAMPLES))
                 .then(|| Allotment::new(film, estimator))
         });
+        // Once pixels differ, it goes on.
+        self.course.allotment = allotment
+            .filter(|allotment| selected.is_some() || self.is_choice_worthwhile(allotment));
         self.crew
             .pool()
             .broadcast(|thread| self.clock.note(thread.index()));
