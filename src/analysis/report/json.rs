@@ -144,7 +144,7 @@ impl<'a> ReferenceFacts<'a> {
         };
         match &reference.origin {
             Origin::Exact { radiance } => facts.radiance = Some(*radiance),
-            Origin::File { name, error: _ } => {
+            Origin::File { name, .. } => {
                 facts.kind = "file";
                 facts.file = Some(name);
             }

@@ -2,7 +2,7 @@
 
 use super::digits::samples;
 use super::fit::TimeTo;
-use super::reference::Origin;
+use super::reference::{Origin, ROUNDED};
 use super::study::{Study, Variant};
 use super::summary::{Honesty, Summary, SummaryPoint, Target};
 use super::svg::{correction, seeds_in_words, settings, signed};
@@ -79,7 +79,7 @@ fn in_short(study: &Study, variant: &Variant, summary: &Summary) -> String {
         "With {} samples per pixel and after {} s of rendering the picture has **{}** (median of {seeds}){estimated}.{slope}{unfinished}",
         samples(last.samples_per_pixel),
         three_digits(last.seconds.median),
-        percent(last.true_noise().median),
+        last.noise_in_words(),
     )
 }
 
@@ -354,6 +354,9 @@ fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
             ));
         }
     }
+    if study.reference.is_rounded() {
+        sentences.push(format!("**Beware: {ROUNDED}.**"));
+    }
     let own = study.reference.known_errors().map(|[_, relmse]| relmse);
     let shares = variants.iter().filter_map(|(_, summary)| {
         let last = summary.points.last()?;
@@ -398,10 +401,10 @@ fn machine_and_settings(study: &Study, variants: &[(&Variant, Summary)]) -> Stri
 mod tests {
     use super::*;
     use crate::analysis::report::test_data;
+    use crate::render::Ending;
 
     #[test]
     fn the_page_has_the_numbers_in_tables() {
-    use crate::render::Ending;
         let page = to_markdown(&test_data::study());
         for line in [
             "![Noise against render time](report.svg)",
@@ -425,9 +428,6 @@ mod tests {
     }
 
     #[test]
-    fn the_page_warns_of_a_noisy_reference_and_of_renders_to_come() {
-        let mut study = test_data::study();
-    #[test]
     fn the_page_has_the_time_to_the_noise_that_was_asked_for() {
         let mut study = test_data::study();
         assert!(!to_markdown(&study).contains("stops at noise"));
@@ -440,6 +440,9 @@ mod tests {
         assert!(page.lines().any(|line| line == row), "{page}");
     }
 
+    #[test]
+    fn the_page_warns_of_a_noisy_reference_and_of_renders_to_come() {
+        let mut study = test_data::study();
         study.variants[1].trials.pop();
         study.reference = test_data::rendered_reference(0.01, 0.001);
         let page = to_markdown(&study);

@@ -8,7 +8,8 @@ use super::reference::Reference;
 use super::study::Variant;
 use super::trial::{Measurement, Trial, TrueErrors};
 use crate::analysis::bench::Spread;
-use crate::render::{Clamped, ErrorEstimate, Interval, NOISE_TARGETS};
+use crate::math::percent;
+use crate::render::{Clamped, Ending, ErrorEstimate, Interval, NOISE_TARGETS, RenderStats};
 
 /// Samples from which points count for slopes: with fewer, what a render does once weighs too much.
 const SLOPE_FROM: f64 = 4.0;
@@ -36,9 +37,9 @@ pub struct Summary {
     pub reference_outweighs_from: Option<f64>,
     /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
-    /// Samples that were infinite or not a number, of all trials.
     /// What it took to the noise at which the renders stop; `None` where they stop at none.
     pub target: Option<Target>,
+    /// Samples that were infinite or not a number, of all trials.
     pub non_finite_samples: u64,
     /// Samples that are negative in a channel, of all trials.
     pub negative_samples: u64,
@@ -48,7 +49,6 @@ pub struct Summary {
     pub unmeasured_pixels: u64,
 }
 
-/// The same moment of all trials.
 /// What it took renders to the noise at which they were to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Target {
@@ -77,6 +77,7 @@ pub struct Took {
     pub cpu_seconds_range: [f64; 2],
 }
 
+/// The same moment of all trials.
 #[derive(Clone, Copy, Debug)]
 pub struct SummaryPoint {
     /// Median of the trials' means over pixels.
@@ -97,9 +98,9 @@ pub struct SummaryPoint {
     pub true_rmse: Spread,
     /// The same, relative.
     pub true_relmse: Spread,
-}
     /// What the worst channel's error exceeds in one pixel of a thousand.
     pub true_percentile_999: Spread,
+}
 
 /// What renders know of their own error.
 #[derive(Clone, Copy, Debug)]
@@ -114,11 +115,11 @@ pub struct Estimated {
     pub relmse_interval: [f64; 2],
     /// How many of the renders have the truth in their intervals, that of the RMSE and that of relmse.
     pub intervals_held: [usize; 2],
-}
     /// What the worst channel's error exceeds in one pixel of a thousand.
     pub percentile_999: Spread,
     /// Medians of the ends of the interval.
     pub percentile_999_interval: [f64; 2],
+}
 
 /// What the renders say of themselves against the truth, at all points from 16 samples on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -145,6 +146,16 @@ impl SummaryPoint {
     #[must_use]
     pub fn true_noise(&self) -> Spread {
         root(self.true_relmse)
+    }
+
+    /// The median of the true noise, in words.
+    #[must_use]
+    pub fn noise_in_words(&self) -> String {
+        let noise = self.true_noise().median;
+        if noise == 0.0 && self.measured_relmse.median > 0.0 {
+            return "no noise that the reference's own error would not explain".to_owned();
+        }
+        format!("{} noise", percent(noise))
     }
 
     /// The estimated noise.
@@ -196,6 +207,7 @@ impl Summary {
             reference_outweighs_from: reference_outweighs_from(&points, reference),
             efficiency: efficiency(&ends.unwrap_or_default(), reference),
             time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, noise_slope)),
+            target: target(variant),
             non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
             negative_samples: trials.iter().map(|t| t.stats.negative_samples).sum(),
             clamped: Clamped {
@@ -207,7 +219,6 @@ impl Summary {
             },
             unmeasured_pixels: {
                 let measurements = trials.iter().flat_map(|trial| &trial.measurements);
-            target: target(variant),
                 let unmeasured = measurements.map(|m| pixels - m.measured.compared_pixels);
                 unmeasured.max().unwrap_or_default()
             },
@@ -252,6 +263,7 @@ fn point(moments: &[Moment<'_>], reference: &Reference) -> Option<SummaryPoint> 
         measured_relmse: of(&|m| m.measured.relmse)?,
         true_rmse: of(&|m| truth(m).mse.sqrt())?,
         true_relmse: of(&|m| truth(m).relmse)?,
+        true_percentile_999: of(&|m| truth(m).percentile_999)?,
     })
 }
 
@@ -263,7 +275,6 @@ fn estimated(moments: &[Moment<'_>], reference: &Reference) -> Option<Estimated>
     let held = |interval: fn(&ErrorEstimate) -> Interval, truth: fn(&TrueErrors) -> f64| {
         let both = estimates.iter().zip(&truths);
         both.filter(|(estimate, errors)| interval(estimate).contains(truth(errors)))
-        true_percentile_999: of(&|m| truth(m).percentile_999)?,
             .count()
     };
     let of = |value: &dyn Fn(&ErrorEstimate) -> f64| spread(estimates.iter().map(value));
@@ -281,6 +292,8 @@ fn estimated(moments: &[Moment<'_>], reference: &Reference) -> Option<Estimated>
             held(|estimate| estimate.rmse, |truth| truth.mse.sqrt()),
             held(|estimate| estimate.relmse, |truth| truth.relmse),
         ],
+        percentile_999: of(&|estimate| estimate.percentile_999.value)?,
+        percentile_999_interval: ends(|estimate| estimate.percentile_999)?,
     })
 }
 
@@ -292,8 +305,6 @@ fn honesty(points: &[SummaryPoint], trials: usize) -> Option<Honesty> {
             estimated.rmse.median / point.true_rmse.median,
             (estimated.relmse.median / point.true_relmse.median).sqrt(),
         ];
-        percentile_999: of(&|estimate| estimate.percentile_999.value)?,
-        percentile_999_interval: ends(|estimate| estimate.percentile_999)?,
         Honesty {
             estimated_over_true: [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])],
             intervals_held: estimated.intervals_held.iter().sum(),
@@ -334,17 +345,6 @@ fn efficiency(ends: &[Moment<'_>], reference: &Reference) -> Efficiency {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analysis::report::{Study, test_data};
-
-    /// The data halve the noise when time doubles: 40 % after 1 s with 1 sample, 5 % after 8 s with 8, times a factor per seed.
-    #[test]
-    fn a_summary_has_the_medians_and_ends_over_the_seeds() {
-        let study = test_data::study();
-        let summary = Summary::of(&study.variants[0], &study.reference).expect("has trials");
-        assert_eq!(summary.points.len(), 4);
 fn target(variant: &Variant) -> Option<Target> {
     let trials = &variant.trials;
     let reached = || trials.iter().filter(|t| t.stats.ending == Ending::Noise);
@@ -367,6 +367,17 @@ fn target(variant: &Variant) -> Option<Target> {
     })
 }
 
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::report::{Study, test_data};
+
+    /// The data halve the noise when time doubles: 40 % after 1 s with 1 sample, 5 % after 8 s with 8, times a factor per seed.
+    #[test]
+    fn a_summary_has_the_medians_and_ends_over_the_seeds() {
+        let study = test_data::study();
+        let summary = Summary::of(&study.variants[0], &study.reference).expect("has trials");
+        assert_eq!(summary.points.len(), 4);
         let last = summary.points[3];
         assert_eq!(last.samples_per_pixel, 8.0);
         assert_eq!(last.seconds.median, 8.0);
@@ -442,24 +453,6 @@ fn target(variant: &Variant) -> Option<Target> {
         }
     }
 
-    fn summary_of(study: &Study) -> Summary {
-        Summary::of(&study.variants[0], &study.reference).expect("has trials")
-    }
-
-    #[test]
-    fn the_ends_of_trials_that_stop_early_are_one_point() {
-        let mut study = test_data::study();
-        study.variants[0].trials[1].measurements.pop();
-        let summary = summary_of(&study);
-        let samples: Vec<f64> = summary.points.iter().map(|p| p.samples_per_pixel).collect();
-        assert_eq!(samples, [1.0, 2.0, 8.0]);
-        let end = summary.points[2];
-        assert_eq!((end.seconds.min, end.seconds.max), (4.0, 8.0));
-        // After 8, 4 and 8 s noise is 5 %, 8 % and 6 %.
-        let noise = end.true_noise();
-        assert!((noise.median - 0.06).abs() < 1e-9 && (noise.max - 0.08).abs() < 1e-9);
-        let expected = (0.08 * 0.08 * 4.0_f64).recip();
-        assert!((summary.efficiency.wall / expected - 1.0).abs() < 1e-9);
     #[test]
     fn the_time_to_the_noise_that_was_asked_for_is_that_of_the_renders_that_reached_it() {
         let mut study = test_data::study();
@@ -480,6 +473,24 @@ fn target(variant: &Variant) -> Option<Target> {
         assert_eq!(took.cpu_seconds_range, [12.0, 16.0]);
     }
 
+    fn summary_of(study: &Study) -> Summary {
+        Summary::of(&study.variants[0], &study.reference).expect("has trials")
+    }
+
+    #[test]
+    fn the_ends_of_trials_that_stop_early_are_one_point() {
+        let mut study = test_data::study();
+        study.variants[0].trials[1].measurements.pop();
+        let summary = summary_of(&study);
+        let samples: Vec<f64> = summary.points.iter().map(|p| p.samples_per_pixel).collect();
+        assert_eq!(samples, [1.0, 2.0, 8.0]);
+        let end = summary.points[2];
+        assert_eq!((end.seconds.min, end.seconds.max), (4.0, 8.0));
+        // After 8, 4 and 8 s noise is 5 %, 8 % and 6 %.
+        let noise = end.true_noise();
+        assert!((noise.median - 0.06).abs() < 1e-9 && (noise.max - 0.08).abs() < 1e-9);
+        let expected = (0.08 * 0.08 * 4.0_f64).recip();
+        assert!((summary.efficiency.wall / expected - 1.0).abs() < 1e-9);
         study.variants[0].trials.clear();
         assert!(Summary::of(&study.variants[0], &study.reference).is_none());
     }

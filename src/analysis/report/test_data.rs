@@ -84,6 +84,7 @@ pub fn file_reference(relmse: Option<f64>) -> Reference {
                 relmse,
                 samples_per_pixel: 128.0,
             }),
+            is_rounded: false,
         },
         ..Reference::exact([1.0; 3], 2, 1)
     }
