@@ -1,4 +1,7 @@
 //! The program: reads the command line and hands over to a command or to the window.
+//!
+//! It is a console program on Windows too: as one without a console (`windows_subsystem`) it could print nothing to the terminal that a
+//! command is given in, which would not wait for it either. Started from the desktop it has a console beside its window.
 
 use std::panic::{catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
@@ -13,6 +16,8 @@ use raymini::render::{RenderFault, keep_panics_quiet};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    // Who gives a command reads what it says.
+    let may_come_from_an_icon = arguments.command.is_none();
     keep_panics_quiet();
     let result = catch_unwind(|| run(arguments)).unwrap_or_else(|payload| {
         // Any other panic has been printed, and ends the program as panics do.
@@ -23,6 +28,9 @@ fn main() -> ExitCode {
     });
     result.unwrap_or_else(|error| {
         tell(&format!("error: {error:#}"));
+        if may_come_from_an_icon {
+            show_on_desktop(&format!("{error:#}"));
+        }
         ExitCode::FAILURE
     })
 }
@@ -38,7 +46,7 @@ fn run(arguments: Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Measures the window and prints what comes out.
+/// Measures the window and prints what comes out; exit code 1 where a bar is missed.
 fn bench_window(bench: &WindowBench) -> Result<ExitCode> {
     if let Some(missing) = bench.scene.as_ref().filter(|path| !path.exists()) {
         bail!("{}: there is no such file", missing.display());
@@ -54,13 +62,16 @@ fn measure_window(bench: &WindowBench) -> Result<ExitCode> {
         scene: bench.scene.clone(),
         repeats: bench.repeats,
     })?;
-    let text = if bench.json {
-        serde_json::to_string_pretty(&figures).context("the numbers cannot be written as JSON")?
+    if bench.json {
+        raymini::cli::say_json(&figures.for_programs())?;
     } else {
-        figures.describe()
-    };
-    println!("{}", raymini::cli::printable(text.trim_end()));
-    Ok(ExitCode::SUCCESS)
+        raymini::cli::say(figures.describe().trim_end())?;
+    }
+    Ok(if figures.keeps_all_bars() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
 }
 
 /// There is no window to measure.
@@ -69,7 +80,7 @@ fn measure_window(_: &WindowBench) -> Result<ExitCode> {
     bail!("this program was built without its window, so there is none to measure")
 }
 
-/// Opens the window on `files`; where there is no screen, renders them to a file instead and says so.
+/// Opens the window on `files`; where there is no screen, or no graphics driver, renders them to a file instead and says so.
 fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
     if let Some(missing) = files.iter().find(|path| !path.exists()) {
         bail!(
@@ -89,7 +100,8 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
     #[cfg(not(feature = "gui"))]
     let reason = "this program was built without its window";
 
-    tell(&format!("No window can be opened: {reason}"));
+    let no_window = format!("No window can be opened: {reason}");
+    tell(&no_window);
     let (scene, output) = if files.is_empty() {
         (io::demo_scene(), PathBuf::from("raymini-demo.png"))
     } else {
@@ -97,9 +109,27 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
         let output = Path::new(files[0].file_stem().unwrap_or_default()).with_extension("png");
         (loaded.context("loading was cancelled")?.scene, output)
     };
-    tell(&format!(
-        "Rendering to {} instead. `raymini render --help` says what else can be done.",
-        output.display()
-    ));
-    render_to_file(&scene, &output, signals)
+    let instead = |output: &Path| {
+        format!(
+            "Rendering to {} instead. `raymini render --help` says what else can be done.",
+            output.display()
+        )
+    };
+    tell(&instead(&output));
+    // On the desktop there is no folder that names are from.
+    let place = std::path::absolute(&output).unwrap_or_else(|_| output.clone());
+    let words = format!("{no_window}\n\n{}", instead(&place));
+    // It may be long until somebody has read them.
+    std::thread::scope(|scope| {
+        scope.spawn(|| show_on_desktop(&words));
+        render_to_file(&scene, &output, signals)
+    })
+}
+
+/// Shows `text` on the desktop where no terminal does.
+fn show_on_desktop(text: &str) {
+    #[cfg(feature = "gui")]
+    raymini::gui::show_on_desktop(&raymini::cli::printable(text));
+    #[cfg(not(feature = "gui"))]
+    let _ = text;
 }

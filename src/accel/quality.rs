@@ -41,6 +41,16 @@ pub struct StructureQuality {
     pub triangles: u64,
     /// Triangles in leaves, counted once per leaf.
     pub references: u64,
+    /// Nodes with children: planes of a kd-tree, nodes of eight boxes of a wide tree.
+    pub nodes: u64,
+    /// Leaves, empty ones included.
+    pub leaves: u64,
+    /// Leaves without a triangle.
+    pub empty_leaves: u64,
+    /// Blocks of up to eight triangles in leaves.
+    pub blocks: u64,
+    /// Nodes above the deepest leaf.
+    pub depth: u32,
     /// Expected cost of a random ray that passes the box around everything, by the surface area heuristic, in the
     /// structure's own unit: visiting one node, or testing one block by brute force. The tree over copies is left out.
     pub sah_cost: f64,
@@ -112,17 +122,23 @@ impl BruteForce {
 
     fn quality(&self) -> StructureQuality {
         let triangles = self.triangles().len();
+        let blocks = triangles.div_ceil(LANES);
         StructureQuality {
             triangles: triangles as u64,
             references: triangles as u64,
-            sah_cost: triangles.div_ceil(LANES) as f64,
+            nodes: 0,
+            leaves: 1,
+            empty_leaves: u64::from(triangles == 0),
+            blocks: blocks as u64,
+            depth: 0,
+            sah_cost: blocks as f64,
         }
     }
 }
 
 impl Assembly {
-    /// What all structures together came out like: each counts its triangles and references once, and its cost as often as
-    /// there are copies, by the chance that a ray passes the copy's box.
+    /// What all structures together came out like: each counts what it is made of once, and its cost as often as there are copies, by the
+    /// chance that a ray passes the copy's box. The depth is that of the deepest.
     #[must_use]
     pub fn quality(&self) -> StructureQuality {
         let whole = super::half_area(&self.bounds());
@@ -132,6 +148,11 @@ impl Assembly {
             let quality = structure.quality();
             all.triangles += quality.triangles;
             all.references += quality.references;
+            all.nodes += quality.nodes;
+            all.leaves += quality.leaves;
+            all.empty_leaves += quality.empty_leaves;
+            all.blocks += quality.blocks;
+            all.depth = all.depth.max(quality.depth);
             all.sah_cost += quality.sah_cost * chance(area);
         }
         all
@@ -180,6 +201,18 @@ mod tests {
                 let quality = structure.quality();
                 let name = format!("{name}, {}: {quality:?}", structure.name());
                 assert_eq!(quality.triangles, triangles.len() as u64, "{name}");
+                assert!(quality.references >= quality.triangles, "{name}");
+                let filled = quality.leaves - quality.empty_leaves;
+                assert!(filled <= quality.blocks, "{name}");
+                assert!(
+                    quality.references <= LANES as u64 * quality.blocks,
+                    "{name}"
+                );
+                // A node has two children, or up to eight.
+                assert!(quality.nodes < quality.leaves, "{name}");
+                let most = 8_u64.saturating_pow(quality.depth);
+                assert!(quality.leaves <= most, "{name}");
+                assert!(u64::from(quality.depth) <= quality.nodes, "{name}");
                 assert!(
                     quality.sah_cost.is_finite() && quality.sah_cost >= 0.0,
                     "{name}"

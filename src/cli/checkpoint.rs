@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use super::values;
+use crate::control::{CancelToken, Progress};
 use crate::io::{check_writable, describe_render, load_checkpoint, save_checkpoint};
 use crate::render::{Checkpoint, PictureMemory, PreparedScene, Region, RunConfig};
 use crate::scene::Scene;
@@ -87,9 +88,11 @@ impl CheckpointArguments {
         run: &RunConfig,
     ) -> Option<CheckpointFile<'_>> {
         let path = self.checkpoint.as_ref()?;
+        let layers = run.layers_of(prepared);
+        let description = describe_render(scene, region, layers, &CancelToken::new());
         Some(CheckpointFile {
             path,
-            description: describe_render(scene, region, run.layers_of(prepared)),
+            description: description.expect("nobody cancels"),
             every: self.checkpoint_every,
             resumes: self.resume,
             failure: Mutex::new(None),
@@ -111,7 +114,15 @@ impl CheckpointFile<'_> {
         }
         // Small numbers take up to a quarter more in the file than in memory.
         let most_bytes = 2 * memory.bytes() + self.description.len() as u64 + MOST_OTHER_BYTES;
-        let checkpoint = load_checkpoint(self.path, &self.description, most_bytes)?;
+        let never = CancelToken::new();
+        let checkpoint = load_checkpoint(
+            self.path,
+            &self.description,
+            most_bytes,
+            &never,
+            &Progress::new(),
+        )?;
+        let checkpoint = checkpoint.expect("nobody cancels");
         let name = self.path.display();
         if !checkpoint.fits(prepared, region, run.layers_of(prepared)) {
             bail!("{name}: the checkpoint is damaged: its parts do not fit the render");
@@ -126,7 +137,8 @@ impl CheckpointFile<'_> {
 
     /// Replaces the file by `checkpoint`. Where that fails, warns once, and the old one stays.
     pub fn keep(&self, checkpoint: &Checkpoint) {
-        let saved = save_checkpoint(self.path, &self.description, checkpoint);
+        let never = CancelToken::new();
+        let saved = save_checkpoint(self.path, &self.description, checkpoint, &never);
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         if let (Err(error), None) = (&saved, &*failure) {
             super::warn(&format!(

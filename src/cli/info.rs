@@ -12,9 +12,9 @@ use serde_json::Value;
 
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{TriangleMesh, Winding};
-use crate::io::{self, Model, PNG_HASH_KEYWORD, WrittenError, WrittenOrigin};
+use crate::io::{self, Model, WrittenError, WrittenOrigin};
 use crate::math::{DBounds, percent};
-use crate::render::Image;
+use crate::render::{Image, Region};
 use crate::scene::{Choice, Material, Object, Scene};
 
 /// What `raymini info` takes.
@@ -117,6 +117,8 @@ struct PictureFacts {
     scene: Option<String>,
     /// What that says about rendering.
     settings: Option<Value>,
+    /// Which part of what it says the picture is; `None` for all of it.
+    region: Option<Region>,
     /// How wrong the picture is, where it tells.
     error: Option<WrittenError>,
     warnings: Vec<String>,
@@ -292,17 +294,14 @@ fn png_facts(path: &Path) -> Result<PictureFacts> {
         .read_info()
         .with_context(|| format!("{}: expected a PNG picture", path.display()))?;
     let info = reader.info();
-    let hash = info
-        .uncompressed_latin1_text
-        .iter()
-        .find(|chunk| chunk.keyword == PNG_HASH_KEYWORD);
     Ok(PictureFacts {
         format: "PNG",
         width: info.width as usize,
         height: info.height as usize,
-        image_hash: hash.map(|chunk| chunk.text.clone()),
+        image_hash: None,
         scene: None,
         settings: None,
+        region: None,
         error: None,
         warnings: Vec::new(),
     })
@@ -325,6 +324,7 @@ fn radiance_facts(path: &Path) -> Result<PictureFacts> {
         image_hash: image.map(|image| image.hash()),
         scene: None,
         settings: None,
+        region: None,
         error: None,
         warnings: file.warnings,
     })
@@ -342,7 +342,12 @@ fn with_origin(facts: PictureFacts, path: &Path) -> Result<PictureFacts> {
     Ok(PictureFacts {
         settings: settings.map(serde_json::to_value).transpose()?,
         scene: origin.scene,
+        region: origin.region,
         error: origin.error,
+        image_hash: match origin.rendered_hash {
+            Some(hash) => Some(hash).filter(|hash| !hash.is_empty()),
+            None => facts.image_hash,
+        },
         ..facts
     })
 }
@@ -518,6 +523,13 @@ fn describe_picture(picture: &PictureFacts, lines: &mut Lines) {
     }
     if picture.scene.is_some() {
         lines.add("scene", "in the file: open or render it as a scene");
+    }
+    if let Some(region) = picture.region {
+        let Region { x, y, .. } = region;
+        lines.add(
+            "part",
+            format!("of a larger picture, from pixel {x},{y} on"),
+        );
     }
 }
 

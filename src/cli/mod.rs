@@ -127,7 +127,10 @@ fn warn_of_scene(loaded: &LoadedScene) -> Result<()> {
 }
 
 /// Prints a line to the standard output. A reader that has gone away is no error.
-fn say(text: &str) -> Result<()> {
+///
+/// # Errors
+/// When it cannot be written.
+pub fn say(text: &str) -> Result<()> {
     match writeln!(std::io::stdout().lock(), "{}", printable(text)) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to the standard output")
@@ -137,7 +140,10 @@ fn say(text: &str) -> Result<()> {
 }
 
 /// Prints what a program may read to the standard output.
-fn say_json(facts: &impl Serialize) -> Result<()> {
+///
+/// # Errors
+/// When it cannot be written.
+pub fn say_json(facts: &impl Serialize) -> Result<()> {
     let json = serde_json::to_string_pretty(facts);
     say(&json.context("the facts cannot be written as JSON")?)
 }

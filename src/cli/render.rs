@@ -18,7 +18,7 @@ use super::trace::TraceArguments;
 use super::{Signals, outcome, progress_bar, time_left, values};
 use crate::analysis::cost::Trial;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, LoadedScene, Origin, WrittenError};
+use crate::io::{self, LoadedScene, Origin, Values, WrittenError};
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
     RenderOutcome, RenderProgress, RunConfig, Used, Watch, render_watched, resume,
@@ -242,7 +242,7 @@ fn render_scene(
     // Black where nothing is known would be taken for the scene's own black, and must not replace a picture that is whole.
     let unfinished = (fewest == 0).then(|| unfinished_name(output));
     let output = unfinished.as_deref().unwrap_or(output);
-    let (place, failure) = write_picture(&rendered, scene, output)?;
+    let (place, failure) = write_picture(&rendered, scene, region, output)?;
     if !is_interrupted && failure.is_none() {
         kept.iter().for_each(CheckpointFile::remove);
     }
@@ -324,12 +324,16 @@ fn exit_code(signals: &Signals) -> ExitCode {
 fn write_picture(
     outcome: &RenderOutcome,
     scene: &Scene,
+    region: Region,
     output: &Path,
 ) -> Result<(PathBuf, Option<anyhow::Error>)> {
     let RenderOutcome { image, layers, .. } = outcome;
+    let whole = Region::full(scene.render.width, scene.render.height);
     let origin = Origin {
         scene,
         error: outcome.stats.error.as_ref().map(WrittenError::from),
+        region: (region != whole).then_some(region),
+        values: Values::Rendered,
     };
     let Err(error) = io::write_render(image, layers, &origin, output) else {
         return Ok((output.to_owned(), None));

@@ -1,8 +1,9 @@
-//! Signals that ask the program to end: SIGINT (Ctrl+C) and SIGTERM.
+//! Signals that ask the program to end: SIGINT (Ctrl+C) and SIGTERM; on Windows, which knows no SIGTERM from outside, Ctrl+Break.
 //!
 //! The first one ends the program at once, unless a command has asked for [`Signals::cancel_instead`]; the second always does.
 //! Either way no temporary file stays behind.
 
+use std::ffi::c_int;
 use std::io;
 use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -12,6 +13,14 @@ use signal_hook::flag;
 
 use crate::control::CancelToken;
 use crate::io::exit_process;
+
+/// The signals and the exit codes that they ask for.
+#[cfg(not(windows))]
+const SIGNALS: [(c_int, usize); 2] = [(SIGINT, 130), (SIGTERM, 143)];
+
+/// The third is what the C runtime of Windows calls SIGBREAK.
+#[cfg(windows)]
+const SIGNALS: [(c_int, usize); 3] = [(SIGINT, 130), (SIGTERM, 143), (21, 143)];
 
 /// What is known about signals; clones see the same.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +42,7 @@ impl Signals {
     pub fn watch() -> io::Result<Self> {
         let signals = Self::default();
         let received = Arc::new(AtomicUsize::new(0));
-        for (signal, exit_code) in [(SIGINT, 130), (SIGTERM, 143)] {
+        for (signal, exit_code) in SIGNALS {
             flag::register_usize(signal, Arc::clone(&received), exit_code)?;
         }
         let mut wait = waiting()?;
@@ -83,7 +92,7 @@ fn waiting() -> io::Result<impl FnMut() + Send> {
     use std::os::unix::net::UnixStream;
 
     let (mut receiver, sender) = UnixStream::pair()?;
-    for signal in [SIGINT, SIGTERM] {
+    for (signal, _) in SIGNALS {
         pipe::register(signal, sender.try_clone()?)?;
     }
     // The handlers keep the sender open, so reading fails only where it is interrupted.

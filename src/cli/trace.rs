@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Write};
 use anyhow::Result;
 use clap::Args;
 
+use crate::control::CancelToken;
 use crate::math::DVec3;
 use crate::render::{
     Met, MetSurface, PreparedScene, RayPurpose, SampleTrace, TracedRay, trace_sample,
@@ -39,7 +40,8 @@ pub struct TraceArguments {
 impl TraceArguments {
     /// Prints the sample of `pixel`.
     pub fn print(&self, scene: &Scene, prepared: &PreparedScene, pixel: (u32, u32)) -> Result<()> {
-        let trace = trace_sample(prepared, pixel, self.sample)?;
+        let trace = trace_sample(prepared, pixel, self.sample, &CancelToken::new())?;
+        let trace = trace.expect("nobody cancels");
         let (x, y) = pixel;
         let (trace, sample) = (
             InWords {

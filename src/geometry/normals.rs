@@ -5,9 +5,13 @@
 use super::buckets::Buckets;
 use super::face_normal::{edges_of, face_normal, longest_edge, near_one};
 use super::{TriangleMesh, Welded};
+use crate::control::CancelToken;
 use crate::math::{DVec3, Degrees};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+
+/// Corners, or vertices, between two looks at the cancel token.
+const CHUNK: usize = 1 << 12;
 
 /// Shading normals, one for each way a vertex is seen by the faces around it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,14 +29,18 @@ pub struct CornerNormals {
 /// all faces of the vertex do. `crease` 0 (or negative, or NaN) joins only coplanar faces. A face that is there twice, either way round,
 /// counts once. Where an average vanishes, as between two opposite faces, each corner has its face's normal; a corner of a triangle without
 /// area takes a normal of its vertex's other faces, or +Z when there is none. Of a mesh with texture coordinates, vertices at one place
-/// count as one: they are several only where the image has a seam.
+/// count as one: they are several only where the image has a seam. `None` when cancelled.
 ///
 /// Source: Thürmer & Wüthrich, Computing Vertex Normals from Polygonal Facets, Journal of Graphics Tools 3(1), 1998.
 ///
 /// # Panics
 /// When the mesh is not valid, or has more than 2³²/3 triangles.
 #[must_use]
-pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
+pub fn corner_normals(
+    mesh: &TriangleMesh,
+    crease: Degrees,
+    cancel: &CancelToken,
+) -> Option<CornerNormals> {
     if mesh.normals.is_none() && mesh.texture_coordinates.is_some() {
         let welded = Welded::new(mesh);
         let triangles = mesh.triangles.par_iter();
@@ -41,11 +49,14 @@ pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
             triangles: triangles.map(|&corners| welded.corners(corners)).collect(),
             ..TriangleMesh::default()
         };
-        return corner_normals(&seamless, crease);
+        return corner_normals(&seamless, crease, cancel);
     }
     let (faces, angles) = (0..mesh.triangles.len())
         .into_par_iter()
         .map(|triangle| {
+            if cancel.is_cancelled() {
+                return Default::default();
+            }
             let corners = mesh.corners(triangle);
             (face_normal(corners), corner_angles(corners))
         })
@@ -61,9 +72,16 @@ pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
         },
     };
     let vertices = mesh.triangles.iter().flatten().copied();
-    let fans = Buckets::new(mesh.positions.len(), vertices.zip((0..).map(Corner)));
+    let corners = vertices.zip((0..).map(Corner));
+    let corners = corners.take_while(|(_, corner)| {
+        !(corner.0 as usize).is_multiple_of(CHUNK) || !cancel.is_cancelled()
+    });
+    let fans = Buckets::new(mesh.positions.len(), corners);
     let mut groups = FanGroups::default();
     for vertex in 0..mesh.positions.len() {
+        if vertex % CHUNK == 0 && cancel.is_cancelled() {
+            return None;
+        }
         let fan = fans.of(vertex);
         if fan.is_empty() {
             continue;
@@ -77,7 +95,7 @@ pub fn corner_normals(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
             shading.average(fan, &mut groups);
         }
     }
-    shading.result
+    (!cancel.is_cancelled()).then_some(shading.result)
 }
 
 /// The normal the file gave, as a unit vector; `None` where it gave none or zero.

@@ -192,13 +192,16 @@ fn last_index(positions: &[DVec3]) -> u32 {
 /// Random numbers that are the same on every machine. Source: Steele, Lea, Flood, Fast Splittable Pseudorandom Number
 /// Generators, 2014 (`SplitMix64`).
 #[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
+    /// The numbers that follow from `seed`.
+    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
+    /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

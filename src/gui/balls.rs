@@ -1,7 +1,8 @@
 //! Small pictures of what materials look like: a ball before a chequered wall, rendered by our own tracer.
 //!
 //! A ball is asked for where it is drawn ([`Balls::texture`]); the app has what is missing rendered in the background, on one thread,
-//! and nothing happens where nothing is missing. Materials that look the same share a ball.
+//! and nothing happens where nothing is missing. Materials that look the same share a ball. Images lie on it once around: their middle in
+//! front, their edges meeting behind.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,12 +13,15 @@ use super::event::Event;
 use super::jobs::Job;
 use crate::control::CancelToken;
 use crate::geometry::{TriangleMesh, shapes};
-use crate::math::{DBounds, DVec3, Degrees};
+use crate::math::{DBounds, DVec2, DVec3, Degrees};
 use crate::render::{PreparedScene, RenderProgress, RunConfig, display, render};
 use crate::scene::{
-    Background, Filter, Light, Material, Mode, Object, RenderSettings, Rgb, Scene, Textures,
-    presets,
+    Background, Filter, Light, Material, Mode, Object, RenderSettings, Rgb, Scene, TextureImage,
+    Textures, presets,
 };
+
+/// Images of textures by the names that materials have for them.
+type Images = BTreeMap<String, Arc<TextureImage>>;
 
 /// Side of the pictures, in pixels.
 const SIDE: u32 = 88;
@@ -29,14 +33,18 @@ const SAMPLES: u32 = 32;
 const MOST: usize = 200;
 /// Pictures that one job makes: others may be asked for meanwhile.
 const MOST_AT_ONCE: usize = 4;
+/// Most texels of an image on a ball: larger ones would take longer than a ball is worth.
+const MOST_TEXELS: u64 = 1 << 25;
 /// Name of the material, and of the mesh that has it.
 const BALL: &str = "ball";
 
 /// What materials look like, as far as it is known.
 #[derive(Default)]
 pub struct Balls {
-    /// The oldest first; `None` where a material cannot be rendered.
-    known: Vec<(Material, Option<TextureHandle>)>,
+    /// The oldest first.
+    known: Vec<Known>,
+    /// The images of the scene.
+    images: Images,
     /// What was shown last for a name: it stays until what the material has become is there.
     shown: BTreeMap<String, TextureHandle>,
     /// What was asked for since the last request.
@@ -47,12 +55,39 @@ pub struct Balls {
     prepared: Arc<std::sync::OnceLock<PreparedScene>>,
 }
 
+/// A material whose ball is known.
+struct Known {
+    material: Material,
+    /// The images that were on it.
+    images: Images,
+    /// `None` where it cannot be rendered.
+    texture: Option<TextureHandle>,
+}
+
+/// Whether two sets of images are the same ones under the same names.
+fn are_same(a: &Images, b: &Images) -> bool {
+    a.len() == b.len()
+        && a.iter()
+            .zip(b)
+            .all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(a.1, b.1))
+}
+
 impl Balls {
+    /// Takes the images of the scene; balls with others are made anew.
+    pub fn set_images(&mut self, images: &Images) {
+        if are_same(&self.images, images) {
+            return;
+        }
+        self.images.clone_from(images);
+        self.known
+            .retain(|known| are_same(&known.images, &images_of(&known.material, images)));
+    }
+
     /// The ball of `material`; while it is not there, that of what the material called `name` was before, where it has a name.
     pub fn texture(&mut self, name: Option<&str>, material: &Material) -> Option<TextureId> {
-        let known = self.known.iter().find(|(known, _)| known == material);
-        match known {
-            Some((_, Some(texture))) => {
+        let known = self.known.iter().find(|known| known.material == *material);
+        match known.map(|known| &known.texture) {
+            Some(Some(texture)) => {
                 if let Some(name) = name
                     && self.shown.get(name).map(TextureHandle::id) != Some(texture.id())
                 {
@@ -60,7 +95,7 @@ impl Balls {
                 }
                 Some(texture.id())
             }
-            Some((_, None)) => None,
+            Some(None) => None,
             None => {
                 if !self.missing.contains(material) {
                     self.missing.push(Material::clone(material));
@@ -74,7 +109,7 @@ impl Balls {
     #[must_use]
     pub fn has(&self, material: &Material) -> bool {
         let mut known = self.known.iter();
-        known.any(|(known, texture)| known == material && texture.is_some())
+        known.any(|known| known.material == *material && known.texture.is_some())
     }
 
     /// What is missing of what was drawn since the last call.
@@ -83,7 +118,13 @@ impl Balls {
         materials.truncate(MOST_AT_ONCE);
         self.requested.clone_from(&materials);
         (!materials.is_empty()).then(|| BallRequest {
-            materials,
+            materials: materials
+                .into_iter()
+                .map(|material| {
+                    let images = images_of(&material, &self.images);
+                    (material, images)
+                })
+                .collect(),
             prepared: Arc::clone(&self.prepared),
         })
     }
@@ -109,7 +150,12 @@ impl Balls {
         if self.known.len() == MOST {
             self.known.remove(0);
         }
-        self.known.push((material, texture));
+        let images = images_of(&material, &self.images);
+        self.known.push(Known {
+            material,
+            images,
+            texture,
+        });
     }
 }
 
@@ -125,30 +171,46 @@ impl std::fmt::Debug for Balls {
 /// What a job works with.
 #[derive(Debug)]
 pub struct BallRequest {
-    materials: Vec<Material>,
+    /// With their images.
+    materials: Vec<(Material, Images)>,
     prepared: Arc<std::sync::OnceLock<PreparedScene>>,
 }
 
 impl BallRequest {
     /// Renders the balls, and sends each.
     pub fn render(self, job: &Job<Event>) {
-        for material in self.materials {
+        for (material, images) in self.materials {
             if job.cancel.is_cancelled() {
                 return;
             }
-            let image = image_of(&material, &self.prepared, &job.cancel);
+            let image = image_of(&material, &images, &self.prepared, &job.cancel);
             job.send(Event::BallRendered { material, image });
         }
     }
 }
 
+/// Those of `images` that are on `material` and not too large.
+fn images_of(material: &Material, images: &Images) -> Images {
+    let Some(textures) = material.textures() else {
+        return Images::new();
+    };
+    let names = [&textures.diffuse_image, &textures.normal_image];
+    let named = names.into_iter().flatten().filter_map(|name| {
+        let image = images.get(name)?;
+        let texels = u64::from(image.width()) * u64::from(image.height());
+        (texels <= MOST_TEXELS).then(|| (name.clone(), Arc::clone(image)))
+    });
+    named.collect()
+}
+
 /// The ball of `material`; `None` where it cannot be rendered. The first one puts what the others share into `shared`.
 fn image_of(
     material: &Material,
+    images: &Images,
     shared: &std::sync::OnceLock<PreparedScene>,
     cancel: &CancelToken,
 ) -> Option<ColorImage> {
-    let scene = scene_of(material);
+    let scene = scene_of(material, images);
     let prepared = PreparedScene::prepare(&scene, shared.get(), cancel);
     let prepared = prepared.ok().flatten()?;
     let run = RunConfig {
@@ -168,7 +230,7 @@ fn image_of(
 }
 
 /// A ball of radius 1 on a dark floor before a chequered wall, under a disk and a bright sky.
-fn scene_of(material: &Material) -> Scene {
+fn scene_of(material: &Material, images: &Images) -> Scene {
     let mut scene = Scene {
         background: Background::Gradient {
             zenith: Rgb::new(0.34, 0.41, 0.52),
@@ -215,12 +277,17 @@ fn scene_of(material: &Material) -> Scene {
             ..Object::default()
         });
     };
-    // The scene has no images, and the ball no coordinates for them.
-    let mut plain = material.clone();
-    if let Some(textures) = plain.textures_mut() {
-        *textures = Textures::default();
+    // Images that are not there are left out, and the ball's corners have no colours.
+    let mut worn = material.clone();
+    if let Some(textures) = worn.textures_mut() {
+        let there = |name: &Option<String>| name.clone().filter(|name| images.contains_key(name));
+        *textures = Textures {
+            diffuse_image: there(&textures.diffuse_image),
+            normal_image: there(&textures.normal_image),
+            vertex_colors: false,
+        };
     }
-    add(BALL, shapes::icosphere(5), plain, true);
+    add(BALL, ball(), worn, true);
     let [light, dark] = chequers();
     add("light squares", light, matt(0.7), false);
     add("dark squares", dark, matt(0.12), false);
@@ -230,6 +297,7 @@ fn scene_of(material: &Material) -> Scene {
     };
     let towards = DVec3::new(0.0, -1.0, 0.25);
     let fov = Degrees(24.0);
+    scene.textures.clone_from(images);
     scene.camera = presets::framing(&ball, towards, DVec3::Z, fov, 1.0);
     // That frames the ball around the box, which is larger by √3.
     let distance = 1.0
@@ -238,6 +306,19 @@ fn scene_of(material: &Material) -> Scene {
             .sin();
     scene.camera.eye = towards.normalize() * distance;
     scene
+}
+
+/// The ball, with an image once around it: across by the angle about Z from behind, upwards by height as on a map.
+fn ball() -> TriangleMesh {
+    use std::f64::consts::{PI, TAU};
+    let mut mesh = shapes::icosphere(5);
+    let on_image = |place: &DVec3| {
+        let across = 0.5 + f64::atan2(place.x, -place.y) / TAU;
+        let upwards = 0.5 + place.z.clamp(-1.0, 1.0).asin() / PI;
+        DVec2::new(across, upwards)
+    };
+    mesh.texture_coordinates = Some(mesh.positions.iter().map(on_image).collect());
+    mesh
 }
 
 /// The light and the dark squares of a floor under the ball and a wall behind it.
@@ -276,10 +357,57 @@ enum Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Texels;
 
     fn image(material: &Material) -> ColorImage {
         let shared = std::sync::OnceLock::new();
-        image_of(material, &shared, &CancelToken::new()).expect("can be rendered")
+        image_of(material, &Images::new(), &shared, &CancelToken::new()).expect("can be rendered")
+    }
+
+    fn materials(request: Option<BallRequest>) -> Vec<Material> {
+        let materials = request.unwrap().materials.into_iter();
+        materials.map(|(material, _)| material).collect()
+    }
+
+    /// A material with an image whose left half is red and whose right half is blue.
+    fn flag(name: &str) -> (Material, Images) {
+        let mut material = Material::default();
+        if let Material::Phong {
+            diffuse, textures, ..
+        } = &mut material
+        {
+            *diffuse = Rgb::ONE;
+            textures.diffuse_image = Some(name.to_owned());
+        }
+        let texels = vec![[255, 0, 0], [255, 0, 0], [0, 0, 255], [0, 0, 255]];
+        let image = TextureImage::new(4, 1, Texels::Bytes(texels));
+        let images = Images::from([(name.to_owned(), Arc::new(image))]);
+        (material, images)
+    }
+
+    #[test]
+    fn an_image_is_on_the_ball_and_comes_anew_with_the_file() {
+        let (material, images) = flag("flag.png");
+        let shared = std::sync::OnceLock::new();
+        let image = image_of(&material, &images, &shared, &CancelToken::new()).unwrap();
+        let side = image.size[0];
+        let [left, right] =
+            [3, 5].map(|eighths| image.pixels[side / 2 * side + side * eighths / 8]);
+        assert!(left.r() > 2 * left.b(), "{left:?}");
+        assert!(right.b() > 2 * right.r(), "{right:?}");
+
+        let mut balls = Balls::default();
+        balls.set_images(&images);
+        balls.texture(None, &material);
+        let request = balls.next_request().unwrap();
+        assert_eq!(request.materials[0].1.len(), 1);
+        let ctx = egui::Context::default();
+        balls.put(&ctx, Material::clone(&material), Some(image));
+        balls.set_images(&images);
+        assert!(balls.has(&material));
+        let (_, written_anew) = flag("flag.png");
+        balls.set_images(&written_anew);
+        assert!(!balls.has(&material));
     }
 
     /// Mean of the channels of the pixels around the middle.
@@ -334,7 +462,7 @@ mod tests {
         for material in &materials {
             balls.texture(None, material);
         }
-        assert_eq!(balls.next_request().unwrap().materials, materials);
+        assert_eq!(self::materials(balls.next_request()), materials);
         let image = ColorImage::filled([2, 2], egui::Color32::RED);
         balls.put(&egui::Context::default(), Material::mirror(), Some(image));
         balls.give_up();
@@ -350,8 +478,7 @@ mod tests {
         for _ in 0..2 {
             assert_eq!(balls.texture(Some("chrome"), &material), None);
         }
-        let request = balls.next_request().unwrap();
-        assert_eq!(request.materials, [Material::mirror()]);
+        assert_eq!(materials(balls.next_request()), [Material::mirror()]);
         assert!(balls.next_request().is_none());
         let ctx = egui::Context::default();
         let image = ColorImage::filled([2, 2], egui::Color32::RED);
@@ -362,7 +489,7 @@ mod tests {
         let glass = Material::glass();
         assert_eq!(balls.texture(Some("chrome"), &glass), mirror);
         assert_eq!(balls.texture(None, &glass), None);
-        assert_eq!(balls.next_request().unwrap().materials, [Material::glass()]);
+        assert_eq!(materials(balls.next_request()), [Material::glass()]);
         balls.put(&ctx, Material::glass(), None);
         assert_eq!(balls.texture(Some("chrome"), &glass), None);
         assert!(balls.next_request().is_none());

@@ -358,7 +358,7 @@ impl Command {
             }
             Self::ClearRegion => "Render all of the picture again in place of a part",
             Self::Cancel => {
-                "Stop what goes on: a render, a report, measuring, loading, preparing, saving"
+                "Stop what goes on: a render, a report, measuring, loading, preparing, saving; else give up the tool, then the selection"
             }
             Self::MeasureCosts => {
                 "Measure what each effect costs and what leaving out saves, for the panel Plan"

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::selection::Selection;
 use super::undo::{Snapshot, UndoHistory};
 use crate::geometry::TriangleMesh;
-use crate::scene::{Camera, Object, RadianceMap, Scene, TextureImage};
+use crate::scene::{Camera, Material, Object, RadianceMap, Scene, TextureImage};
 
 /// A scene, the file it belongs to, and its last saved state.
 #[derive(Clone, Debug)]
@@ -32,19 +32,25 @@ struct File {
     home: Camera,
 }
 
-impl Document {
-    /// An unchanged document. `path`: the scene file that saving writes to; `None` for the demo and for bare meshes.
-    #[must_use]
-    pub fn new(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
-        let file = File {
+impl File {
+    /// One that holds `scene`.
+    fn of(scene: &Scene, name: String, path: Option<PathBuf>) -> Self {
+        Self {
             name,
             path,
             saved: scene.clone(),
             home: scene.camera,
-        };
+        }
+    }
+}
+
+impl Document {
+    /// An unchanged document. `path`: the scene file that saving writes to; `None` for the demo and for bare meshes.
+    #[must_use]
+    pub fn new(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
         Self {
             undo: UndoHistory::new(scene.clone()),
-            files: vec![file],
+            files: vec![File::of(&scene, name, path)],
             file: 0,
             scene,
         }
@@ -67,14 +73,33 @@ impl Document {
         path: Option<PathBuf>,
         selection: &Selection,
     ) {
-        self.record_edit(selection);
         let step = format!("opening {name}");
-        self.files.push(File {
-            name,
-            path,
-            saved: scene.clone(),
-            home: scene.camera,
-        });
+        self.put(scene, (name, path), selection, step);
+    }
+
+    /// [`Document::open`], of work that was never saved.
+    pub fn open_restored(
+        &mut self,
+        scene: Scene,
+        name: String,
+        path: Option<PathBuf>,
+        selection: &Selection,
+    ) {
+        let step = format!("restoring {name}");
+        self.put(scene, (name, path), selection, step);
+        self.file_mut().saved = Scene::default();
+    }
+
+    /// Puts the scene of another file in place of the present one, as the step to undo that is called `step`.
+    fn put(
+        &mut self,
+        scene: Scene,
+        (name, path): (String, Option<PathBuf>),
+        selection: &Selection,
+        step: String,
+    ) {
+        self.record_edit(selection);
+        self.files.push(File::of(&scene, name, path));
         self.file = self.files.len() - 1;
         let now = Snapshot {
             scene: scene.clone(),
@@ -115,6 +140,12 @@ impl Document {
     #[must_use]
     pub fn home(&self) -> Camera {
         self.file().home
+    }
+
+    /// The scene as it was last on disk; an empty one where that is not known, as of work that was restored.
+    #[must_use]
+    pub fn saved(&self) -> &Scene {
+        &self.file().saved
     }
 
     /// Which of what was opened the scene belongs to.
@@ -247,7 +278,7 @@ pub fn same_but_camera(a: &Scene, b: &Scene) -> bool {
         && same_image(a, b)
 }
 
-/// Whether two scenes make the same linear picture: display and file format do not count.
+/// Whether two scenes make the same linear picture: display and file format do not count, nor what things are called.
 #[must_use]
 pub fn same_picture(a: &Scene, b: &Scene) -> bool {
     a.camera == b.camera && same_picture_but_camera(a, b)
@@ -257,13 +288,62 @@ pub fn same_picture(a: &Scene, b: &Scene) -> bool {
 #[must_use]
 pub fn same_picture_but_camera(a: &Scene, b: &Scene) -> bool {
     a.background == b.background
-        && a.materials == b.materials
-        && a.objects == b.objects
         && a.lights == b.lights
         && a.render == b.render
+        && same_objects(a, b)
         && same_shared(&a.meshes, &b.meshes)
         && same_shared(&a.textures, &b.textures)
         && same_image(a, b)
+}
+
+/// Whether the objects of two scenes are the same and of the same materials, whatever they and those are called.
+fn same_objects(a: &Scene, b: &Scene) -> bool {
+    if a.objects.len() != b.objects.len() {
+        return false;
+    }
+    // Many objects share few materials, and those that do often follow one another.
+    let mut known_same = None;
+    for (x, y) in a.objects.iter().zip(&b.objects) {
+        let names = (x.material.as_deref(), y.material.as_deref());
+        if known_same != Some(names) && material_called(a, names.0) != material_called(b, names.1) {
+            return false;
+        }
+        known_same = Some(names);
+        if !same_but_names(x, y) {
+            return false;
+        }
+    }
+    true
+}
+
+/// The material of that name, if there is one; the outer `None` where nothing is named.
+#[expect(
+    clippy::option_option,
+    reason = "no name and the name of nothing differ"
+)]
+fn material_called<'a>(scene: &'a Scene, name: Option<&str>) -> Option<Option<&'a Material>> {
+    name.map(|name| scene.materials.get(name))
+}
+
+/// Whether two objects are the same but for their names and materials.
+fn same_but_names(x: &Object, y: &Object) -> bool {
+    let key = |object: &Object| {
+        let Object {
+            name: _,
+            mesh: _,
+            material: _,
+            smooth,
+            crease_angle,
+            repair_winding,
+            scale,
+            rotate,
+            translate,
+            copies,
+        } = *object;
+        let shape = (smooth, crease_angle, repair_winding);
+        (shape, scale, rotate, translate, copies)
+    };
+    x.mesh == y.mesh && key(x) == key(y)
 }
 
 /// Whether two scenes have the same triangles in the same structure.
@@ -476,6 +556,26 @@ mod tests {
         assert_eq!(document.name(), "two lights");
         document.scene.lights.pop();
         assert!(!document.is_modified());
+    }
+
+    #[test]
+    fn what_things_are_called_makes_no_other_picture() {
+        let mut before = scene();
+        before.objects.push(before.objects[0].clone());
+        before.objects[1].material = Some("clay".into());
+        before.materials.insert("clay".into(), Material::default());
+        let mut after = before.clone();
+        after.objects[0].name = "ram".into();
+        let clay = after.materials.remove("clay").expect("is there");
+        after.materials.insert("loam".into(), clay);
+        after.objects[1].material = Some("loam".into());
+        after.light_names.push("lamp".into());
+        after.materials.insert("unused".into(), Material::mirror());
+        assert!(same_picture(&before, &after) && !same_scene(&before, &after));
+        after.materials.insert("loam".into(), Material::mirror());
+        assert!(!same_picture(&before, &after));
+        after.objects[1].material = None;
+        assert!(!same_picture(&before, &after));
     }
 
     #[test]

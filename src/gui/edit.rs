@@ -1,5 +1,6 @@
 //! Copying, pasting, duplicating and removing parts of a scene.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::selection::Selection;
@@ -102,7 +103,7 @@ pub fn paste(scene: &mut Scene, part: Part) -> Selection {
             scene.objects.push(*object);
             Selection::Object(scene.objects.len() - 1)
         }
-        Part::Light(light) => Selection::Light(scene.add_light(light)),
+        Part::Light(light) => Selection::Light(add_light(scene, light)),
         Part::Material(name, material) => Selection::Material(add_material(scene, &name, material)),
     }
 }
@@ -128,6 +129,12 @@ pub fn remove(scene: &mut Scene, selection: &Selection) -> Option<Selection> {
             neighbour(*index, scene.objects.len()).map(Selection::Object)
         }
         Selection::Light(index) if *index < scene.lights.len() => {
+            // Those after it go on being called what they were.
+            for later in index + 1..scene.lights.len() {
+                if scene.light_name(later).is_empty() {
+                    scene.name_light(later, usual_light_name(later));
+                }
+            }
             scene.remove_light(*index);
             neighbour(*index, scene.lights.len()).map(Selection::Light)
         }
@@ -145,6 +152,27 @@ fn add_material(scene: &mut Scene, name: &str, material: Material) -> String {
     let name = free_name(name, |name| scene.materials.contains_key(name));
     scene.materials.insert(name.clone(), material);
     name
+}
+
+/// What the window calls light number `index` where it has no name.
+#[must_use]
+pub fn usual_light_name(index: usize) -> String {
+    format!("Light {}", index + 1)
+}
+
+/// Adds a light and returns its number; one without a name gets one where another light is called what it would be.
+pub fn add_light(scene: &mut Scene, mut light: NamedLight) -> usize {
+    if light.name.is_empty() {
+        let usual = usual_light_name(scene.lights.len());
+        let lights = 0..scene.lights.len();
+        let labels = lights.map(|index| scene.light_label(index).to_lowercase());
+        let labels: HashSet<String> = labels.collect();
+        let is_taken = |name: &str| labels.contains(&name.to_lowercase());
+        if is_taken(&usual) {
+            light.name = free_name(&usual, is_taken);
+        }
+    }
+    scene.add_light(light)
 }
 
 /// A name for a copy of the object called `name`; one without a name stays so.
@@ -212,6 +240,28 @@ mod tests {
         assert_eq!(name_of(&scene, &copy).as_deref(), Some("key 2"));
         let left = remove(&mut scene, &Selection::Light(0)).unwrap();
         assert_eq!(name_of(&scene, &left).as_deref(), Some("key 2"));
+    }
+
+    #[test]
+    fn lights_without_names_are_not_renumbered() {
+        let mut scene = scene();
+        for _ in 0..4 {
+            add_light(&mut scene, NamedLight::default());
+        }
+        remove(&mut scene, &Selection::Light(2));
+        let labels = |scene: &Scene| -> Vec<String> {
+            let lights = 0..scene.lights.len();
+            let label = |index| scene.light_label(index).to_lowercase();
+            lights.map(label).collect()
+        };
+        assert_eq!(labels(&scene), ["light 1", "light 2", "light 4"]);
+        // The next would be called like the last.
+        duplicate(&mut scene, &Selection::Light(0)).unwrap();
+        let mut names = labels(&scene);
+        assert_eq!(names.len(), 4);
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), 4, "{names:?}");
     }
 
     #[test]

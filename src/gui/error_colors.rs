@@ -18,10 +18,13 @@ const COLORS: [[u8; 3]; 5] = [
     [0xfd, 0xe9, 0x4b],
 ];
 
+/// Where it is unknown: grey, as none of the others is.
+const UNKNOWN: Color32 = Color32::from_gray(0x60);
+
 /// One pixel in so many may lie beyond the scale.
 const PIXELS_PER_OUTLIER: usize = 100;
 
-/// The error of a pixel: that of its worst channel.
+/// The error of a pixel: that of its worst channel; not a number where it is unknown, which it then is in all of them.
 fn worst_channel(rgb: [f32; 3]) -> f32 {
     rgb[0].max(rgb[1]).max(rgb[2])
 }
@@ -45,13 +48,21 @@ pub fn scale_of(errors: &Image) -> f32 {
 /// The colour of a pixel's error on a scale that ends at `scale`.
 #[must_use]
 pub fn color(rgb: [f32; 3], scale: f32) -> Color32 {
+    if worst_channel(rgb).is_nan() {
+        return UNKNOWN;
+    }
+    color_of_share(share(rgb, scale))
+}
+
+/// Where a pixel's error lies on a scale that ends at `scale`, `0..=1`.
+#[must_use]
+pub fn share(rgb: [f32; 3], scale: f32) -> f32 {
     let error = worst_channel(rgb);
-    let share = if error > 0.0 && scale > 0.0 {
+    if error > 0.0 && scale > 0.0 {
         (error / scale).min(1.0)
     } else {
         0.0
-    };
-    color_of_share(share)
+    }
 }
 
 fn color_of_share(share: f32) -> Color32 {
@@ -76,7 +87,7 @@ pub fn legend_ui(ui: &Ui, frame: Rect, scale: f32) {
         marks: &[],
         name: format!("Error up to {most}"),
         explanation: "Colours of the error of each pixel, in its worst channel, averaged over the pixels around it. One pixel in a hundred \
-             lies beyond the scale",
+             lies beyond the scale. Grey: unknown",
     };
     legend.show_ui(ui, frame, color_of_share);
 }
@@ -109,7 +120,7 @@ mod tests {
             .collect();
         assert!(steps.is_sorted(), "{steps:?}");
         let darkest = color_of_share(0.0);
-        assert_eq!(color([f32::NAN; 3], 1.0), darkest);
+        assert_eq!(color([f32::NAN; 3], 1.0), UNKNOWN);
         assert_eq!(color([1.0; 3], 0.0), darkest);
         assert_eq!(color([f32::INFINITY; 3], 1.0), color_of_share(1.0));
     }

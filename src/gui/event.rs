@@ -12,7 +12,7 @@ use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
 use super::opened_picture::OpenedPicture;
-use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer, PictureId};
+use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureBuffer, PictureId};
 use super::ray_view::WantedRays;
 use super::recovering::Recovered;
 use super::report::Findings;
@@ -142,17 +142,17 @@ pub enum Event {
     Coarse(CoarseTexels),
     /// A tile of the running render.
     Tile(EncodedTile),
-    /// A piece of a picture that is shown anew.
+    /// Some of a picture that is shown anew.
     Encoded {
         /// The number of its render.
         number: usize,
-        /// The piece.
-        tile: EncodedTile,
+        /// What of it.
+        encoded: Encoded,
     },
     /// How far the compared pictures are apart and the texels of the difference, or why that cannot be said.
     Compared(Result<(Distance, [usize; 2]), String>),
-    /// A piece of a picture beside the one that is looked at.
-    CompareTile(Side, EncodedTile),
+    /// Some of a picture beside the one that is looked at.
+    CompareEncoded(Side, Encoded),
     /// A picture to compare with was read, or why not.
     ComparisonRead {
         /// Its file.

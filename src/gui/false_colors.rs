@@ -29,8 +29,19 @@ const MARKS: [f32; 4] = [-6.0, -3.0, 0.0, 3.0];
 /// The colour of a luminance, in W/m²/sr, at the exposure of `display`.
 #[must_use]
 pub fn color(luminance: f32, display: &Display) -> Color32 {
-    let relative = (luminance * exposure_factor(display)).max(0.0);
-    color_of_stops(libm::log2f(relative))
+    color_of_stops(stops(luminance, display))
+}
+
+/// How many stops a luminance is above the white of the screen; infinitely few where it is black.
+#[must_use]
+pub fn stops(luminance: f32, display: &Display) -> f32 {
+    libm::log2f((luminance * exposure_factor(display)).max(0.0))
+}
+
+/// Where so many stops lie on the scale, `0..=1` from its dark end.
+#[must_use]
+pub fn share_of(stops: f32) -> f32 {
+    ((stops + BELOW) / (BELOW + ABOVE)).clamp(0.0, 1.0)
 }
 
 /// The colour of so many stops above the white of the screen, infinitely few included.
@@ -47,9 +58,8 @@ fn color_of_stops(stops: f32) -> Color32 {
     }
 }
 
-/// Draws what the colours mean into the lower left corner of the picture in `frame`.
-pub fn legend_ui(ui: &Ui, frame: Rect, display: &Display) {
-    let share_of = |stops: f32| (stops + BELOW) / (BELOW + ABOVE);
+/// Draws what the colours mean into the lower left corner of the picture in `frame`; `is_radiance`: whether values have its unit.
+pub fn legend_ui(ui: &Ui, frame: Rect, display: &Display, is_radiance: bool) {
     let marks = MARKS.map(|stops| {
         let mark = match stops {
             0.0 => "white".to_owned(),
@@ -58,7 +68,8 @@ pub fn legend_ui(ui: &Ui, frame: Rect, display: &Display) {
         (share_of(stops), mark.replace('-', "−"))
     });
     let white = format_number(f64::from(1.0 / exposure_factor(display)), 3);
-    let end = format!("white is {white} W/m²/sr");
+    let unit = if is_radiance { " W/m²/sr" } else { "" };
+    let end = format!("white is {white}{unit}");
     let legend = Legend {
         start: "Stops",
         end: &end,

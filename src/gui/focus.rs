@@ -32,6 +32,12 @@ pub fn blur_diameter(camera: &Camera, height: f64, depth: f64) -> f64 {
     blur_scale(camera, height) * (depth.recip() - camera.focus().recip()).abs()
 }
 
+/// A radius of the lens that blurs what is not sharp so that it is seen: a hundredth of the focus distance.
+#[must_use]
+pub fn wide_radius(camera: &Camera) -> f64 {
+    (0.01 * camera.focus()).clamp(f64::MIN_POSITIVE, f64::MAX)
+}
+
 /// What to say of the focus of `scene`; `depth`: of what is under the mouse, along the view axis.
 #[must_use]
 pub fn in_words(scene: &Scene, depth: Option<f64>) -> Vec<String> {
@@ -82,6 +88,17 @@ mod tests {
             focus_distance: Some(5.0),
             ..Camera::default()
         }
+    }
+
+    #[test]
+    fn an_opened_lens_blurs_what_is_seen() {
+        let mut camera = camera();
+        camera.aperture_radius = wide_radius(&camera);
+        let focus = camera.focus();
+        assert_eq!(blur_diameter(&camera, 600.0, focus), 0.0);
+        assert!(blur_diameter(&camera, 600.0, focus * 1.5) > 3.0);
+        camera.focus_distance = Some(f64::INFINITY);
+        assert!(wide_radius(&camera).is_finite());
     }
 
     /// The renderer's ray through the rim of the lens and the rim of the blur meets the point that is blurred.

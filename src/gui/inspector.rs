@@ -3,6 +3,8 @@
 
 use egui::{Color32, CornerRadius, RichText, Sense, Ui, Vec2};
 
+use super::compare::Seen;
+use super::look::NOT_FINITE;
 use super::widgets::{counted, format_number, grouped, percent};
 use crate::accel::Visits;
 use crate::math::DVec3;
@@ -15,9 +17,9 @@ const HEIGHT: f32 = 36.0;
 pub struct PixelValues {
     /// Of the picture, or of the layer that is looked at.
     pub linear: [f32; 3],
-    /// As it is on the screen.
+    /// What the picture looks like there on the screen, as layer, channels, exposure and tone curve are.
     pub color: Color32,
-    /// The estimated error of each channel of the picture, where it is kept.
+    /// The estimated error of each channel of the picture, where it is kept; not a number where it is unknown.
     pub error: Option<[f32; 3]>,
 }
 
@@ -71,8 +73,10 @@ pub struct Inspected {
     pub values: PixelValues,
     /// Samples that were taken of it.
     pub samples: Samples,
-    /// What the picture that is compared with holds there.
+    /// What the picture that is compared with holds there, at what is seen of it in the same place.
     pub other: Option<[f32; 3]>,
+    /// What is seen there.
+    pub seen: Seen,
     /// What is seen there; `None` where that is the background, or where the scene has changed since.
     pub surface: Option<Surface>,
     /// What the ray through its middle visits of the structure in use; `None` where the scene has changed since.
@@ -84,22 +88,17 @@ impl Inspected {
     #[must_use]
     pub fn values_in_words(&self) -> String {
         let [x, y] = self.pixel;
-        let PixelValues {
-            linear,
-            color,
-            error,
-        } = self.values;
-        let [r, g, b, _] = color.to_array();
+        let PixelValues { linear, error, .. } = self.values;
         let mut parts = vec![format!("{x}, {y}"), format!("linear {}", numbers(linear))];
-        if linear.iter().all(|channel| channel.is_finite()) {
-            parts.push(format!("shown {r} {g} {b}"));
-        } else {
-            parts.push("not finite: shown in magenta".to_owned());
-        }
         if let Some(other) = self.other {
             parts.push(format!("other {}", numbers(other)));
         }
-        if let Some(error) = error {
+        parts.push(self.seen_in_words());
+        if let Some(error) = error
+            && error.iter().any(|channel| channel.is_nan())
+        {
+            parts.push("error unknown".to_owned());
+        } else if let Some(error) = error {
             let worst = error.into_iter().fold(0.0, f32::max);
             let value = linear.into_iter().fold(0.0, f32::max);
             let share = f64::from(worst) / f64::from(value);
@@ -124,6 +123,26 @@ impl Inspected {
         parts.join(SEPARATOR)
     }
 
+    fn seen_in_words(&self) -> String {
+        let what = match self.seen {
+            Seen::Itself(_) => "",
+            Seen::Other(_) => ", the other",
+            Seen::Difference(_) => ", the difference",
+            Seen::Nothing => return "nothing shown here".to_owned(),
+        };
+        match self.seen.color() {
+            Some(NOT_FINITE) => format!("not finite: shown in magenta{what}"),
+            // Of the layer of the error.
+            Some(_) if what.is_empty() && self.values.linear.iter().any(|x| x.is_nan()) => {
+                "unknown: shown in grey".to_owned()
+            }
+            color => {
+                let [r, g, b, _] = color.unwrap_or_default().to_array();
+                format!("shown {r} {g} {b}{what}")
+            }
+        }
+    }
+
     /// What is seen there and what it took to find it, in a line.
     #[must_use]
     pub fn surface_in_words(&self) -> String {
@@ -146,9 +165,10 @@ fn numbers(rgb: [f32; 3]) -> String {
 }
 
 /// Of the words.
-const MEANING: &str = "Above: column and row, radiance in W/m²/sr, bytes on the screen, the estimated error of the worst channel and its \
-                       square, samples. Below: object and material, triangle, distance from the eye and shading normal in the middle of \
-                       the pixel, nodes and blocks that its ray visits";
+const MEANING: &str = "Above: column and row, what the picture holds there (radiance in W/m²/sr, unless layer or mode are of another \
+                       kind), what the one compared with does, red, green and blue on the screen from 0 to 255, the estimated error of \
+                       the worst channel and its square, samples. Below: object and material, triangle, distance from the eye and shading \
+                       normal in the middle of the pixel, nodes and blocks that its ray visits";
 
 /// Draws the lines. `scale`: pixels of the screen per pixel of the picture; `is_live`: whether the wheel moves the camera there.
 pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_live: bool) {
@@ -169,15 +189,23 @@ pub fn inspector_ui(ui: &mut Ui, inspected: Option<&Inspected>, scale: f32, is_l
         };
         let (swatch, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
         let radius = CornerRadius::same(2);
-        ui.painter().rect_filled(swatch, radius, inspected.values.color);
+        if let Some(color) = inspected.seen.color() {
+            ui.painter().rect_filled(swatch, radius, color);
+        }
         ui.vertical(|ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
             for words in [inspected.values_in_words(), inspected.surface_in_words()] {
-                let words = RichText::new(words).size(12.0);
-                ui.add(egui::Label::new(words).truncate()).on_hover_text(MEANING);
+                line_ui(ui, &words, MEANING);
             }
         });
     });
+}
+
+/// Draws a line, cut off where it is too long; all of it, and its meaning, show where the mouse rests on it.
+fn line_ui(ui: &mut Ui, words: &str, meaning: &str) {
+    let line = egui::Label::new(RichText::new(words).size(12.0)).truncate();
+    ui.add(line.show_tooltip_when_elided(false))
+        .on_hover_text(format!("{words}\n{meaning}"));
 }
 
 /// Draws what there is to say of the preview: `surface` is what is seen of it under the mouse.
@@ -209,6 +237,7 @@ mod tests {
                 error: Some([0.01, 0.0, 0.02]),
             },
             other: None,
+            seen: Seen::Itself(Color32::from_rgb(188, 137, 255)),
             surface: Some(Surface {
                 object: "ram".to_owned(),
                 material: "clay".to_owned(),
@@ -230,7 +259,30 @@ mod tests {
             inspected.surface_in_words(),
             "ram, clay  ·  triangle 1,234  ·  distance 4.25  ·  normal 0.6 -0.8 0  ·  steps 5 + 2"
         );
+        inspected.other = Some([0.5, 0.75, 0.0]);
+        inspected.seen = Seen::Other(Color32::from_rgb(188, 224, 0));
+        assert!(
+            inspected
+                .values_in_words()
+                .contains("other 0.5 0.75 0  ·  shown 188 224 0, the other  ·  error")
+        );
+        inspected.seen = Seen::Nothing;
+        assert!(inspected.values_in_words().contains("nothing shown here"));
+        inspected.other = None;
+        inspected.seen = Seen::Itself(Color32::GRAY);
         inspected.values.linear[1] = f32::NAN;
+        assert!(
+            inspected
+                .values_in_words()
+                .contains("  ·  unknown: shown in grey  ·  ")
+        );
+        inspected.seen = Seen::Itself(NOT_FINITE);
+        inspected.values.error = Some([f32::NAN; 3]);
+        assert!(
+            inspected
+                .values_in_words()
+                .contains("  ·  error unknown  ·  ")
+        );
         inspected.values.error = None;
         inspected.surface = None;
         inspected.visits = None;

@@ -295,6 +295,17 @@ impl<E: Send + 'static> Jobs<E> {
 
     /// The next thing a job that is still wanted has to say, if there is one. Never waits.
     pub fn next_event(&mut self) -> Option<News<E>> {
+        let mut unwanted = Vec::new();
+        let news = self.next_wanted(&mut unwanted);
+        if !unwanted.is_empty() {
+            // Pixels of a render that was given up, say, are its threads' last memory.
+            drop_elsewhere(unwanted);
+        }
+        news
+    }
+
+    /// [`Self::next_event`], with what nobody wants to hear of put aside.
+    fn next_wanted(&mut self, unwanted: &mut Vec<Content<E>>) -> Option<News<E>> {
         loop {
             let Message {
                 lane,
@@ -306,6 +317,7 @@ impl<E: Send + 'static> Jobs<E> {
             };
             let state = &mut self.lanes[lane as usize];
             if generation != state.generation {
+                unwanted.push(content);
                 continue;
             }
             match content {
@@ -355,6 +367,25 @@ mod tests {
             assert!(Instant::now() < deadline, "no news");
             std::thread::sleep(Duration::from_millis(1));
         }
+    }
+
+    /// To free the last memory of a thread that renders takes longer than a frame has.
+    #[test]
+    fn what_nobody_wants_to_hear_of_is_dropped_on_another_thread() {
+        struct Said(Sender<std::thread::ThreadId>);
+        impl Drop for Said {
+            fn drop(&mut self) {
+                let _ = self.0.send(std::thread::current().id());
+            }
+        }
+        let (sender, dropped) = channel();
+        let mut jobs = Jobs::new(egui::Context::default());
+        jobs.start(Lane::Render, move |job| job.send(Said(sender)));
+        jobs.wait_for(Lane::Render, Duration::from_secs(10));
+        jobs.cancel(Lane::Render);
+        assert!(jobs.next_event().is_none());
+        let by = dropped.recv_timeout(Duration::from_secs(10));
+        assert_ne!(by.expect("it is dropped"), std::thread::current().id());
     }
 
     #[test]

@@ -78,7 +78,72 @@ pub enum Look {
     Error(f32),
 }
 
+/// Where a value lies between what is shown darkest and brightest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Levels {
+    /// Red, green and blue of the screen.
+    Colors([u8; 3]),
+    /// The grey of one channel, or the place of a colour on the scale of its legend.
+    One(u8),
+}
+
+/// What [`Levels`] stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Red, green and blue of the screen.
+    Colors,
+    /// The grey of the screen.
+    Grey,
+    /// Luminance in stops, see [`false_colors`].
+    Stops,
+    /// Errors, see [`error_colors`].
+    Errors,
+}
+
 impl Look {
+    /// What the levels of values stand for.
+    #[must_use]
+    pub fn scale(self) -> Scale {
+        match self {
+            Self::Light(_, Channels::All) => Scale::Colors,
+            Self::Light(_, Channels::FalseColors) => Scale::Stops,
+            Self::Light(..) => Scale::Grey,
+            Self::Error(_) => Scale::Errors,
+        }
+    }
+
+    /// Where a value, which is finite, lies; and whether it is as bright as can be told apart, or brighter than the screen's white.
+    #[must_use]
+    pub fn levels(self, rgb: [f32; 3]) -> (Levels, bool) {
+        let share_of_byte = |share: f32| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a share of a byte"
+            )]
+            let level = (share.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+            Levels::One(level)
+        };
+        match self {
+            Self::Light(display, Channels::FalseColors) => {
+                let stops = false_colors::stops(luminance(Vec3::from_array(rgb)), &display);
+                (share_of_byte(false_colors::share_of(stops)), stops >= 0.0)
+            }
+            Self::Error(scale) => {
+                let share = error_colors::share(rgb, scale);
+                (share_of_byte(share), share >= 1.0)
+            }
+            Self::Light(_, channels) => {
+                let [r, g, b, _] = self.color(rgb).to_array();
+                let levels = match channels {
+                    Channels::All => Levels::Colors([r, g, b]),
+                    _ => Levels::One(r),
+                };
+                (levels, r.max(g).max(b) == 255)
+            }
+        }
+    }
+
     /// The colour of a value.
     #[must_use]
     pub fn color(self, rgb: [f32; 3]) -> Color32 {

@@ -1,6 +1,8 @@
 //! What the window has to tell: failures and warnings as banners that stay until they are dismissed, good news as one line
 //! in the status bar.
 
+use std::time::{Duration, Instant};
+
 use egui::{Align, Frame, Layout, Margin, RichText, Ui};
 
 /// How serious a banner is.
@@ -28,9 +30,14 @@ pub struct Message {
 pub struct Messages {
     banners: Vec<Message>,
     news: String,
+    /// When they were told.
+    told: Option<Instant>,
     /// Whether the next edit makes the news old.
     are_until_edit: bool,
 }
+
+/// How long good news are shown.
+const NEWS_TIME: Duration = Duration::from_secs(8);
 
 /// Banners shown at once; older ones go first.
 const MOST_BANNERS: usize = 3;
@@ -49,16 +56,17 @@ impl Messages {
     /// Good news for the status bar.
     pub fn news(&mut self, text: impl Into<String>) {
         self.news = text.into();
+        self.told = Some(Instant::now());
         self.are_until_edit = false;
     }
 
-    /// [`Self::news`] that the next edit makes old.
+    /// [`Self::news`] that the next edit or selection makes old.
     pub fn news_until_edit(&mut self, text: impl Into<String>) {
         self.news(text);
         self.are_until_edit = true;
     }
 
-    /// The scene was edited.
+    /// The scene was edited, or something else was selected.
     pub fn note_edit(&mut self) {
         if self.are_until_edit {
             self.news("");
@@ -69,6 +77,20 @@ impl Messages {
     #[must_use]
     pub fn last_news(&self) -> &str {
         &self.news
+    }
+
+    /// The last good news while they are new, and for how long they still are; what is going on is told until something else is.
+    #[must_use]
+    pub fn fresh_news(&self) -> (&str, Option<Duration>) {
+        let age = self.told.map_or(Duration::MAX, |told| told.elapsed());
+        let left = NEWS_TIME.saturating_sub(age);
+        if self.news.is_empty() || self.news.ends_with('…') {
+            (&self.news, None)
+        } else if left.is_zero() {
+            ("", None)
+        } else {
+            (&self.news, Some(left))
+        }
     }
 
     /// The banners, oldest first.
@@ -162,6 +184,22 @@ mod tests {
             .map(|m| m.title.as_str())
             .collect();
         assert_eq!(titles, ["cannot read b"]);
+    }
+
+    #[test]
+    fn good_news_fade_and_what_goes_on_stays() {
+        let mut messages = Messages::default();
+        assert_eq!(messages.fresh_news(), ("", None));
+        messages.news("Copied ram");
+        let (news, left) = messages.fresh_news();
+        assert_eq!(news, "Copied ram");
+        assert!(left.is_some_and(|left| left <= NEWS_TIME));
+        messages.told = Instant::now().checked_sub(NEWS_TIME);
+        assert_eq!(messages.fresh_news(), ("", None));
+        assert_eq!(messages.last_news(), "Copied ram");
+        messages.news("Saving the scene…");
+        messages.told = Instant::now().checked_sub(NEWS_TIME);
+        assert_eq!(messages.fresh_news(), ("Saving the scene…", None));
     }
 
     #[test]

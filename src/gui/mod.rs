@@ -20,7 +20,7 @@
 //! - [`document`], [`undo`], [`edit`], [`selection`], [`commands`], [`messages`]: what is edited, shown, asked for and told
 //! - [`keeping`], `recovering`, `render_keeper`: what outlives the window
 //! - [`watching`]: files that change while they are open
-//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`log_plot`],
+//! - [`top_bar`], [`status_bar`], [`viewport`], [`panels`], [`dialogs`], [`widgets`], [`number_field`], [`sum`], [`log_plot`],
 //!   [`icons`], [`theme`]: what is drawn
 //! - [`mod@bench`]: how quick the window is, measured in a real one
 //! - `start`: opening the window, and words for when it does not open
@@ -53,6 +53,7 @@ pub mod legend;
 pub mod log_plot;
 pub mod look;
 pub mod messages;
+pub mod number_field;
 pub mod opened_picture;
 pub mod orbit;
 pub mod panels;
@@ -72,6 +73,7 @@ pub mod selection;
 mod start;
 pub mod status_bar;
 pub mod steps_legend;
+pub mod sum;
 pub mod theme;
 pub mod threads;
 pub mod tile_outlines;
@@ -86,4 +88,4 @@ pub mod worker;
 pub mod zoom;
 
 pub use app::{App, AppOptions, FileDialogs};
-pub use start::{GuiError, OpenRequest, run};
+pub use start::{GuiError, OpenRequest, run, show_on_desktop};

@@ -84,6 +84,17 @@ impl Part {
         region.fits(of[0], of[1]).then_some(Self { region, of })
     }
 
+    /// The pixels that two parts of a picture have in common; `None` where there are none, or the pictures differ in size.
+    #[must_use]
+    pub fn shared_with(&self, other: &Self) -> Option<Self> {
+        let ends = |region: Region| [region.x + region.width, region.y + region.height];
+        let [a, b] = [self.region, other.region];
+        let first = [a.x.max(b.x), a.y.max(b.y)];
+        let end = [0, 1].map(|axis| ends(a)[axis].min(ends(b)[axis]));
+        let is_any = self.of == other.of && first[0] < end[0] && first[1] < end[1];
+        is_any.then(|| Self::between(first, end, self.of)).flatten()
+    }
+
     /// Where it is on the screen, where the picture is in `frame`.
     #[must_use]
     pub fn rect_in(&self, frame: Rect) -> Rect {
@@ -120,6 +131,21 @@ impl Part {
             edge
         };
         [edge(share.x, of[0]), edge(share.y, of[1])]
+    }
+
+    /// The pixel at a place of the picture, which is given as shares of its width and height, `0..=1`.
+    #[must_use]
+    pub fn pixel_at(&self, share: Vec2) -> [u32; 2] {
+        let pixel = |share: f32, side: u32| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "no less than 0, and cut to the picture"
+            )]
+            let pixel = (share.max(0.0) * side as f32) as u32;
+            pixel.min(side.saturating_sub(1))
+        };
+        [pixel(share.x, self.of[0]), pixel(share.y, self.of[1])]
     }
 
     /// Its size in words, and that of the picture where it is not all of it.
@@ -166,6 +192,23 @@ mod tests {
             assert!(scaled.region.fits(of[0], of[1]), "{scaled:?}");
         }
         assert!(Part::whole([400, 300]).scaled_to([7, 5]).is_whole());
+    }
+
+    #[test]
+    fn what_two_parts_share_lies_in_both() {
+        let of = [100, 80];
+        let whole = Part::whole(of);
+        let a = part([10, 20, 30, 40], of);
+        assert_eq!(a.shared_with(&whole), Some(a));
+        assert_eq!(whole.shared_with(&a), Some(a));
+        let b = part([35, 0, 50, 30], of);
+        assert_eq!(a.shared_with(&b), Some(part([35, 20, 5, 10], of)));
+        assert_eq!(
+            a.shared_with(&part([40, 20, 5, 5], of)),
+            None,
+            "side by side"
+        );
+        assert_eq!(a.shared_with(&Part::whole([80, 100])), None);
     }
 
     #[test]

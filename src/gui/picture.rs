@@ -3,15 +3,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, StandIn};
 use super::first_look::FirstLook;
 use super::inspector::Samples;
 use super::jobs::drop_elsewhere;
 use super::keeping::KeptRender;
 use super::opened_picture::OpenedPicture;
 use super::part::Part;
-use super::picture_buffer::{CoarseTexels, EncodedTile, PictureBuffer};
-use crate::control::Throttle;
+use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureBuffer};
+use crate::control::{Progress, Throttle};
 use crate::io::WrittenError;
 use crate::render::{ErrorPoint, RenderProgress, RenderStats};
 use crate::scene::Scene;
@@ -40,6 +40,8 @@ pub enum Outcome {
     Opened {
         /// Of the linear picture, as of one that is finished; `None` where the file has rounded it.
         hash: Option<String>,
+        /// That of the picture before it was rounded, where the file tells.
+        hash_before: Option<String>,
         /// How wrong it is, where the file tells.
         error: Option<WrittenError>,
     },
@@ -63,12 +65,16 @@ pub struct Picture {
     pub name: String,
     /// What its scene is called.
     pub scene_name: String,
+    /// Which of what was opened its scene belongs to, see [`Document::file_number`](super::document::Document::file_number).
+    pub file: usize,
     /// The scene as it was when the render started.
     pub scene: Scene,
     /// Its pixels.
     pub buffer: Arc<PictureBuffer>,
     /// How far it is.
     pub progress: RenderProgress,
+    /// How far what is there of it on disk is read, before it goes on: in bytes.
+    pub reading: Progress,
     /// How it ended.
     pub outcome: Outcome,
     /// Whether another took its place because the scene was edited while this one was looked at, and it is nothing to remember.
@@ -97,6 +103,15 @@ pub struct Picture {
     before: Option<(Duration, f64)>,
     elapsed: Option<Duration>,
     canvas: Canvas,
+    next_look: NextLook,
+}
+
+/// All of a picture on its way in another look, see [`Picture::await_look`].
+#[derive(Clone, Copy, Debug, Default)]
+struct NextLook {
+    is_awaited: bool,
+    /// Whether one came while tiles of the render did.
+    may_have_hidden_tiles: bool,
 }
 
 impl Picture {
@@ -114,9 +129,11 @@ impl Picture {
             number,
             name,
             scene_name,
+            file: 0,
             scene,
             buffer,
             progress,
+            reading: Progress::new(),
             outcome: Outcome::Running,
             is_replaced: false,
             is_saved: false,
@@ -133,6 +150,7 @@ impl Picture {
             before: None,
             elapsed: None,
             canvas: Canvas::default(),
+            next_look: NextLook::default(),
         }
     }
 
@@ -147,25 +165,60 @@ impl Picture {
         picture.is_saved = true;
         picture.outcome = Outcome::Opened {
             hash: opened.hash,
+            hash_before: opened.hash_before,
             error: opened.error,
         };
         picture
     }
 
-    /// Takes in a tile; it is on the screen from [`Self::show_tiles`] on.
+    /// Takes in a tile of the render; it is on the screen from [`Self::show_tiles`] on.
     pub fn take_tile(&mut self, tile: EncodedTile) {
-        if self.first_tile.is_none() {
-            self.first_tile = Some(self.elapsed_here());
+        // It looks as the picture soon will, and is encoded again with that.
+        if !self.next_look.is_awaited {
+            self.take_encoded(Encoded::Tile(tile));
         }
-        self.canvas.put(tile);
     }
 
     /// Takes in a coarse picture.
     pub fn take_coarse(&mut self, texels: CoarseTexels) {
+        self.take_encoded(Encoded::Coarse(texels));
+    }
+
+    /// Takes in what is encoded of it; it is on the screen from [`Self::show_tiles`] on.
+    pub fn take_encoded(&mut self, encoded: Encoded) {
         if self.first_tile.is_none() {
             self.first_tile = Some(self.elapsed_here());
         }
-        self.canvas.put_coarse(texels);
+        if matches!(encoded, Encoded::Coarse(_)) {
+            self.next_look.is_awaited = false;
+        }
+        self.canvas.take(encoded);
+    }
+
+    /// Takes note whether all of it is on its way in another look. Tiles of the render wait for that; and one that comes while its place is
+    /// encoded may be covered by what was there before.
+    pub fn await_look(&mut self, awaits: bool) {
+        self.next_look.is_awaited = awaits;
+        self.next_look.may_have_hidden_tiles |= awaits && self.is_running();
+    }
+
+    /// Whether some of what ended may not be on the screen as it is.
+    #[must_use]
+    pub fn may_lack_tiles(&self) -> bool {
+        self.next_look.may_have_hidden_tiles && !self.is_running()
+    }
+
+    /// What it shows, for a picture of the same part that is not there yet.
+    #[must_use]
+    pub fn as_stand_in(&self) -> (Part, StandIn) {
+        (self.buffer.part(), self.canvas.as_stand_in())
+    }
+
+    /// Shows what another picture showed until something of this is there, where both are of one part.
+    pub fn show_meanwhile(&mut self, (part, stand_in): (Part, StandIn)) {
+        if part == self.buffer.part() {
+            self.canvas.show_meanwhile(stand_in);
+        }
     }
 
     /// Puts the tiles that were taken in on the screen.
@@ -344,6 +397,13 @@ impl Picture {
         }
     }
 
+    /// How far what is there of it on disk is read, `0..=1`, while it is.
+    #[must_use]
+    pub fn reading(&self) -> Option<f64> {
+        let is_read = self.is_running() && self.before.is_none() && self.reading.total() > 0;
+        is_read.then(|| self.reading.fraction())
+    }
+
     /// Which part was done when it was interrupted, where it was, `0..=1`.
     #[must_use]
     pub fn goes_on_from(&self) -> Option<f64> {
@@ -470,6 +530,37 @@ mod tests {
         while Instant::now() == now {
             std::hint::spin_loop();
         }
+    }
+
+    #[test]
+    fn tiles_wait_for_the_look_that_all_of_the_picture_gets() {
+        let ctx = egui::Context::default();
+        let mut picture = picture();
+        let piece = |gray: u8| EncodedTile {
+            position: [0, 0],
+            pixels: Arc::new(egui::ColorImage::filled(
+                [4, 6],
+                egui::Color32::from_gray(gray),
+            )),
+        };
+        picture.await_look(true);
+        picture.take_tile(piece(1));
+        picture.show_tiles(&ctx);
+        assert!(!picture.is_shown() && picture.first_tile.is_none());
+        picture.take_encoded(Encoded::Coarse(CoarseTexels {
+            pixels: Arc::new(egui::ColorImage::filled([8, 6], egui::Color32::BLACK)),
+            share: egui::Vec2::splat(1.0),
+            is_smooth: false,
+        }));
+        picture.show_tiles(&ctx);
+        assert_eq!(picture.canvas.layers().count(), 1);
+        picture.take_tile(piece(2));
+        picture.show_tiles(&ctx);
+        assert_eq!(picture.canvas.layers().count(), 2);
+        // One may have been covered meanwhile: that is mended when it ends.
+        assert!(!picture.may_lack_tiles());
+        picture.end(Outcome::Cancelled);
+        assert!(picture.may_lack_tiles());
     }
 
     #[test]

@@ -70,9 +70,11 @@ impl WantedRays {
         let [x, y] = self.pixel;
         let result = match prepared {
             Ok(None) => return,
-            Ok(Some(prepared)) => {
-                trace_sample(&prepared, (x, y), self.sample).map_err(|error| error.to_string())
-            }
+            Ok(Some(prepared)) => match trace_sample(&prepared, (x, y), self.sample, &job.cancel) {
+                Ok(None) => return,
+                Ok(Some(trace)) => Ok(trace),
+                Err(error) => Err(error.to_string()),
+            },
             Err(error) => Err(error.to_string()),
         };
         let wanted = Box::new(self);
@@ -103,7 +105,7 @@ enum Kind {
     Bounce,
     /// To a light, which is seen.
     Lit,
-    /// Into the hemisphere, where nothing is near.
+    /// To the sky: off a surface and on to nothing, or into the hemisphere where nothing is near.
     Free,
     /// To a light or into the hemisphere, with something in the way.
     Blocked,
@@ -114,11 +116,21 @@ impl Kind {
         let passes = ray.passed.is_none_or(|passed| passed != [0.0; 3]);
         match ray.purpose {
             RayPurpose::Camera => Self::Camera,
-            RayPurpose::Bounce => Self::Bounce,
+            RayPurpose::Bounce => match ray.met {
+                Met::Nothing => Self::Free,
+                Met::Light { .. } => Self::Lit,
+                Met::Surface(_) => Self::Bounce,
+            },
             _ if !passes => Self::Blocked,
             RayPurpose::Shadow => Self::Lit,
             RayPurpose::AmbientOcclusion => Self::Free,
         }
+    }
+
+    /// What sets it off from what is behind it: white from a pale ground most.
+    fn outline(self) -> Stroke {
+        let alpha = if self == Self::Camera { 230 } else { 110 };
+        Stroke::new(3.6, Color32::from_black_alpha(alpha))
     }
 
     fn color(self) -> Color32 {
@@ -201,7 +213,7 @@ impl RayView {
             };
             let ends = ends.map(|end| on_screen(frame, end));
             let color = line.kind.color();
-            painter.line_segment(ends, Stroke::new(3.4, Color32::from_black_alpha(110)));
+            painter.line_segment(ends, line.kind.outline());
             if line.kind == Kind::Blocked {
                 let stroke = Stroke::new(1.4, color);
                 painter.extend(Shape::dashed_line(&ends, stroke, 5.0, 4.0));
@@ -258,8 +270,8 @@ mod tests {
         wanted.sample = sample;
         let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
         let prepared = prepared.unwrap().unwrap();
-        let trace = trace_sample(&prepared, (48, 29), sample).unwrap();
-        RayView::new(wanted, trace)
+        let trace = trace_sample(&prepared, (48, 29), sample, &CancelToken::new());
+        RayView::new(wanted, trace.unwrap().expect("nobody cancels"))
     }
 
     /// The rays hang together: each begins where the one from the eye ends, and those that reach a light end there.
@@ -295,6 +307,31 @@ mod tests {
             others.len()
         );
         assert!(words.contains(&counts), "{words}");
+    }
+
+    /// As the legend says.
+    #[test]
+    fn rays_to_the_sky_are_green_wherever_they_come_from() {
+        let ray = |purpose, met| TracedRay {
+            origin: DVec3::ZERO,
+            direction: DVec3::Z,
+            reach: f64::INFINITY,
+            purpose,
+            passed: None,
+            met,
+        };
+        let color = |purpose, met| Kind::of(&ray(purpose, met)).color();
+        let green = color(RayPurpose::AmbientOcclusion, Met::Nothing);
+        assert!(green.g() > green.r() && green.g() > green.b());
+        assert_eq!(color(RayPurpose::Bounce, Met::Nothing), green);
+        let light = Met::Light {
+            light: 0,
+            distance: 1.0,
+            position: DVec3::Z,
+        };
+        let yellow = color(RayPurpose::Bounce, light);
+        assert!(yellow.r() > yellow.b() && yellow.g() > yellow.b());
+        assert_eq!(color(RayPurpose::Camera, Met::Nothing), Color32::WHITE);
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::document::Document;
 use super::keeping::{KeptRender, Lost, RenderAbout, Session, scene_of_render};
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadError};
@@ -13,7 +12,9 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Recovered {
     /// The scene as it was edited last.
-    pub document: Document,
+    pub scene: Scene,
+    /// Whether that is what its file holds.
+    pub is_saved: bool,
     /// The render to go on with, or why it cannot be.
     pub render: Option<Result<Interrupted, String>>,
 }
@@ -37,14 +38,15 @@ pub fn recover(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<Recovered>, String> {
-    let Some(document) = document(lost, cancel, progress).map_err(|error| error.to_string())?
-    else {
+    let read = scene_of(lost, cancel, progress).map_err(|error| error.to_string())?;
+    let Some((scene, is_saved)) = read else {
         return Ok(None);
     };
+    let edited = &scene;
     let render = lost.render().zip(session).map(|(folder, session)| {
         let about = RenderAbout::read(folder)?;
         let scene = scene_of_render(folder);
-        let loaded = io::reload_scene(&scene, &document.scene, cancel);
+        let loaded = io::reload_scene(&scene, edited, cancel);
         let loaded = loaded.map_err(|error| error.to_string())?;
         let scene = loaded.ok_or("cancelled")?.scene;
         let settings = &scene.render;
@@ -58,33 +60,31 @@ pub fn recover(
     if cancel.is_cancelled() {
         return Ok(None);
     }
-    Ok(Some(Recovered { document, render }))
+    Ok(Some(Recovered {
+        scene,
+        is_saved,
+        render,
+    }))
 }
 
-/// The document that `lost` was of: unsaved work, or else what its file holds.
-fn document(
+/// The scene that `lost` was of: unsaved work, or else what its file holds; and whether that is what it holds.
+fn scene_of(
     lost: &Lost,
     cancel: &CancelToken,
     progress: &Progress,
-) -> Result<Option<Document>, LoadError> {
-    let (name, path) = (lost.about.name.clone(), lost.about.path.clone());
+) -> Result<Option<(Scene, bool)>, LoadError> {
+    let path = lost.about.path.as_deref();
     let load = |file: &Path| -> Result<Option<Scene>, LoadError> {
         let loaded = io::load_scene(file, cancel, progress)?;
         Ok(loaded.map(|loaded| loaded.scene))
     };
     if let Some(unsaved) = lost.scene_file() {
-        let scene = load(unsaved)?;
-        return Ok(scene.map(|scene| Document::restored(scene, name, path)));
+        return Ok(load(unsaved)?.map(|scene| (scene, false)));
     }
-    if let Some(Ok(scene)) = path.as_deref().map(load) {
-        return Ok(scene.map(|scene| Document::new(scene, name, path)));
+    if let Some(Ok(scene)) = path.map(load) {
+        return Ok(scene.map(|scene| (scene, true)));
     }
     let rendered = lost.render().map(scene_of_render).unwrap_or_default();
     // Where its file is gone, this is all there is of it.
-    let make = if path.is_some() {
-        Document::restored
-    } else {
-        Document::new
-    };
-    Ok(load(&rendered)?.map(|scene| make(scene, name, path)))
+    Ok(load(&rendered)?.map(|scene| (scene, path.is_none())))
 }

@@ -1,11 +1,12 @@
 //! The part of the picture that is rendered: drawn with the mouse over picture or preview, or given in pixels.
 //!
-//! It is no part of the scene: it is in no file and no step to undo. When the picture's size changes, it keeps what it shows.
+//! It is no part of the scene: it is in no scene file and no step to undo. When the picture's size changes, it keeps what it shows.
 
 use egui::{Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui};
 
 use super::part::Part;
 use super::theme;
+use super::tool;
 use super::widgets::{integer_row_ui, row_ui};
 use crate::render::Region;
 
@@ -69,15 +70,11 @@ impl RegionTool {
         }
     }
 
-    /// Lets the mouse draw the region of a picture of the size `of` that is in `frame`, whatever part of it `visible` is. A click
-    /// clears it.
-    pub fn draw_ui(&mut self, ui: &Ui, frame: Rect, visible: Rect, of: [u32; 2]) {
+    /// Lets the mouse draw the region of a picture of the size `of` that is in `frame`, of which `area` is seen: from anywhere in that, as
+    /// what lies beside the picture stands for its edge. A click clears it.
+    pub fn draw_ui(&mut self, ui: &Ui, frame: Rect, area: Rect, of: [u32; 2]) {
         let response = ui
-            .interact(
-                frame.intersect(visible),
-                ui.scope_id().with("region"),
-                Sense::click_and_drag(),
-            )
+            .interact(area, ui.scope_id().with("region"), Sense::click_and_drag())
             .accessible_name("Region to render")
             .on_hover_cursor(CursorIcon::Crosshair);
         if response.clicked() {
@@ -110,7 +107,11 @@ impl RegionTool {
         let painter = ui.painter().with_clip_rect(visible);
         let Some(part) = self.chosen.map(|part| part.scaled_to(of)) else {
             if self.is_drawing {
-                hint_ui(&painter, frame.intersect(visible));
+                tool::hint_ui(
+                    ui,
+                    frame.intersect(visible),
+                    "Drag over the part to render; click for all of it",
+                );
             }
             return;
         };
@@ -147,7 +148,7 @@ impl RegionTool {
                     "Draw"
                 };
                 let draw = ui
-                    .selectable_label(self.is_drawing, text)
+                    .add(egui::Button::new(text).selected(self.is_drawing))
                     .on_hover_text("Draw it with the mouse, over the preview or the picture; a click clears it  (B)");
                 let draw = draw.accessible_name("Draw region");
                 if draw.clicked() {
@@ -205,14 +206,4 @@ fn numbers_ui(ui: &mut Ui, part: Part) -> Part {
     region.width = region.width.min(width - region.x);
     region.height = region.height.min(height - region.y);
     Part { region, ..part }
-}
-
-fn hint_ui(painter: &egui::Painter, area: Rect) {
-    let text = "Drag over the part to render; click for all of it";
-    let font = egui::FontId::proportional(14.0);
-    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
-    let place = area.center_top() + egui::vec2(-galley.size().x / 2.0, 14.0);
-    let ground = Rect::from_min_size(place, galley.size()).expand2(egui::vec2(9.0, 5.0));
-    painter.rect_filled(ground, 5.0, Color32::from_black_alpha(190));
-    painter.galley(place, galley, Color32::WHITE);
 }

@@ -46,7 +46,8 @@ pub struct RenderKeeper<'a> {
     layers: &'a [Layer],
     /// What the render takes with checkpoints.
     memory: PictureMemory,
-    description: OnceLock<String>,
+    /// `None` when cancelled before it was there.
+    description: OnceLock<Option<String>>,
     threads: usize,
     started: Instant,
     /// Whether the first log of blocks is being begun, and is there.
@@ -119,22 +120,30 @@ impl<'a> RenderKeeper<'a> {
         }
     }
 
-    /// What to go on from.
-    pub fn start(&self, prepared: &PreparedScene) -> Result<Start, String> {
-        let description = self.description();
+    /// What to go on from; `None` when cancelled.
+    ///
+    /// # Errors
+    /// Why there is nothing to go on from, in words.
+    pub fn start(&self, prepared: &PreparedScene) -> Result<Option<Start>, String> {
+        let Some(description) = self.description() else {
+            return Ok(None);
+        };
         // Small numbers take up to a quarter more in the file than in memory.
         let most = 2 * self.memory.bytes() + description.len() as u64 + MOST_OTHER_BYTES;
         let region = self.kept.about().region;
-        let checkpoint = self
-            .kept
-            .checkpoint(description, most)?
-            .unwrap_or_else(|| Checkpoint::before(prepared, region, self.layers));
+        let (cancel, progress) = (&self.job.cancel, &self.request.reading);
+        let read = self.kept.read(description, most, cancel, progress)?;
+        let Some((checkpoint, blocks)) = read else {
+            return Ok(None);
+        };
+        let checkpoint =
+            checkpoint.unwrap_or_else(|| Checkpoint::before(prepared, region, self.layers));
         if !checkpoint.fits(prepared, region, self.layers) {
             return Err("its parts do not fit the render".to_owned());
         }
         let blocks = self
             .known
-            .get_or_init(|| self.kept.blocks(description))
+            .get_or_init(|| blocks)
             .headers()
             .iter()
             .filter(|block| checkpoint.lacks(block.pass, block.tile));
@@ -148,22 +157,25 @@ impl<'a> RenderKeeper<'a> {
             samples += more;
             seconds = end.max(seconds);
         }
-        Ok(Start {
+        Ok(Some(Start {
             share_done: checkpoint.share_done(samples),
             seconds,
             checkpoint,
-        })
+        }))
     }
 
     /// Keeps `checkpoint`. That it cannot be is told once.
     pub fn keep(&self, checkpoint: &Checkpoint) {
+        let Some(description) = self.description() else {
+            return;
+        };
         let scene = &self.request.scene;
         let known = self.known.get().map_or(&[][..], LoggedBlocks::headers);
         let mut known = known.iter();
         let needs_old = known.any(|block| checkpoint.lacks(block.pass, block.tile));
         let kept = self
             .kept
-            .keep(scene, self.description(), checkpoint, needs_old);
+            .keep(scene, description, checkpoint, needs_old, &self.job.cancel);
         if let Err(error) = kept {
             self.tell(error);
         }
@@ -171,15 +183,20 @@ impl<'a> RenderKeeper<'a> {
 
     /// Begins a log of blocks. That it cannot be is not told: of a checkpoint it will be.
     fn begin_log(&self) {
-        let begun = self.kept.begin_log(&self.request.scene, self.description());
+        let Some(description) = self.description() else {
+            return;
+        };
+        let begun = self.kept.begin_log(&self.request.scene, description);
         self.has_log.store(begun.is_ok(), Ordering::Relaxed);
     }
 
-    fn description(&self) -> &str {
-        self.description.get_or_init(|| {
+    /// What the render is of; `None` when cancelled.
+    fn description(&self) -> Option<&str> {
+        let description = self.description.get_or_init(|| {
             let region = self.kept.about().region;
-            describe_render(&self.request.scene, region, self.layers)
-        })
+            describe_render(&self.request.scene, region, self.layers, &self.job.cancel)
+        });
+        description.as_deref()
     }
 
     /// Whether blocks have taken all the time by now that they may, or all the room.

@@ -25,6 +25,24 @@ impl Selection {
         matches!(self, Self::Object(_) | Self::Light(_) | Self::Material(_))
     }
 
+    /// The place of the object, where it is one.
+    #[must_use]
+    pub fn object(&self) -> Option<usize> {
+        match *self {
+            Self::Object(index) => Some(index),
+            _ => None,
+        }
+    }
+
+    /// The place of the light, where it is one.
+    #[must_use]
+    pub fn light(&self) -> Option<usize> {
+        match *self {
+            Self::Light(index) => Some(index),
+            _ => None,
+        }
+    }
+
     /// The same part if `scene` has it, else the camera.
     #[must_use]
     pub fn within(self, scene: &Scene) -> Self {

@@ -35,6 +35,8 @@ pub enum Activity<'a> {
     Picture {
         /// The picture of the render.
         picture: &'a Picture,
+        /// Whether another scene is open than the one that it is of.
+        is_of_other: bool,
         /// Whether the scene is no longer the one it shows.
         outdated: bool,
     },
@@ -128,35 +130,63 @@ fn activity_ui(ui: &mut Ui, status: &Status<'_>, asked: &mut Option<Stoppable>) 
             }
             line_ui(ui, &parts.join("  ·  "));
         }
-        Activity::Picture { picture, outdated } => picture_ui(ui, picture, *outdated, news),
+        Activity::Picture {
+            picture,
+            is_of_other,
+            outdated,
+        } => {
+            let hint = match (is_of_other, outdated) {
+                (true, _) => Some(other_scene(picture)),
+                (false, true) => Some(other_settings(picture).to_owned()),
+                (false, false) => None,
+            };
+            picture_ui(ui, picture, hint, news);
+        }
     }
 }
 
-fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
+/// What is said where another scene is open than the one that `picture` is of.
+fn other_scene(picture: &Picture) -> String {
+    let hint = if picture.is_running() {
+        ": F5 renders this scene instead"
+    } else {
+        ""
+    };
+    format!("a picture of {}{hint}", picture.scene_name)
+}
+
+/// What is said where the scene is no longer the one that `picture` shows.
+fn other_settings(picture: &Picture) -> &'static str {
+    if picture.is_paused() {
+        "settings changed: Resume goes on without, F5 restarts"
+    } else if picture.is_running() {
+        "settings changed: F5 restarts"
+    } else {
+        "settings changed since"
+    }
+}
+
+/// `hint`: what sets the scene apart from that of the picture.
+fn picture_ui(ui: &mut Ui, picture: &Picture, hint: Option<String>, news: &str) {
     let render = &picture.scene.render;
     let size = picture.buffer.part().size_in_words();
     let mut parts = Vec::new();
     if !news.is_empty() {
         parts.push(news.to_owned());
     }
-    let mut warnings = Vec::new();
-    if outdated {
-        let hint = if picture.is_paused() {
-            "settings changed: Resume goes on without, F5 restarts"
-        } else if picture.is_running() {
-            "settings changed: F5 restarts"
-        } else {
-            "settings changed since"
-        };
-        warnings.push(hint.to_owned());
-    }
+    let mut warnings: Vec<String> = hint.into_iter().collect();
     if let Some(reason) = &picture.why_black {
         warnings.push(format!("the picture is black: {reason}"));
     }
     match &picture.outcome {
         Outcome::Running => {
-            progress_ui(ui, picture.progress.samples.fraction());
-            parts.extend(running_parts(picture, &size));
+            if let Some(share) = picture.reading() {
+                progress_ui(ui, share);
+                parts.push("Reading what was rendered before".to_owned());
+            } else {
+                progress_ui(ui, picture.progress.samples.fraction());
+                parts.extend(running_parts(picture, &size));
+            }
         }
         Outcome::Finished { hash, stats } => {
             let ending = ending(stats, render);
@@ -188,7 +218,7 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, outdated: bool, news: &str) {
             }
         }
         Outcome::Failed => parts.push("The render failed".to_owned()),
-        Outcome::Opened { hash, error } => {
+        Outcome::Opened { hash, error, .. } => {
             parts.push(format!("{size}, from {}", picture.name));
             if let Some(error) = error {
                 parts.push(format!("noise {}", percent(error.noise())));

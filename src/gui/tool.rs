@@ -192,8 +192,9 @@ pub fn axes_ui(ui: &mut Ui, area: Rect, orientation: Orientation) -> bool {
     response.on_hover_text(command.tooltip(ui.ctx())).clicked()
 }
 
-/// Writes what the tool in use has to say into the lower right corner of `area`.
-pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) {
+/// Writes what the tool in use has to say into the lower right corner of `area`; returns where.
+#[must_use]
+pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) -> Rect {
     const PADDING: Vec2 = vec2(10.0, 7.0);
     let ink = Color32::from_gray(0xe8);
     let text = lines.join("\n");
@@ -210,4 +211,18 @@ pub fn note_ui(ui: &Ui, area: Rect, lines: &[String]) {
     painter.galley(place.min + PADDING, galley, ink);
     let response = ui.interact(place, ui.scope_id().with("tool note"), Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+    place
+}
+
+/// Writes what the mouse is for now into the upper edge of `area`.
+pub fn hint_ui(ui: &Ui, area: Rect, text: &str) {
+    let painter = ui.painter().with_clip_rect(area);
+    let font = egui::FontId::proportional(14.0);
+    let galley = painter.layout(text.to_owned(), font, Color32::WHITE, area.width() - 24.0);
+    let place = area.center_top() + vec2(-galley.size().x / 2.0, 14.0);
+    let ground = Rect::from_min_size(place, galley.size()).expand2(vec2(9.0, 5.0));
+    painter.rect_filled(ground, 5.0, Color32::from_black_alpha(190));
+    painter.galley(place, galley, Color32::WHITE);
+    let response = ui.interact(ground, ui.scope_id().with("hint"), Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
 }

@@ -4,7 +4,9 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Align, Color32, DragValue, Layout, Response, RichText, Ui, Vec2};
+use egui::{Align, Color32, Layout, Response, RichText, Ui, Vec2};
+
+pub use super::number_field::Number;
 
 use crate::math::DVec3;
 use crate::render::Interval;
@@ -60,59 +62,6 @@ fn label_ui(ui: &mut Ui, label: &str, tooltip: &str) -> Response {
         },
     )
     .inner
-}
-
-/// How a number is shown and moved.
-#[derive(Clone, Debug)]
-pub struct Number {
-    /// Change per point of dragging.
-    pub speed: f64,
-    /// What it may be.
-    pub range: RangeInclusive<f64>,
-    /// Its unit, with a leading blank where one belongs.
-    pub suffix: &'static str,
-    /// Most digits after the point.
-    pub decimals: usize,
-}
-
-impl Number {
-    /// Any number, moved by `speed`.
-    #[must_use]
-    pub fn any(speed: f64) -> Self {
-        Self {
-            speed,
-            range: f64::MIN..=f64::MAX,
-            suffix: "",
-            decimals: 3,
-        }
-    }
-
-    /// A number in `range`, moved by `speed`.
-    #[must_use]
-    pub fn within(range: RangeInclusive<f64>, speed: f64) -> Self {
-        Self {
-            range,
-            ..Self::any(speed)
-        }
-    }
-
-    /// The same with a unit.
-    #[must_use]
-    pub fn with_suffix(self, suffix: &'static str) -> Self {
-        Self { suffix, ..self }
-    }
-
-    fn drag<'a>(&self, value: &'a mut f64) -> DragValue<'a> {
-        // Numbers that do not show within the decimals (tiny or huge scenes) are written in full.
-        let decimals = self.decimals;
-        DragValue::new(value)
-            .speed(self.speed)
-            .range(self.range.clone())
-            .clamp_existing_to_range(false)
-            .max_decimals(decimals)
-            .suffix(self.suffix)
-            .custom_formatter(move |number, _| format_number(number, decimals))
-    }
 }
 
 /// A number as people read it: no more than `decimals` digits after the point where it has a usual size, scientific where
@@ -194,8 +143,7 @@ pub fn number_row_ui(
     number: &Number,
 ) -> Response {
     row_ui(ui, label, tooltip, |ui| {
-        let width = ui.available_width();
-        ui.add_sized([width, ui.spacing().interact_size.y], number.drag(value))
+        number.field_ui(ui, ui.available_width(), value, None)
     })
 }
 
@@ -208,12 +156,18 @@ pub fn integer_row_ui<N: egui::emath::Numeric>(
     range: RangeInclusive<N>,
     speed: f64,
 ) -> Response {
+    let number = Number {
+        decimals: 0,
+        ..Number::within(range.start().to_f64()..=range.end().to_f64(), speed)
+    };
     row_ui(ui, label, tooltip, |ui| {
-        let width = ui.available_width();
-        ui.add_sized(
-            [width, ui.spacing().interact_size.y],
-            DragValue::new(value).range(range).speed(speed),
-        )
+        let mut whole = value.to_f64();
+        let response = number.field_ui(ui, ui.available_width(), &mut whole, None);
+        // Only an edit may touch the stored value: the largest whole numbers are rounded.
+        if response.changed() {
+            *value = N::from_f64(whole);
+        }
+        response
     })
 }
 
@@ -246,7 +200,6 @@ pub fn vector_row_ui(
         label_ui(ui, label, tooltip);
         ui.spacing_mut().item_spacing.x = 4.0;
         let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0;
-        let height = ui.spacing().interact_size.y;
         let dark = ui.visuals().dark_mode;
         let mut components = [value.x, value.y, value.z];
         let mut whole: Option<Response> = None;
@@ -256,7 +209,7 @@ pub fn vector_row_ui(
                 .scope(|ui| {
                     ui.spacing_mut().button_padding.x = 4.0;
                     let prefix = RichText::new(format!("{name} ")).color(tint).size(11.0);
-                    ui.add_sized([width, height], number.drag(component).prefix(prefix))
+                    number.field_ui(ui, width, component, Some(prefix))
                 })
                 .inner
                 .accessible_name(format!("{label} {name}"))
@@ -297,11 +250,8 @@ pub fn light_row_ui(
             decimals: 3,
             ..Number::within(0.0..=f64::MAX, (amount * 0.01).max(0.002)).with_suffix(unit)
         };
-        let moved = ui
-            .add_sized(
-                [width, ui.spacing().interact_size.y],
-                number.drag(&mut amount),
-            )
+        let moved = number
+            .field_ui(ui, width, &mut amount, None)
             .accessible_name(format!("{label} amount"))
             .on_hover_text(tooltip);
         if picked.changed() || moved.changed() {
@@ -459,9 +409,8 @@ pub fn optional_number_row_ui(
         }
         let Some(value) = value else { return };
         let mut shown = *value * scale;
-        let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
-        let response = ui
-            .add_sized(size, number.drag(&mut shown))
+        let response = number
+            .field_ui(ui, ui.available_width(), &mut shown, None)
             .accessible_name(number_name)
             .on_hover_text(tooltip);
         // Only an edit may touch the stored value: showing it would round it.

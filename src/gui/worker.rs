@@ -19,7 +19,7 @@ use super::event::{Event, Reloaded};
 use super::first_look::FirstLook;
 use super::jobs::Job;
 use super::keeping::KeptRender;
-use super::opened_picture::OpenedPicture;
+use super::opened_picture::{self, OpenedPicture};
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
@@ -32,8 +32,8 @@ use crate::analysis::cost::{Costs, Trial};
 use crate::analysis::pilot;
 use crate::analysis::report::{ReportError, ReportOptions, ReportPlan, ReportProgress};
 use crate::control::{CancelToken, Progress, Throttle};
-use crate::io::{self, LoadedScene, WrittenError, WrittenOrigin};
-use crate::math::{DBounds, DVec3};
+use crate::io::{self, LoadedScene, WrittenOrigin};
+use crate::math::DBounds;
 use crate::render::{
     self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, OnCoarse, OnRound, PictureMemory,
     PreparedGeometry, PreparedScene, PrimaryHitStore, RenderOutcome, RenderProgress, Round,
@@ -52,8 +52,8 @@ pub struct Placed {
     pub sky: Option<Arc<GpuSky>>,
     /// The world box of each object.
     pub object_bounds: Arc<[DBounds]>,
-    /// The middle of each object's mesh, in its own coordinates.
-    pub object_centers: Arc<[DVec3]>,
+    /// The box of each object's mesh, in its own coordinates.
+    pub object_boxes: Arc<[DBounds]>,
     /// Which device triangles and image are on, see [`Gpu::number`].
     pub device: Option<u64>,
 }
@@ -87,6 +87,13 @@ pub struct Gpu {
 
 /// Loads a scene file, or one or several meshes as a scene; the demo where `paths` is empty.
 pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
+    let render = match &paths[..] {
+        [path] if io::is_render_file(path) => Some(path),
+        _ => None,
+    };
+    if let Some(path) = render {
+        opened_picture::announce(path, progress);
+    }
     let loaded = match paths.as_slice() {
         [] => Ok(Some(LoadedScene {
             scene: io::demo_scene(),
@@ -97,20 +104,10 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
     let Some(mut result) = unless_cancelled(loaded) else {
         return;
     };
-    let mut picture = None;
-    if let ([path], Ok(loaded)) = (&paths[..], &mut result)
-        && io::is_render_file(path)
-    {
-        match OpenedPicture::read(path, &loaded.scene, &job.cancel) {
-            Ok(found) => picture = found,
-            Err(error) => loaded
-                .warnings
-                .push(format!("the picture itself is not shown: {error}")),
-        }
-        let without = picture.as_ref().and_then(|p| p.without_layers.as_ref());
-        let said = without.map(|why| format!("the layers of the picture are not shown: {why}"));
-        loaded.warnings.extend(said);
-    }
+    let picture = match (render, &mut result) {
+        (Some(path), Ok(loaded)) => OpenedPicture::of(path, loaded, &job.cancel, progress),
+        _ => None,
+    };
     let result = result.map(Box::new);
     job.send(Event::SceneLoaded {
         paths,
@@ -266,10 +263,9 @@ fn new_geometry(
         let mesh = description.mesh_of(object);
         mesh.map_or(DBounds::EMPTY, |mesh| object.bounds_of(mesh))
     };
-    let center_of = |object: &Object| {
-        let bounds = description.mesh_of(object).map(|mesh| mesh.bounds());
-        let bounds = bounds.ok().filter(|bounds| !bounds.is_empty());
-        bounds.map_or(DVec3::ZERO, |bounds| bounds.center())
+    let box_of = |object: &Object| {
+        let mesh = description.mesh_of(object);
+        mesh.map_or(DBounds::EMPTY, |mesh| mesh.bounds())
     };
     Some(Placed {
         geometry,
@@ -277,7 +273,7 @@ fn new_geometry(
         sky: None,
         device: gpu.map(|gpu| gpu.number),
         object_bounds: description.objects.iter().map(bounds_of).collect(),
-        object_centers: description.objects.iter().map(center_of).collect(),
+        object_boxes: description.objects.iter().map(box_of).collect(),
     })
 }
 
@@ -304,6 +300,8 @@ pub struct RenderRequest {
     pub buffer: Arc<PictureBuffer>,
     /// What the window watches.
     pub progress: RenderProgress,
+    /// How far what is on disk of it is read.
+    pub reading: Progress,
     /// How long tiles may wait to be shown together.
     pub tile_delay: Duration,
     /// Where it is kept on disk.
@@ -369,6 +367,10 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         Ok(start) => start,
         Err(reason) => return job.send(Event::RenderLost(reason)),
     };
+    // Where it was to go on, it is offered again.
+    if job.cancel.is_cancelled() {
+        return;
+    }
     let keep = |checkpoint: Checkpoint| {
         if let Some(keeper) = &keeper {
             keeper.keep(&checkpoint);
@@ -395,7 +397,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         let is_cheap = *seconds <= ERROR_LAYER_SHARE * round.seconds;
         if round.error.is_some() && (is_cheap || request.buffer.shows_error()) {
             let started = Instant::now();
-            if let Some(errors) = round.error_image() {
+            if let Some(errors) = round.error_image(&job.cancel) {
                 show_error(job, request, errors);
             }
             *seconds = started.elapsed().as_secs_f64();
@@ -433,7 +435,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     }
 }
 
-/// Where a render goes on, if it does not begin.
+/// Where a render goes on, if it does not begin; none either when cancelled.
 ///
 /// # Errors
 /// Why it cannot, in words.
@@ -453,7 +455,7 @@ fn start(
         // It is of no use to anybody.
         kept.accept();
     }
-    start.map(Some)
+    start
 }
 
 /// What the picture of a render takes.
@@ -474,7 +476,9 @@ fn finish(job: &Job<Event>, request: &RenderRequest, outcome: RenderOutcome) {
         stats,
         ..
     } = outcome;
-    let hash = image.hash();
+    let Some(hash) = image.hash_unless(&job.cancel) else {
+        return;
+    };
     if let Some((_, errors)) = layers.into_iter().find(|(l, _)| *l == Layer::Error) {
         show_error(job, request, errors);
     }
@@ -551,8 +555,8 @@ fn show_error(job: &Job<Event>, request: &RenderRequest, errors: Image) {
 
 /// Shows the whole picture of render `number` again, after its display settings changed.
 pub fn encode(job: &Job<Event>, number: usize, buffer: &PictureBuffer) {
-    buffer.encode_all(&job.cancel, |tile| {
-        job.send(Event::Encoded { number, tile });
+    buffer.encode_all(&job.cancel, |encoded| {
+        job.send(Event::Encoded { number, encoded });
     });
 }
 
@@ -573,14 +577,13 @@ pub fn save_scene(job: &Job<Event>, scene: Scene, file: usize, path: PathBuf) {
     job.send(Event::SceneSaved { file, path, result });
 }
 
-/// Writes the picture of `scene` as the window shows it. `None` when cancelled: there is no file then, or the old one.
+/// Writes a picture of that origin as the window shows it. `None` when cancelled: there is no file then, or the old one.
 ///
 /// # Errors
 /// In words.
 pub fn save_picture(
     buffer: &PictureBuffer,
-    scene: &Scene,
-    error: Option<WrittenError>,
+    origin: &io::Origin<'_>,
     path: &Path,
     cancel: &CancelToken,
 ) -> Result<Option<()>, String> {
@@ -588,9 +591,8 @@ pub fn save_picture(
     if cancel.is_cancelled() {
         return Ok(None);
     }
-    let origin = io::Origin { scene, error };
     let (image, layers) = (buffer.image(), buffer.layer_images());
-    io::write_render_unless(&image, &layers, &origin, path, cancel)
+    io::write_render_unless(&image, &layers, origin, path, cancel)
         .map_err(|error| error.to_string())
 }
 

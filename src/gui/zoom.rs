@@ -4,8 +4,12 @@
 
 use egui::{Pos2, Rect, Response, Ui, Vec2, pos2};
 
+use super::part::Part;
+
 /// Largest scale: single pixels fill a good part of the screen.
 const LARGEST: f32 = 64.0;
+/// Scale at which a single pixel is found at once.
+const CLOSE: f32 = 16.0;
 /// How much larger one point of scrolling makes the picture.
 const ZOOM_PER_POINT: f32 = 0.0025;
 /// What one press of a key enlarges by.
@@ -74,29 +78,34 @@ impl Zoom {
         self.frame()
     }
 
+    /// The frame, on whole pixels of the screen.
     fn frame(&self) -> Rect {
+        let frame = self.exact_frame();
+        if self.enlarged.is_none() {
+            return frame;
+        }
+        let scale = self.place.pixels_per_point;
+        let snap = |points: f32| (points * scale).round() / scale;
+        Rect::from_min_size(pos2(snap(frame.left()), snap(frame.top())), frame.size())
+    }
+
+    /// The frame as it follows from what was done: what a turn of the wheel rounds would add up over many.
+    fn exact_frame(&self) -> Rect {
         let Some(Enlarged { scale, center }) = self.enlarged else {
             return self.place.fit;
         };
-        let Place {
-            area,
-            pixels_per_point,
-            ..
-        } = self.place;
+        let Place { area, fit, .. } = self.place;
         let size = self.place.points(scale);
         let wanted = area.center() - center * size;
-        // No gap beside the picture where it is larger than the room, and even gaps where it is not.
+        // It covers where all of it is seen, or lies within that where it is smaller. So it does not leave the room, and whatever is
+        // pointed at in the whole picture can stay where it is as that is enlarged.
         let place = |wanted: f32, size: f32, low: f32, high: f32| {
-            if size <= high - low {
-                f32::midpoint(low, high) - size / 2.0
-            } else {
-                wanted.clamp(high - size, low)
-            }
+            let ends = [low, high - size];
+            wanted.clamp(ends[0].min(ends[1]), ends[0].max(ends[1]))
         };
-        let snap = |points: f32| (points * pixels_per_point).round() / pixels_per_point;
-        let x = place(wanted.x, size.x, area.left(), area.right());
-        let y = place(wanted.y, size.y, area.top(), area.bottom());
-        Rect::from_min_size(pos2(snap(x), snap(y)), size)
+        let x = place(wanted.x, size.x, fit.left(), fit.right());
+        let y = place(wanted.y, size.y, fit.top(), fit.bottom());
+        Rect::from_min_size(pos2(x, y), size)
     }
 
     /// Whether the picture is larger than it takes to see all of it.
@@ -122,6 +131,17 @@ impl Zoom {
         self.zoom_to(1.0, self.place.area.center());
     }
 
+    /// Shows a pixel of the picture in the middle, so large that it is found at once.
+    pub fn show_pixel(&mut self, pixel: [u32; 2]) {
+        let size = self.place.size.map(|side| side.max(1) as f32);
+        let [x, y] = [0, 1].map(|axis| (pixel[axis] as f32 + 0.5) / size[axis]);
+        self.enlarged = Some(Enlarged {
+            scale: self.scale().max(CLOSE),
+            center: Vec2::new(x, y),
+        });
+        self.settle();
+    }
+
     /// One step nearer.
     pub fn nearer(&mut self) {
         self.zoom_to(self.scale() * KEY_FACTOR, self.place.area.center());
@@ -135,7 +155,7 @@ impl Zoom {
     /// Shows the picture at `scale`, with what is under `fixed` staying there. A scale at which less than the room is filled shows
     /// all of it, except for the small picture that is smaller at 100 %.
     fn zoom_to(&mut self, scale: f32, fixed: Pos2) {
-        let frame = self.frame();
+        let frame = self.exact_frame();
         let share = (fixed - frame.min) / frame.size().max(Vec2::splat(f32::MIN_POSITIVE));
         let fit = self.place.fit_scale();
         let scale = scale.clamp(fit.min(1.0), fit.max(LARGEST));
@@ -159,7 +179,7 @@ impl Zoom {
 
     /// Keeps the middle where the picture is, so that the way back from beyond an edge is not long.
     fn settle(&mut self) {
-        let frame = self.frame();
+        let frame = self.exact_frame();
         if let Some(enlarged) = &mut self.enlarged {
             enlarged.center = (self.place.area.center() - frame.min) / frame.size();
         }
@@ -178,25 +198,19 @@ impl Zoom {
         }
     }
 
+    /// The place of the picture under `position`, as shares of its width and height.
+    #[must_use]
+    pub fn share_at(&self, position: Pos2) -> Option<Vec2> {
+        let frame = self.frame();
+        let is_there = frame.contains(position) && self.place.area.contains(position);
+        is_there.then(|| (position - frame.min) / frame.size())
+    }
+
     /// The pixel of the picture under `position`.
     #[must_use]
     pub fn pixel_at(&self, position: Pos2) -> Option<[u32; 2]> {
-        let frame = self.frame();
-        if !frame.contains(position) || !self.place.area.contains(position) {
-            return None;
-        }
-        let share = (position - frame.min) / frame.size();
-        let pixel = |share: f32, side: u32| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "within the picture"
-            )]
-            let pixel = (share * side as f32) as u32;
-            pixel.min(side.saturating_sub(1))
-        };
-        let [width, height] = self.place.size;
-        Some([pixel(share.x, width), pixel(share.y, height)])
+        let share = self.share_at(position)?;
+        Some(Part::whole(self.place.size).pixel_at(share))
     }
 }
 
@@ -235,6 +249,50 @@ mod tests {
         assert!(!zoom.is_enlarged(), "smaller than all of it is all of it");
     }
 
+    /// A wheel that turns comes nearer in many small steps, first of all from the whole picture, which has room around it.
+    #[test]
+    fn many_small_steps_from_the_whole_picture_lead_to_what_is_pointed_at() {
+        let place = Place {
+            area: Rect::from_min_size(pos2(0.0, 40.0), Vec2::new(940.0, 600.0)),
+            fit: Rect::from_min_size(pos2(44.0, 71.0), Vec2::new(882.0, 538.0)),
+            size: [882, 538],
+            pixels_per_point: 1.0,
+        };
+        for share in [[0.01, 0.01], [0.5, 0.2], [0.97, 0.4], [0.3, 0.99]] {
+            let mut zoom = Zoom::default();
+            zoom.frame_in(place);
+            let mouse = place.fit.lerp_inside(Vec2::from(share));
+            let before = zoom.pixel_at(mouse).unwrap();
+            for step in 0..150 {
+                zoom.zoom_to(zoom.scale() * 1.02, mouse);
+                let after = zoom.pixel_at(mouse).unwrap();
+                let apart = [0, 1].map(|axis| before[axis].abs_diff(after[axis]));
+                assert!(
+                    apart[0].max(apart[1]) <= 1,
+                    "{before:?} {after:?} after {step}"
+                );
+            }
+            assert!(zoom.scale() > 15.0);
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_shown_in_the_middle() {
+        let mut zoom = zoom();
+        for pixel in [[400, 200], [237, 311]] {
+            zoom.show_pixel(pixel);
+            assert!(zoom.scale() >= CLOSE);
+            assert_eq!(zoom.pixel_at(zoom.place.area.center()), Some(pixel));
+        }
+        // At an edge it is as near to the middle as it can be.
+        zoom.show_pixel([0, 399]);
+        let frame = zoom.frame();
+        let corner = pos2(frame.left() + 1.0, frame.bottom() - 1.0);
+        assert!(zoom.place.area.contains(corner));
+        assert_eq!(zoom.pixel_at(corner), Some([0, 399]));
+        assert!((zoom.scale() - CLOSE).abs() < 1e-3);
+    }
+
     #[test]
     fn the_picture_does_not_leave_the_room() {
         let mut zoom = zoom();
@@ -243,7 +301,7 @@ mod tests {
             zoom.pan(Vec2::splat(delta));
             let frame = zoom.frame();
             assert_eq!(frame.size(), Vec2::new(800.0, 400.0));
-            assert!(frame.contains_rect(zoom.place.area), "{frame:?}");
+            assert!(frame.contains_rect(zoom.place.fit), "{frame:?}");
         }
         // It does not stick at the edge.
         zoom.pan(Vec2::new(-10.0, 0.0));

@@ -8,6 +8,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 
+/// How names of temporary files begin and end.
+const PREFIX: &str = ".raymini-";
+const SUFFIX: &str = ".part";
+
 /// Writes a file so that whoever looks at `path`, at any moment, sees the old content or the new, never a part.
 ///
 /// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed. If `write`
@@ -45,6 +49,18 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
         return Ok(());
     }
     Temporary::beside(&target, old.as_ref()).map(drop)
+}
+
+/// Removes what [`write_atomically`] left in `folder` where a process was killed in the middle of it. Nobody may be writing there.
+pub fn remove_unfinished(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) {
+            // One that stays is in nobody's way.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Ends the process with exit code `code`, whatever it is doing; files that it is writing are as they were, and their temporary
@@ -118,7 +134,7 @@ impl Temporary {
             return Err(Error::new(ErrorKind::NotFound, message));
         }
         let mut builder = Builder::new();
-        builder.prefix(".raymini-").suffix(".part");
+        builder.prefix(PREFIX).suffix(SUFFIX);
         like_any_new_file(&mut builder);
         let mut unfinished = unfinished();
         let file = builder.tempfile_in(&folder).map_err(|error| {

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::whole_file::open_file;
+use crate::control::{CancelToken, Progress};
 use crate::render::{Block, BlockHeader};
 
 /// The first line.
@@ -86,15 +87,29 @@ impl LoggedBlocks {
     /// What can be read of the files at `paths`. Those that are of another render than that of the
     /// [description](super::describe_render), or nothing of the kind, hold nothing.
     #[must_use]
+    #[expect(clippy::missing_panics_doc, reason = "nobody cancels")]
     pub fn read(paths: &[PathBuf], description: &str) -> Self {
+        let read = Self::read_unless(paths, description, &CancelToken::new(), &Progress::new());
+        read.expect("nobody cancels")
+    }
+
+    /// [`Self::read`], unless it is cancelled, which is `None`. `progress` advances by the bytes of what can be read; setting its total is the
+    /// caller's.
+    #[must_use]
+    pub fn read_unless(
+        paths: &[PathBuf],
+        description: &str,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Option<Self> {
         let mut blocks = Self::default();
         for path in paths {
             // What cannot be read is not there.
             if let Ok(file) = open_file(path, "blocks of a render") {
-                let _ = blocks.take_in(file, description);
+                let _ = blocks.take_in(file, description, cancel, progress);
             }
         }
-        blocks
+        (!cancel.is_cancelled()).then_some(blocks)
     }
 
     /// Which there are.
@@ -116,7 +131,13 @@ impl LoggedBlocks {
         is_whole.then(|| postcard::from_bytes(&bytes).ok())?
     }
 
-    fn take_in(&mut self, file: File, description: &str) -> io::Result<()> {
+    fn take_in(
+        &mut self,
+        file: File,
+        description: &str,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> io::Result<()> {
         let size = file.metadata()?.len();
         let mut reader = io::BufReader::with_capacity(1 << 20, file);
         let mut first_line = [0; FIRST_LINE.len()];
@@ -126,8 +147,12 @@ impl LoggedBlocks {
         let is_known = first_line == FIRST_LINE
             && read_record(&mut reader, size, &mut end, &mut bytes)?
             && bytes == description.as_bytes();
+        progress.advance(end);
         let mut start = end;
-        while is_known && read_record(&mut reader, size, &mut end, &mut bytes)? {
+        while is_known
+            && !cancel.is_cancelled()
+            && read_record(&mut reader, size, &mut end, &mut bytes)?
+        {
             let Ok((header, _)) = postcard::take_from_bytes::<BlockHeader>(&bytes) else {
                 break;
             };
@@ -136,6 +161,7 @@ impl LoggedBlocks {
                 start,
                 end,
             };
+            progress.advance(end - start);
             start = end;
             let known = self.places.insert((header.pass, header.tile), place);
             if known.is_none() {

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::atomic::write_atomically;
 use super::render_description::difference;
+use super::unless::Unless;
 use super::whole_file::{open_file, read_bounded_file};
 use crate::control::{CancelToken, Progress};
 use crate::render::Checkpoint;
@@ -19,6 +20,8 @@ const VERSION: &str = "2";
 const DIGEST_BYTES: usize = 32;
 /// What is hashed and written at once.
 const BUFFER_BYTES: usize = 1 << 16;
+/// What is hashed between two looks at the cancel token.
+const PIECE_BYTES: usize = 1 << 20;
 
 /// Why a checkpoint cannot be gone on from.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -30,16 +33,30 @@ pub struct CheckpointError {
     pub reason: String,
 }
 
-/// Writes `checkpoint` of a render of that [description](super::describe_render) to `path`. The file appears whole or not at all.
+/// Writes `checkpoint` of a render of that [description](super::describe_render) to `path`. The file appears whole or not at all. `None`
+/// when cancelled: what was there is as it was.
 ///
 /// # Errors
 /// What the system says.
-pub fn save_checkpoint(path: &Path, description: &str, checkpoint: &Checkpoint) -> io::Result<()> {
-    write_atomically(path, |file| write(description, checkpoint, file))
+pub fn save_checkpoint(
+    path: &Path,
+    description: &str,
+    checkpoint: &Checkpoint,
+    cancel: &CancelToken,
+) -> io::Result<Option<()>> {
+    let written = write_atomically(path, |inner| {
+        write(description, checkpoint, &mut Unless { cancel, inner })
+    });
+    match written {
+        // Failing is how the writing ends then.
+        Err(_) if cancel.is_cancelled() => Ok(None),
+        written => written.map(Some),
+    }
 }
 
 /// Reads the checkpoint at `path`, of a render of that [description](super::describe_render). A file of more than `most_bytes` is
-/// not one.
+/// not one. `None` when cancelled. `progress` advances by the bytes of the file, each once when it is read and once when it is found to be
+/// what was written; setting its total is the caller's.
 ///
 /// # Errors
 /// When the file cannot be read, is damaged or something else, or is of another render: then with the first thing that differs.
@@ -47,14 +64,23 @@ pub fn load_checkpoint(
     path: &Path,
     description: &str,
     most_bytes: u64,
-) -> Result<Checkpoint, CheckpointError> {
-    read(path, description, most_bytes).map_err(|reason| CheckpointError {
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Checkpoint>, CheckpointError> {
+    let read = read(path, description, most_bytes, cancel, progress);
+    read.map_err(|reason| CheckpointError {
         path: path.to_owned(),
         reason,
     })
 }
 
-fn read(path: &Path, description: &str, most_bytes: u64) -> Result<Checkpoint, String> {
+fn read(
+    path: &Path,
+    description: &str,
+    most_bytes: u64,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Checkpoint>, String> {
     const EXPECTED: &str = "a checkpoint of this render";
     // However large the file is, its first line tells whether it is one.
     let mut start = Vec::new();
@@ -63,13 +89,19 @@ fn read(path: &Path, description: &str, most_bytes: u64) -> Result<Checkpoint, S
     let read = file.take(first_line).read_to_end(&mut start);
     read.map_err(|error| format!("the file cannot be read: {error}"))?;
     check_first_line(&start)?;
-    let (never, progress) = (CancelToken::new(), Progress::new());
-    let bytes = read_bounded_file(path, EXPECTED, most_bytes, &never, &progress)?;
-    parse(&bytes.unwrap_or_default(), description)
+    match read_bounded_file(path, EXPECTED, most_bytes, cancel, progress)? {
+        Some(bytes) => parse(&bytes, description, cancel, progress),
+        None => Ok(None),
+    }
 }
 
 /// The checkpoint in the bytes of a file, if it is one of a render of that description.
-fn parse(bytes: &[u8], description: &str) -> Result<Checkpoint, String> {
+fn parse(
+    bytes: &[u8],
+    description: &str,
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Result<Option<Checkpoint>, String> {
     let rest = check_first_line(bytes)?;
     let damaged = || "the checkpoint is damaged: what it holds is not what was written".to_owned();
     let (body, digest) = rest
@@ -77,8 +109,16 @@ fn parse(bytes: &[u8], description: &str) -> Result<Checkpoint, String> {
         .checked_sub(DIGEST_BYTES)
         .map(|end| rest.split_at(end))
         .ok_or_else(damaged)?;
-    let hashed = &bytes[..bytes.len() - DIGEST_BYTES];
-    if Sha256::digest(hashed).as_slice() != digest {
+    let mut hasher = Sha256::new();
+    for piece in bytes[..bytes.len() - DIGEST_BYTES].chunks(PIECE_BYTES) {
+        if cancel.is_cancelled() {
+            return Ok(None);
+        }
+        hasher.update(piece);
+        progress.advance(piece.len() as u64);
+    }
+    progress.advance(DIGEST_BYTES as u64);
+    if hasher.finalize().as_slice() != digest {
         return Err(damaged());
     }
     let (saved, body) = postcard::take_from_bytes::<&str>(body).map_err(|_| damaged())?;
@@ -88,7 +128,7 @@ fn parse(bytes: &[u8], description: &str) -> Result<Checkpoint, String> {
         ));
     }
     match postcard::take_from_bytes(body) {
-        Ok((checkpoint, [])) => Ok(checkpoint),
+        Ok((checkpoint, [])) => Ok(Some(checkpoint)),
         _ => Err(damaged()),
     }
 }
@@ -161,6 +201,11 @@ mod tests {
 
     const DESCRIPTION: &str = "region = 0,0,3,2\n";
 
+    fn parse(bytes: &[u8], description: &str) -> Result<Checkpoint, String> {
+        let parsed = super::parse(bytes, description, &CancelToken::new(), &Progress::new());
+        parsed.map(|checkpoint| checkpoint.expect("nobody cancels"))
+    }
+
     fn prepared() -> PreparedScene {
         let mut scene = Scene::default();
         let ball = shapes::icosphere(0);
@@ -207,15 +252,55 @@ mod tests {
         bytes
     }
 
+    fn parsed(bytes: &[u8]) -> Result<Checkpoint, String> {
+        parse(bytes, DESCRIPTION)
+    }
+
+    #[test]
+    fn what_is_cancelled_is_neither_written_nor_read() {
+        let checkpoint = parsed(&file(&prepared())).expect("is right");
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("checkpoint");
+        let (never, cancelled) = (CancelToken::new(), CancelToken::new());
+        cancelled.cancel();
+        let save = |description, cancel| {
+            save_checkpoint(&path, description, &checkpoint, cancel).expect("can be written")
+        };
+        let load = |cancel| load_checkpoint(&path, DESCRIPTION, u64::MAX, cancel, &Progress::new());
+        assert_eq!(save(DESCRIPTION, &cancelled), None);
+        assert!(!path.exists());
+        assert_eq!(save(DESCRIPTION, &never), Some(()));
+        assert_eq!(save("another", &cancelled), None);
+        assert!(load(&never).expect("is as it was").is_some());
+        assert!(load(&cancelled).expect("is right").is_none());
+        assert_eq!(
+            std::fs::read_dir(folder.path()).expect("a folder").count(),
+            1
+        );
+    }
+
     #[test]
     fn what_is_read_is_what_was_written() {
         let file = file(&prepared());
-        let checkpoint = parse(&file, DESCRIPTION).expect("is right");
+        let checkpoint = parsed(&file).expect("is right");
         let mut again = Vec::new();
         write(DESCRIPTION, &checkpoint, &mut again).expect("memory takes all");
         assert!(again == file);
         assert_eq!(checkpoint.region(), Region::full(3, 2));
         assert_eq!(checkpoint.samples_per_pixel(), 16.0);
+    }
+
+    #[test]
+    fn reading_tells_how_far_it_is_and_can_be_cancelled() {
+        let bytes = file(&prepared());
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        std::fs::write(file.path(), &bytes).expect("is written");
+        let (cancel, progress) = (CancelToken::new(), Progress::new());
+        let read = || load_checkpoint(file.path(), DESCRIPTION, u64::MAX, &cancel, &progress);
+        assert!(read().expect("is right").is_some());
+        assert_eq!(progress.done(), 2 * bytes.len() as u64);
+        cancel.cancel();
+        assert!(read().expect("is right").is_none());
     }
 
     /// Even with the right digest nothing panics, and no length is believed.
@@ -225,7 +310,7 @@ mod tests {
         let file = file(&scene);
         let body = &file[..file.len() - DIGEST_BYTES];
         for end in 0..body.len() {
-            assert!(parse(&signed(body[..end].to_vec()), DESCRIPTION).is_err());
+            assert!(parsed(&signed(body[..end].to_vec())).is_err());
         }
         let head = NAME.len() + VERSION.len() + 2 + DESCRIPTION.len();
         let mut random = Random::new(3);
@@ -233,7 +318,7 @@ mod tests {
             let mut changed = body.to_vec();
             changed[place] ^= 1 << (random.bits() % 8);
             // Other numbers may be fine.
-            if let Ok(other) = parse(&signed(changed), DESCRIPTION) {
+            if let Ok(other) = parsed(&signed(changed)) {
                 assert!(place >= head);
                 let _ = other.fits(&scene, Region::full(3, 2), &[]);
             }
@@ -241,7 +326,7 @@ mod tests {
             endless.extend([0xff; 9]);
             endless.push(1);
             // The last number of all may be any.
-            drop(parse(&signed(endless), DESCRIPTION));
+            drop(parsed(&signed(endless)));
         }
     }
 
@@ -257,7 +342,7 @@ mod tests {
                 Ok(())
             }
         }
-        let checkpoint = parse(&file(&prepared()), DESCRIPTION).expect("is right");
+        let checkpoint = parsed(&file(&prepared())).expect("is right");
         let error = write(DESCRIPTION, &checkpoint, &mut Full).expect_err("is full");
         assert_eq!(error.to_string(), "no room");
     }

@@ -1,7 +1,7 @@
 //! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
 
 use std::ffi::OsStr;
-use std::io::{self, Cursor, Seek, SeekFrom, Write};
+use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use exr::image::write::layers::WritableLayers;
@@ -12,14 +12,12 @@ use exr::prelude::{
 };
 
 use super::atomic::{check_writable, write_atomically};
-use super::origin::{Origin, OriginTexts};
+use super::origin::{HASH_KEYWORD, Origin, OriginTexts};
+use super::unless::{Unless, check};
 use crate::control::CancelToken;
 use crate::render::display::{encode_8, encode_16};
 use crate::render::{Image, Layer};
 use crate::scene::{Display, Output, PngBits, Scene};
-
-/// Keyword of the PNG text that holds [`Image::hash`] of the picture before it was quantised.
-pub const PNG_HASH_KEYWORD: &str = "raymini.image_hash";
 
 /// Why a picture could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -115,7 +113,7 @@ fn write(
     image: &Image,
     layers: &[(Layer, Image)],
     (display, output): (&Display, &Output),
-    texts: &OriginTexts,
+    texts: &OriginTexts<'_>,
     path: &Path,
     cancel: &CancelToken,
 ) -> Result<Option<()>, ImageFileError> {
@@ -140,39 +138,6 @@ fn write(
         // Failing is how the writing ends then.
         Err(_) if cancel.is_cancelled() => Ok(None),
         Err(reason) => Err(unwritable(path, reason)),
-    }
-}
-
-/// A writer that fails as soon as it is cancelled, so that whoever writes to it gives up.
-struct Unless<'a, W> {
-    cancel: &'a CancelToken,
-    inner: W,
-}
-
-/// Fails once it is cancelled.
-fn check(cancel: &CancelToken) -> io::Result<()> {
-    if cancel.is_cancelled() {
-        return Err(io::Error::other("cancelled"));
-    }
-    Ok(())
-}
-
-impl<W: Write> Write for Unless<'_, W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        /// No more bytes go at once, so that cancelling answers between pieces.
-        const PIECE: usize = 1 << 20;
-        check(self.cancel)?;
-        self.inner.write(&bytes[..bytes.len().min(PIECE)])
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
-    }
-}
-
-impl<W: Seek> Seek for Unless<'_, W> {
-    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
-        self.inner.seek(place)
     }
 }
 
@@ -224,7 +189,7 @@ fn write_png(
     image: &Image,
     display: &Display,
     output: Output,
-    texts: &OriginTexts,
+    texts: &OriginTexts<'_>,
     file: Unless<'_, &mut dyn Write>,
 ) -> io::Result<()> {
     let cancel = file.cancel;
@@ -239,7 +204,9 @@ fn write_png(
         "Software".to_owned(),
         format!("RayMini {}", env!("CARGO_PKG_VERSION")),
     )?;
-    encoder.add_text_chunk(PNG_HASH_KEYWORD.to_owned(), image.hash())?;
+    if let Some(hash) = texts.png_hash(image, cancel)? {
+        encoder.add_text_chunk(HASH_KEYWORD.to_owned(), hash)?;
+    }
     let mut writer = encoder.write_header()?;
     for chunk in texts.png_chunks() {
         writer.write_text_chunk(&chunk)?;
@@ -265,7 +232,7 @@ fn write_png(
 fn exr_bytes(
     image: &Image,
     layers: &[(Layer, Image)],
-    texts: &OriginTexts,
+    texts: &OriginTexts<'_>,
     cancel: &CancelToken,
 ) -> io::Result<Vec<u8>> {
     let size = (image.width as usize, image.height as usize);
@@ -295,7 +262,11 @@ fn exr_bytes(
     exr_file(&image, cancel)
 }
 
-fn exr_image<C>(size: (usize, usize), channels: C, texts: &OriginTexts) -> ExrImage<ExrLayer<C>> {
+fn exr_image<C>(
+    size: (usize, usize),
+    channels: C,
+    texts: &OriginTexts<'_>,
+) -> ExrImage<ExrLayer<C>> {
     ExrImage {
         attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
         layer_data: ExrLayer {
@@ -327,6 +298,7 @@ fn exr_file<'a, L: WritableLayers<'a>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::Values;
 
     fn gradient() -> Image {
         let pixels = (0..35)
@@ -377,8 +349,7 @@ mod tests {
             let text = &reader.info().uncompressed_latin1_text;
             assert!(
                 text.iter()
-                    .any(|chunk| chunk.keyword == PNG_HASH_KEYWORD
-                        && chunk.text == gradient().hash())
+                    .any(|chunk| chunk.keyword == HASH_KEYWORD && chunk.text == gradient().hash())
             );
             let mut pixels = vec![0; reader.output_buffer_size().expect("fits")];
             reader.next_frame(&mut pixels).expect("has a frame");
@@ -439,6 +410,8 @@ mod tests {
         let origin = Origin {
             scene: &scene,
             error: None,
+            region: None,
+            values: Values::Rendered,
         };
         let cancelled = CancelToken::new();
         cancelled.cancel();

@@ -41,14 +41,15 @@ mod shorten;
 pub mod stl;
 mod texture_file;
 mod texture_loader;
+mod unless;
 mod whole_file;
 
-pub use atomic::{check_writable, exit_process, write_atomically};
+pub use atomic::{check_writable, exit_process, remove_unfinished, write_atomically};
 pub use block_log::{BlockLog, LoggedBlocks, block_record};
 pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{
-    ImageFileError, PNG_HASH_KEYWORD, check_image_path, holds_layers, rescue_render, write_image,
-    write_render, write_render_unless,
+    ImageFileError, check_image_path, holds_layers, rescue_render, write_image, write_render,
+    write_render_unless,
 };
 pub use load::{
     LoadError, LoadedScene, demo_scene, image_warnings, load_image, load_mesh, load_scene,
@@ -62,11 +63,11 @@ pub use mesh_reading::{List, Malformed, Place};
 pub use model::{Model, ModelFacts};
 pub use model_loading::{ReadAgain, load_again, load_model, load_models, scene_of_models};
 pub use model_writing::{ModelFormat, WriteError, write_model};
-pub use origin::{Origin, WrittenError, WrittenOrigin};
+pub use origin::{Origin, Values, WrittenError, WrittenOrigin};
 pub use part_name::file_and_part;
 pub use picture_file::{
-    PICTURE_FORMATS, PictureError, PictureFile, parse_image, parse_layers, read_image,
-    read_image_unless, read_layers,
+    PICTURE_FORMATS, PictureError, PictureFile, RenderFile, parse_image, parse_render, read_image,
+    read_image_unless, read_render,
 };
 pub use radiance_file::{
     RADIANCE_EXTENSIONS, RADIANCE_FORMATS, RadianceError, RadianceFile, parse_radiance,

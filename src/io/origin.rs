@@ -1,7 +1,7 @@
 //! What a picture's file tells about how it came to be: the scene with its settings, so that it can be opened and rendered again, and
 //! how wrong the picture is.
 
-use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::io::{self, BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use exr::meta::MetaData;
@@ -10,14 +10,22 @@ use png::text_metadata::ITXtChunk;
 use serde::{Deserialize, Serialize};
 
 use super::save::portable_text;
+use super::unless::cancelled;
 use super::whole_file::open_file;
-use crate::render::ErrorEstimate;
+use crate::control::CancelToken;
+use crate::render::{ErrorEstimate, Image, Region};
 use crate::scene::Scene;
 
 /// Keyword of the PNG text, and name of the OpenEXR attribute, that holds the text of the scene file.
 const SCENE_KEYWORD: &str = "raymini.scene";
 /// The same of the error.
 const ERROR_KEYWORD: &str = "raymini.error";
+/// The same of the region, where the picture is a part of what the scene says.
+const REGION_KEYWORD: &str = "raymini.region";
+/// The same of [`Image::hash`] of what was rendered: in a PNG, which rounds it, and in an OpenEXR file of values that were rounded before.
+pub(super) const HASH_KEYWORD: &str = "raymini.image_hash";
+/// What stands there where the hash is not known.
+const UNKNOWN_HASH: &str = "unknown";
 
 /// The most bytes of such a text that are read.
 const MOST_BYTES: usize = 16 << 20;
@@ -29,6 +37,20 @@ pub struct Origin<'a> {
     pub scene: &'a Scene,
     /// How wrong it was then, where that is known.
     pub error: Option<WrittenError>,
+    /// Which part of what the scene says the picture is; `None` for all of it.
+    pub region: Option<Region>,
+    /// What its values are.
+    pub values: Values<'a>,
+}
+
+/// What the values of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Values<'a> {
+    /// Those that were rendered.
+    #[default]
+    Rendered,
+    /// Those of a file that had rounded what was rendered, and its hash, where that is known.
+    Rounded(Option<&'a str>),
 }
 
 /// How wrong a picture is.
@@ -67,30 +89,55 @@ pub struct WrittenOrigin {
     pub scene: Option<String>,
     /// How wrong the picture is.
     pub error: Option<WrittenError>,
+    /// Which part of what the scene says the picture is; `None` for all of it.
+    pub region: Option<Region>,
+    /// The hash of what was rendered, where the file's own values are not that; empty where it is not known.
+    pub rendered_hash: Option<String>,
 }
 
-/// What is written into a file: keywords and their texts.
+/// What is written into a file: keywords and their texts, and what its values are.
 #[derive(Clone, Debug, Default)]
-pub(super) struct OriginTexts(Vec<(&'static str, String)>);
+pub(super) struct OriginTexts<'a> {
+    texts: Vec<(&'static str, String)>,
+    values: Values<'a>,
+}
 
-impl Origin<'_> {
+impl<'a> Origin<'a> {
     /// What to write into a file at `path`.
-    pub(super) fn texts(&self, path: &Path) -> OriginTexts {
+    pub(super) fn texts(&self, path: &Path) -> OriginTexts<'a> {
         // What cannot be said in the file is no reason to have no picture.
         let scene = portable_text(self.scene, path).ok();
         let error = self
             .error
             .and_then(|error| serde_json::to_string(&error).ok());
+        let region = self
+            .region
+            .and_then(|region| serde_json::to_string(&region).ok());
         let scene = scene.map(|text| (SCENE_KEYWORD, text));
         let error = error.map(|text| (ERROR_KEYWORD, text));
-        OriginTexts(scene.into_iter().chain(error).collect())
+        let region = region.map(|text| (REGION_KEYWORD, text));
+        OriginTexts {
+            texts: scene.into_iter().chain(error).chain(region).collect(),
+            values: self.values,
+        }
     }
 }
 
-impl OriginTexts {
+impl OriginTexts<'_> {
+    /// The hash of what was rendered, for a PNG file of `image`; `None` where it is not known.
+    ///
+    /// # Errors
+    /// When cancelled.
+    pub fn png_hash(&self, image: &Image, cancel: &CancelToken) -> io::Result<Option<String>> {
+        match self.values {
+            Values::Rendered => image.hash_unless(cancel).ok_or_else(cancelled).map(Some),
+            Values::Rounded(hash) => Ok(hash.map(str::to_owned)),
+        }
+    }
+
     /// The chunks of a PNG file.
     pub fn png_chunks(&self) -> impl Iterator<Item = ITXtChunk> {
-        self.0.iter().map(|(keyword, text)| {
+        self.texts.iter().map(|(keyword, text)| {
             let mut chunk = ITXtChunk::new(*keyword, text);
             chunk.compressed = true;
             chunk
@@ -99,10 +146,17 @@ impl OriginTexts {
 
     /// The attributes of an OpenEXR file.
     pub fn exr_attributes(&self) -> impl Iterator<Item = (Text, AttributeValue)> {
-        self.0.iter().map(|(keyword, text)| {
+        // Values that were rendered have the hash themselves.
+        let hash = match self.values {
+            Values::Rendered => None,
+            Values::Rounded(hash) => Some((HASH_KEYWORD, hash.unwrap_or(UNKNOWN_HASH))),
+        };
+        let texts = self.texts.iter();
+        let texts = texts.map(|(keyword, text)| (*keyword, text.as_str()));
+        texts.chain(hash).map(|(keyword, text)| {
             let bytes = text.as_bytes().into();
             let text = AttributeValue::Text(Text::from_bytes_unchecked(bytes));
-            (Text::from(*keyword), text)
+            (Text::from(keyword), text)
         })
     }
 }
@@ -115,7 +169,10 @@ impl WrittenOrigin {
             chunk.decompress_text_with_limit(MOST_BYTES).ok()?;
             chunk.get_text().ok()
         };
-        Self::of_texts(text)
+        let mut hashes = info.uncompressed_latin1_text.iter();
+        let hash = hashes.find(|chunk| chunk.keyword == HASH_KEYWORD);
+        let hash = hash.map_or(UNKNOWN_HASH, |chunk| &chunk.text);
+        Self::of_texts(text, Some(hash))
     }
 
     /// What the file at `path` tells: nothing where it is no picture of a kind that can.
@@ -157,14 +214,19 @@ impl WrittenOrigin {
                 _ => None,
             }
         };
-        Self::of_texts(text)
+        let hash = text(HASH_KEYWORD);
+        Self::of_texts(text, hash.as_deref())
     }
 
-    fn of_texts(text: impl Fn(&str) -> Option<String>) -> Self {
-        let error = text(ERROR_KEYWORD);
+    fn of_texts(text: impl Fn(&str) -> Option<String>, hash: Option<&str>) -> Self {
+        let (error, region) = (text(ERROR_KEYWORD), text(REGION_KEYWORD));
+        let is_hash = |hash: &&str| hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit());
         Self {
             scene: text(SCENE_KEYWORD),
             error: error.and_then(|text| serde_json::from_str(&text).ok()),
+            region: region.and_then(|text| serde_json::from_str(&text).ok()),
+            rendered_hash: hash
+                .map(|hash| Some(hash).filter(is_hash).unwrap_or_default().to_owned()),
         }
     }
 }
@@ -214,6 +276,8 @@ mod tests {
         let origin = Origin {
             scene: &scene,
             error: Some((&error).into()),
+            region: None,
+            values: Values::Rendered,
         };
         let plain = folder.path().join("scene.toml");
         save_scene(&scene, &plain).expect("saved");

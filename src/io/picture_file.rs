@@ -6,8 +6,9 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use super::origin::WrittenOrigin;
 use super::radiance_file::{
-    RawImage, Reading, no_memory, read_named_values, read_values, refuse_size, too_short,
+    Named, RawFile, RawImage, Reading, no_memory, read_values, refuse_size, too_short,
 };
 use super::whole_file::read_file;
 use crate::control::{CancelToken, Progress};
@@ -28,6 +29,18 @@ pub struct PictureFile {
     pub is_linear: bool,
     /// What looks wrong or was left out, in sentences.
     pub warnings: Vec<String>,
+}
+
+/// What the file of a render held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderFile {
+    /// The picture.
+    pub picture: PictureFile,
+    /// Its layers, as [`write_image`](super::write_image) writes them: the radiance itself. Formats that hold none have none. Else why there
+    /// is no room for them, in a plain sentence.
+    pub layers: Result<Vec<(Layer, Image)>, String>,
+    /// What it tells of how it came to be.
+    pub origin: WrittenOrigin,
 }
 
 /// Why a picture could not be read.
@@ -62,38 +75,37 @@ pub fn read_image_unless(
     progress: &Progress,
 ) -> Result<Option<PictureFile>, PictureError> {
     read(path, cancel, progress, |bytes| {
-        parse(bytes, cancel, progress)
+        let read = parse(bytes, &[], cancel, progress)?;
+        Ok(read.map(|(picture, _)| picture))
     })
 }
 
-/// The layers in the picture at `path`, as [`write_image`](super::write_image) writes them: the radiance itself. Formats that hold none have
-/// none. `None` when cancelled; `progress` advances like that of [`read_image_unless`].
+/// The picture of a render at `path`, with all else that its file holds. `None` when cancelled; `progress` advances like that of
+/// [`read_image_unless`].
 ///
 /// # Errors
 /// Those of [`read_image`].
-pub fn read_layers(
+pub fn read_render(
     path: &Path,
     cancel: &CancelToken,
     progress: &Progress,
-) -> Result<Option<Vec<(Layer, Image)>>, PictureError> {
+) -> Result<Option<RenderFile>, PictureError> {
     read(path, cancel, progress, |bytes| {
-        layers_of(bytes, cancel, progress)
+        render_of(bytes, cancel, progress)
     })
 }
 
-/// The layers of the picture in `bytes`, which are those of a whole file.
-fn layers_of(
-    bytes: &[u8],
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Reading<Vec<(Layer, Image)>> {
-    if is_png(bytes) {
-        return Ok(Some(Vec::new()));
-    }
+/// The render in `bytes`, which are those of a whole file.
+fn render_of(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RenderFile> {
     let names = Layer::ALL.map(Layer::name);
-    let images = read_named_values(bytes, &names, cancel, progress)?;
+    let read = parse(bytes, &names, cancel, progress)?;
     let layer = |(place, image): (usize, RawImage)| (Layer::ALL[place], image.into());
-    Ok(images.map(|images| images.into_iter().map(layer).collect()))
+    Ok(read.map(|(picture, named)| RenderFile {
+        picture,
+        layers: named.map(|images| images.into_iter().map(layer).collect()),
+        // A picture that says nothing of it is one all the same.
+        origin: WrittenOrigin::of_bytes(bytes).unwrap_or_default(),
+    }))
 }
 
 /// What `understand` makes of the file at `path`; errors name it.
@@ -119,16 +131,19 @@ fn read<T>(
 /// # Errors
 /// Those of [`read_image`] that are about the content.
 pub fn parse_image(name: &str, bytes: &[u8]) -> Result<PictureFile, PictureError> {
-    let parsed = parse(bytes, &CancelToken::new(), &Progress::new());
-    whole(name, parsed)
+    let parsed = parse(bytes, &[], &CancelToken::new(), &Progress::new());
+    whole(
+        name,
+        parsed.map(|parsed| parsed.map(|(picture, _)| picture)),
+    )
 }
 
-/// The layers of the picture in `bytes`, like [`parse_image`].
+/// The render in `bytes`, like [`parse_image`].
 ///
 /// # Errors
 /// Those of [`parse_image`].
-pub fn parse_layers(name: &str, bytes: &[u8]) -> Result<Vec<(Layer, Image)>, PictureError> {
-    let parsed = layers_of(bytes, &CancelToken::new(), &Progress::new());
+pub fn parse_render(name: &str, bytes: &[u8]) -> Result<RenderFile, PictureError> {
+    let parsed = render_of(bytes, &CancelToken::new(), &Progress::new());
     whole(name, parsed)
 }
 
@@ -145,21 +160,38 @@ fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89PNG")
 }
 
-/// The picture in `bytes`, which are those of a whole file.
-fn parse(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<PictureFile> {
+/// The picture in `bytes`, which are those of a whole file, and the images beside it that are called by one of `names`.
+fn parse(
+    bytes: &[u8],
+    names: &[&str],
+    cancel: &CancelToken,
+    progress: &Progress,
+) -> Reading<(PictureFile, Named)> {
     let values = if is_png(bytes) {
         let linear = |code, most| linear_from_srgb(code as f32 / most as f32);
-        let raw = read_png(bytes, linear)?;
+        let image = read_png(bytes, linear)?;
         progress.advance(bytes.len() as u64);
-        Some(("PNG", raw))
+        Some(RawFile {
+            format: "PNG",
+            image,
+            named: Ok(Vec::new()),
+        })
     } else {
-        read_values(bytes, PICTURE_FORMATS, cancel, progress)?
+        read_values(bytes, names, PICTURE_FORMATS, cancel, progress)?
     };
-    Ok(values.map(|(format, mut raw)| PictureFile {
-        warnings: std::mem::take(&mut raw.warnings),
-        image: raw.into(),
-        format,
-        is_linear: !is_png(bytes),
+    Ok(values.map(|values| {
+        let RawFile {
+            format,
+            mut image,
+            named,
+        } = values;
+        let picture = PictureFile {
+            warnings: std::mem::take(&mut image.warnings),
+            image: image.into(),
+            format,
+            is_linear: !is_png(bytes),
+        };
+        (picture, named)
     }))
 }
 

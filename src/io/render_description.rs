@@ -8,6 +8,7 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::scene_file;
+use crate::control::CancelToken;
 use crate::geometry::TriangleMesh;
 use crate::math::{DVec2, DVec3, Vec3};
 use crate::render::{Layer, Region};
@@ -16,9 +17,14 @@ use crate::scene::{
 };
 
 /// Describes a render of `region` of `scene` that keeps `layers`: the scene file, in which meshes and images are named by what is
-/// in them, so that it does not matter where they lie. How the picture is shown and stored is left out.
+/// in them, so that it does not matter where they lie. How the picture is shown and stored is left out. `None` when cancelled.
 #[must_use]
-pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> String {
+pub fn describe_render(
+    scene: &Scene,
+    region: Region,
+    layers: &[Layer],
+    cancel: &CancelToken,
+) -> Option<String> {
     let mut named = Scene {
         display: Display::default(),
         output: Output::default(),
@@ -27,7 +33,7 @@ pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> Strin
     };
     let meshes = scene.meshes.iter();
     let meshes: BTreeMap<&String, String> = meshes
-        .map(|(name, mesh)| (name, name_by_content(name, &hash_of_mesh(mesh))))
+        .map(|(name, mesh)| (name, name_by_content(name, &hash_of_mesh(mesh, cancel))))
         .collect();
     for object in &mut named.objects {
         if let Some(name) = meshes.get(&object.mesh) {
@@ -37,11 +43,11 @@ pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> Strin
     if let Background::Image { image, .. } = &mut named.background
         && let Some(map) = scene.images.get(image)
     {
-        *image = name_by_content(image, &hash_of_image(map));
+        *image = name_by_content(image, &hash_of_image(map, cancel));
     }
     for image in named.material_textures_mut().flat_map(Textures::images_mut) {
         if let Some(texture) = scene.textures.get(image) {
-            *image = name_by_content(image, &hash_of_texture(texture));
+            *image = name_by_content(image, &hash_of_texture(texture, cancel));
         }
     }
     let layers: Vec<&str> = layers.iter().map(|layer| layer.name()).collect();
@@ -51,11 +57,14 @@ pub fn describe_render(scene: &Scene, region: Region, layers: &[Layer]) -> Strin
         width,
         height,
     } = region;
-    format!(
-        "version = {}\nregion = {x},{y},{width},{height}\nlayers = {layers:?}\n\n{}",
-        env!("CARGO_PKG_VERSION"),
-        scene_file::write(&named)
-    )
+    let description = || {
+        format!(
+            "version = {}\nregion = {x},{y},{width},{height}\nlayers = {layers:?}\n\n{}",
+            env!("CARGO_PKG_VERSION"),
+            scene_file::write(&named)
+        )
+    };
+    (!cancel.is_cancelled()).then(description)
 }
 
 /// Where two descriptions differ first, by the order of keys, as a sentence about `saved`; `None` where they do not.
@@ -102,71 +111,97 @@ fn name_by_content(name: &str, hash: &str) -> String {
 }
 
 /// Over positions, triangles and normals, each preceded by their number, and what else vertices have, preceded by its name.
-fn hash_of_mesh(mesh: &TriangleMesh) -> String {
-    let mut digest = Sha256::new();
-    let vectors = |digest: &mut Sha256, vectors: &[DVec3]| {
-        digest.update((vectors.len() as u64).to_le_bytes());
-        for coordinate in vectors.iter().flat_map(DVec3::to_array) {
-            digest.update(coordinate.to_le_bytes());
-        }
+fn hash_of_mesh(mesh: &TriangleMesh, cancel: &CancelToken) -> String {
+    let mut digest = Digested::new(cancel);
+    let vectors = |digest: &mut Digested<'_>, vectors: &[DVec3]| {
+        digest.take((vectors.len() as u64).to_le_bytes());
+        let coordinates = vectors.iter().flat_map(DVec3::to_array);
+        digest.take_all(coordinates.map(f64::to_le_bytes));
     };
     vectors(&mut digest, &mesh.positions);
-    digest.update((mesh.triangles.len() as u64).to_le_bytes());
-    for corner in mesh.triangles.iter().flatten() {
-        digest.update(corner.to_le_bytes());
-    }
+    digest.take((mesh.triangles.len() as u64).to_le_bytes());
+    let corners = mesh.triangles.iter().flatten();
+    digest.take_all(corners.map(|corner| corner.to_le_bytes()));
     if let Some(normals) = &mesh.normals {
         vectors(&mut digest, normals);
     }
     if let Some(coordinates) = &mesh.texture_coordinates {
-        digest.update("texture coordinates");
-        for coordinate in coordinates.iter().flat_map(DVec2::to_array) {
-            digest.update(coordinate.to_le_bytes());
-        }
+        digest.take("texture coordinates");
+        let coordinates = coordinates.iter().flat_map(DVec2::to_array);
+        digest.take_all(coordinates.map(f64::to_le_bytes));
     }
     if let Some(colors) = &mesh.colors {
-        digest.update("colours");
-        for channel in colors.iter().flat_map(Vec3::to_array) {
-            digest.update(channel.to_le_bytes());
-        }
+        digest.take("colours");
+        let channels = colors.iter().flat_map(Vec3::to_array);
+        digest.take_all(channels.map(f32::to_le_bytes));
     }
-    in_hexadecimal(digest.finalize().as_slice())
+    digest.in_hexadecimal()
 }
 
-fn hash_of_image(map: &RadianceMap) -> String {
-    let mut digest = Sha256::new();
-    digest.update(map.width().to_le_bytes());
-    digest.update(map.height().to_le_bytes());
-    for value in map.pixels().iter().flatten() {
-        digest.update(value.to_le_bytes());
-    }
-    in_hexadecimal(digest.finalize().as_slice())
+fn hash_of_image(map: &RadianceMap, cancel: &CancelToken) -> String {
+    let mut digest = Digested::new(cancel);
+    digest.take(map.width().to_le_bytes());
+    digest.take(map.height().to_le_bytes());
+    let values = map.pixels().iter().flatten();
+    digest.take_all(values.map(|value| value.to_le_bytes()));
+    digest.in_hexadecimal()
 }
 
-fn hash_of_texture(image: &TextureImage) -> String {
-    let mut digest = Sha256::new();
-    digest.update(image.width().to_le_bytes());
-    digest.update(image.height().to_le_bytes());
+fn hash_of_texture(image: &TextureImage, cancel: &CancelToken) -> String {
+    let mut digest = Digested::new(cancel);
+    digest.take(image.width().to_le_bytes());
+    digest.take(image.height().to_le_bytes());
     match image.texels() {
-        Texels::Bytes(texels) => digest.update(texels.as_flattened()),
+        Texels::Bytes(texels) => {
+            digest.take_all(texels.chunks(16).map(<[_]>::as_flattened));
+        }
         Texels::Words(texels) => {
-            let values = texels.iter().flatten();
-            values.for_each(|value| digest.update(value.to_le_bytes()));
+            digest.take_all(texels.iter().flatten().map(|value| value.to_le_bytes()));
         }
         Texels::Floats(texels) => {
-            let values = texels.iter().flatten();
-            values.for_each(|value| digest.update(value.to_le_bytes()));
+            digest.take_all(texels.iter().flatten().map(|value| value.to_le_bytes()));
         }
     }
-    in_hexadecimal(digest.finalize().as_slice())
+    digest.in_hexadecimal()
 }
 
-fn in_hexadecimal(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(2 * bytes.len());
-    for byte in bytes {
-        write!(text, "{byte:02x}").expect("a text takes all that is written to it");
+/// The SHA-256 of what it takes; not meaningful when cancelled.
+struct Digested<'a> {
+    digest: Sha256,
+    cancel: &'a CancelToken,
+}
+
+impl<'a> Digested<'a> {
+    fn new(cancel: &'a CancelToken) -> Self {
+        Self {
+            digest: Sha256::new(),
+            cancel,
+        }
     }
-    text
+
+    fn take(&mut self, bytes: impl AsRef<[u8]>) {
+        self.digest.update(bytes);
+    }
+
+    /// Takes what may be very much.
+    fn take_all(&mut self, values: impl Iterator<Item = impl AsRef<[u8]>>) {
+        /// Values between two looks at the cancel token.
+        const CHUNK: usize = 1 << 16;
+        for (number, value) in values.enumerate() {
+            if number % CHUNK == 0 && self.cancel.is_cancelled() {
+                return;
+            }
+            self.digest.update(value);
+        }
+    }
+
+    fn in_hexadecimal(self) -> String {
+        let mut text = String::with_capacity(64);
+        for byte in self.digest.finalize() {
+            write!(text, "{byte:02x}").expect("a text takes all that is written to it");
+        }
+        text
+    }
 }
 
 #[cfg(test)]
@@ -194,7 +229,20 @@ mod tests {
     }
 
     fn describe(scene: &Scene) -> String {
-        describe_render(scene, Region::full(640, 480), &[Layer::Emission])
+        describe_part(scene, Region::full(640, 480), &[Layer::Emission])
+    }
+
+    fn describe_part(scene: &Scene, region: Region, layers: &[Layer]) -> String {
+        let description = describe_render(scene, region, layers, &CancelToken::new());
+        description.expect("nobody cancels")
+    }
+
+    #[test]
+    fn nothing_is_described_when_cancelled() {
+        let cancel = CancelToken::new();
+        cancel.cancel();
+        let description = describe_render(&scene(), Region::full(1, 1), &[], &cancel);
+        assert_eq!(description, None);
     }
 
     #[test]
@@ -259,7 +307,7 @@ mod tests {
             ..Region::full(10, 10)
         };
         assert_eq!(
-            difference(&describe(&here), &describe_render(&here, part, &[])).as_deref(),
+            difference(&describe(&here), &describe_part(&here, part, &[])).as_deref(),
             Some("layers is [\"emission\"], here []")
         );
     }

@@ -2,14 +2,13 @@
 
 use super::prepare::PreparedScene;
 use super::sampler::{Decision, Turns};
+use super::stops::Stops;
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::accel::Fan;
 use crate::math::{Vec3, warp};
 
-/// The most rays that are traced together.
-const FAN_SIZE: u32 = 64;
-const _: () = assert!(FAN_SIZE as usize == Fan::MOST_RAYS, "full fans");
+const _: () = assert!(Stops::TURNS as usize == Fan::MOST_RAYS, "full fans");
 
 /// What [`ambient_occlusion`] finds.
 #[derive(Clone, Copy, Debug)]
@@ -20,11 +19,12 @@ pub struct Occlusion {
     pub radiance: Vec3,
 }
 
-/// Looks for what is near over `point`; `radiance` is what a free direction gives.
+/// Looks for what is near over `point`, not everywhere when stopped; `radiance` is what a free direction gives.
 pub fn ambient_occlusion(
     scene: &PreparedScene,
     point: &SurfacePoint,
     turns: &Turns,
+    stops: &Stops<'_>,
     tally: &mut impl Tally,
     radiance: impl Fn(Vec3) -> Vec3,
 ) -> Occlusion {
@@ -33,8 +33,7 @@ pub fn ambient_occlusion(
     let mut sum = Vec3::ZERO;
     let mut free = 0_u32;
     let mut unit = [Vec3::ZERO; Fan::MOST_RAYS];
-    for first in (0..samples).step_by(Fan::MOST_RAYS) {
-        let turns_of_fan = first..samples.min(first + FAN_SIZE);
+    for turns_of_fan in stops.parts(samples) {
         let unit = &mut unit[..turns_of_fan.len()];
         for (wi, turn) in unit.iter_mut().zip(turns_of_fan) {
             let local = warp::cosine_hemisphere(turns.next_2d(turn));

@@ -11,6 +11,7 @@ use super::renderer::TILE_SIDE;
 use super::run::OnTile;
 use super::tile_samples::{PassWork, SampleCounts};
 use super::tiles::{Region, TilePixels};
+use crate::control::CancelToken;
 
 /// A moment of a render, from which [`resume`](super::resume) goes on as if nothing had happened.
 ///
@@ -36,6 +37,18 @@ pub struct Shared {
     pub first_tile_seconds: Option<f64>,
     /// Which tiles have the samples of the pass that is going on.
     pub has_pass: Vec<bool>,
+}
+
+impl Shared {
+    /// A copy; `None` when cancelled.
+    pub fn copy_unless(&self, cancel: &CancelToken) -> Option<Self> {
+        Some(Self {
+            film: self.film.copy_unless(cancel)?,
+            counts: self.counts,
+            first_tile_seconds: self.first_tile_seconds,
+            has_pass: self.has_pass.clone(),
+        })
+    }
 }
 
 /// Where a render stands, and what it has learnt: all that changes between passes only.

@@ -15,6 +15,7 @@ use super::kernel::{Kernel, Plain};
 use super::plan::Feature;
 use super::prepare::PreparedScene;
 use super::run::RunConfig;
+use super::stops::Stops;
 use super::texturing::{Textured, Untextured};
 use super::tiles::Region;
 use crate::control::CancelToken;
@@ -152,13 +153,18 @@ pub fn show(
     }
 }
 
-/// Takes a sample and returns its radiance.
-type Take = fn(&PreparedScene, SampleId) -> Vec3;
+/// Takes a sample and returns its radiance; `None` when stopped.
+type Take = fn(&PreparedScene, SampleId, &Stops<'_>) -> Option<Vec3>;
 
-fn block_radiance<K: Kernel>(scene: &PreparedScene, id: SampleId) -> Vec3 {
+fn block_radiance<K: Kernel>(
+    scene: &PreparedScene,
+    id: SampleId,
+    stops: &Stops<'_>,
+) -> Option<Vec3> {
     let mut tally = K::Tally::default();
     let begun = scene.begin(id, &mut tally);
-    scene.gathered::<K>(&begun, &mut tally).radiance
+    let gathered = scene.gathered::<K>(&begun, stops, &mut tally)?;
+    Some(gathered.radiance)
 }
 
 /// What the blocks of that side look like, row by row.
@@ -181,15 +187,12 @@ fn radiances(
         row.clear();
         crew.sample(|stops, note| {
             for column in (0..).take(columns) {
-                if stops.is_asked() {
-                    return None;
-                }
                 let id = SampleId {
                     pixel: (middle(region.x, region.width, column), y),
                     index: 0,
                 };
                 note.set(id);
-                row.push(take(scene, id).to_array());
+                row.push(take(scene, id, stops)?.to_array());
             }
             Some(())
         })?;

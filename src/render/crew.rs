@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::fault::{RenderFault, SampleNote, caught};
 use super::run::RunConfig;
-use super::tile_samples::Stops;
+use super::stops::Stops;
 use crate::control::CancelToken;
 
 /// What ends a render in the middle of a pass.
@@ -92,14 +92,14 @@ impl<'a> Crew<'a> {
     }
 
     /// Calls `take`, which takes samples and notes at which it is; `None` when it is stopped, or the program fails at a sample.
-    pub fn sample<T>(&self, take: impl FnOnce(Stops<'_>, &SampleNote) -> Option<T>) -> Option<T> {
+    pub fn sample<T>(&self, take: impl FnOnce(&Stops<'_>, &SampleNote) -> Option<T>) -> Option<T> {
         let note = SampleNote::default();
         let stops = Stops {
             cancel: &self.run.cancel,
             halt: &self.halt,
             throttle: &self.run.throttle,
         };
-        caught(&note, || take(stops, &note)).unwrap_or_else(|found| {
+        caught(&note, || take(&stops, &note)).unwrap_or_else(|found| {
             let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
             fault.get_or_insert(found);
             self.halt.cancel();

@@ -14,6 +14,7 @@ use super::phong::Phong;
 use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
 use super::sampler::Sampler;
+use super::stops::Stops;
 use super::texturing::Texturing;
 use crate::accel::Hit;
 use crate::math::Vec3;
@@ -22,15 +23,16 @@ use std::borrow::Borrow;
 
 pub use shading::MOST_SUMMED;
 
-/// The light that arrives against `camera_ray`, which makes that `hit`.
+/// The light that arrives against `camera_ray`, which makes that `hit`; not all of it when stopped.
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     camera_ray: CameraRay,
     hit: Option<Hit>,
     sampler: Sampler,
+    stops: &Stops<'_>,
     tally: &mut K::Tally,
 ) -> Gathered<K::Parts> {
-    let mut path = EyePath::<K>::new(scene, camera_ray, hit);
+    let mut path = EyePath::<K>::new(scene, camera_ray, hit, stops);
     loop {
         let mut point = match path.seen() {
             Seen::Background => {
@@ -67,6 +69,7 @@ pub fn gather<K: Kernel>(
                         mirror: point.mirror_direction(),
                         sampler,
                         bounce: path.bounce,
+                        stops,
                         parts: &mut path.gathered.parts,
                         tally,
                     };

@@ -11,6 +11,7 @@ use super::light_tree::{LightTree, Luminary, Receiver, Shines};
 use super::material::PreparedMaterial;
 use super::shares;
 use crate::accel::AimingError;
+use crate::control::CancelToken;
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray, Vec2, Vec3, color::luminance, robust, warp};
 
@@ -21,6 +22,9 @@ const MOST_BY_POWER: usize = 32;
 /// The least share of the choice by power, before all are scaled to sum to 1: power says little about what one place sees. It
 /// leaves 14 of the 24 digits of a random number to the point of the light.
 const LEAST_SHARE: f64 = 1.0 / 1024.0;
+
+/// Triangles between two looks at the cancel token.
+const CHUNK: u32 = 1 << 14;
 
 /// The lights of a scene and how likely each is to be aimed at.
 #[derive(Clone, Debug, Default)]
@@ -84,12 +88,13 @@ pub struct Aim {
 }
 
 impl Emitters {
-    /// All of `lights`, which are none where they are not chosen from, and the triangles that shine.
+    /// All of `lights`, which are none where they are not chosen from, and the triangles that shine; `None` when cancelled.
     pub fn new(
         lights: &[PreparedLight],
         geometry: &PreparedGeometry,
         materials: &[PreparedMaterial],
-    ) -> Self {
+        cancel: &CancelToken,
+    ) -> Option<Self> {
         let mut items = Vec::new();
         for index in 0..lights.len() {
             items.push(Emitter::Light(u32::try_from(index).expect("fewer lights")));
@@ -100,33 +105,36 @@ impl Emitters {
             let Some(radiance) = material.emission().filter(|&light| light != Vec3::ZERO) else {
                 continue;
             };
-            items.extend(object.triangles.clone().map(|index| {
+            for index in object.triangles.clone() {
+                if index % CHUNK == 0 && cancel.is_cancelled() {
+                    return None;
+                }
                 let placed = geometry.triangle(index);
                 let triangle = placed.in_scene();
-                Emitter::Triangle {
+                items.push(Emitter::Triangle {
                     triangle,
                     normal: triangle.normal(),
                     error: placed.aiming_error(),
                     area: triangle.area(),
                     radiance,
-                }
-            }));
+                });
+            }
         }
         let powers: Vec<_> = items.iter().map(|item| item.power(lights)).collect();
         let power = powers.iter().sum();
         let choice = if items.len() > MOST_BY_POWER {
             let luminaries: Vec<_> = items.iter().map(|item| item.luminary(lights)).collect();
-            Choice::ByPlace(LightTree::build(&luminaries))
+            Choice::ByPlace(LightTree::build(&luminaries, cancel)?)
         } else {
             Choice::ByPower(shares_by_power(&powers, power))
         };
-        Self {
+        Some(Self {
             items,
             power,
             first,
             holds_lights: !lights.is_empty(),
             choice,
-        }
+        })
     }
 
     /// Whether there is nothing to aim at.

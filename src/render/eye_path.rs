@@ -11,6 +11,7 @@ use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::specular::{Onward, Specular};
+use super::stops::Stops;
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
 use super::texturing::Texturing;
@@ -20,6 +21,7 @@ use crate::math::{Ray, Vec3};
 /// A path from the eye, and what it has gathered so far.
 pub struct EyePath<'a, K: Kernel> {
     scene: &'a PreparedScene,
+    stops: &'a Stops<'a>,
     /// Its last part, from the eye or the last surface.
     pub ray: Ray,
     /// What [`Self::ray`] hits, lights aside.
@@ -44,11 +46,17 @@ pub struct EyePath<'a, K: Kernel> {
 impl<'a, K: Kernel> EyePath<'a, K> {
     /// The path that begins with `camera_ray`, which makes that `hit`.
     #[inline(always)]
-    pub fn new(scene: &'a PreparedScene, camera_ray: CameraRay, hit: Option<Hit>) -> Self {
+    pub fn new(
+        scene: &'a PreparedScene,
+        camera_ray: CameraRay,
+        hit: Option<Hit>,
+        stops: &'a Stops<'a>,
+    ) -> Self {
         let texturing = K::Texturing::from_eye(scene, &camera_ray);
         let CameraRay { ray, start } = camera_ray;
         Self {
             scene,
+            stops,
             ray,
             hit,
             start,
@@ -133,11 +141,15 @@ impl<'a, K: Kernel> EyePath<'a, K> {
         onward
     }
 
-    /// Traces [`Self::ray`], which has left a surface; `false` where the path ends instead. The last ray is there for what shines alone.
+    /// Traces [`Self::ray`], which has left a surface; `false` where the path ends instead, or is stopped. The last ray is there for what
+    /// shines alone.
     #[inline(always)]
     pub fn go_on(&mut self, tally: &mut K::Tally) -> bool {
         let scene = self.scene;
         self.bounce += 1;
+        if !self.stops.lets_go_on(self.bounce) {
+            return false;
+        }
         if self.bounce == scene.settings().max_bounces
             && !scene.may_meet_light(&self.ray)
             && !scene.does(Feature::DarkRays)

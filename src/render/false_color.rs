@@ -8,6 +8,7 @@ use super::material::PreparedMaterial;
 use super::phong::Phong;
 use super::prepare::PreparedScene;
 use super::sampler::{Decision, Dimension};
+use super::stops::Stops;
 use super::texturing::Texturing;
 use crate::math::Vec3;
 use std::borrow::Borrow;
@@ -24,12 +25,13 @@ pub enum FalseColor {
     Steps,
 }
 
-/// The property of the first surface along `camera_ray`; black where there is none.
+/// The property of the first surface along `camera_ray`; black where there is none, and of no use when stopped.
 pub fn color<K: Kernel>(
     scene: &PreparedScene,
     which: FalseColor,
     camera_ray: &CameraRay,
     &CameraSample { sampler, hit, .. }: &CameraSample,
+    stops: &Stops<'_>,
     tally: &mut K::Tally,
 ) -> Vec3 {
     if let FalseColor::Steps = which {
@@ -54,7 +56,7 @@ pub fn color<K: Kernel>(
         FalseColor::AmbientOcclusion => {
             let samples = scene.settings().ambient_occlusion.samples;
             let turns = sampler.turns(Dimension::once(Decision::AmbientOcclusion), samples);
-            Vec3::splat(ambient_occlusion(scene, &point, &turns, tally, |_| Vec3::ZERO).free)
+            Vec3::splat(ambient_occlusion(scene, &point, &turns, stops, tally, |_| Vec3::ZERO).free)
         }
         FalseColor::Normals => (point.shading_normal + 1.0) / 2.0,
         #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]

@@ -5,6 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::Image;
 use super::layers::{Gathered, Layer, Parts};
 use super::tiles::Region;
+use crate::control::CancelToken;
+
+/// Pixels between two looks at the cancel token.
+pub const CHUNK: usize = 1 << 16;
 
 /// Sums of samples per pixel, normalised only when read.
 ///
@@ -137,6 +141,23 @@ impl Film {
             samples: vec![0; pixels],
             marks: with_marks.then(|| vec![Marks::default(); pixels]),
         }
+    }
+
+    /// A copy; `None` when cancelled.
+    #[must_use]
+    pub fn copy_unless(&self, cancel: &CancelToken) -> Option<Self> {
+        let planes = self.planes.iter().map(|plane| copied(plane, cancel));
+        let marks = match &self.marks {
+            Some(marks) => Some(copied(marks, cancel)?),
+            None => None,
+        };
+        Some(Self {
+            region: self.region,
+            planes: planes.collect::<Option<_>>()?,
+            layers: self.layers.clone(),
+            samples: copied(&self.samples, cancel)?,
+            marks,
+        })
     }
 
     /// The bytes that one pixel takes in a film with as many `layers`.
@@ -314,12 +335,18 @@ impl Film {
     /// The picture so far.
     #[must_use]
     pub fn image(&self) -> Image {
-        image_of(&self.planes[0], &self.samples, self.region)
+        let image = image_of(
+            &self.planes[0],
+            &self.samples,
+            self.region,
+            &CancelToken::new(),
+        );
+        image.expect("nobody cancels")
     }
 
-    /// The picture and the layers. The sums of each go as soon as it is made.
+    /// The picture and the layers. The sums of each go as soon as it is made. `None` when cancelled.
     #[must_use]
-    pub fn into_images(self) -> (Image, Vec<(Layer, Image)>) {
+    pub fn into_images(self, cancel: &CancelToken) -> Option<(Image, Vec<(Layer, Image)>)> {
         let Self {
             region,
             planes,
@@ -328,11 +355,12 @@ impl Film {
             marks,
         } = self;
         drop(marks);
-        let mut images = planes
+        let images = planes
             .into_iter()
-            .map(|plane| image_of(&plane, &samples, region));
+            .map(|plane| image_of(&plane, &samples, region, cancel));
+        let mut images = images.collect::<Option<Vec<_>>>()?.into_iter();
         let image = images.next().expect("the picture is there");
-        (image, layers.into_iter().zip(images).collect())
+        Some((image, layers.into_iter().zip(images).collect()))
     }
 
     fn mean(&self, plane: &[[f64; 3]], index: usize) -> [f32; 3] {
@@ -357,16 +385,38 @@ impl Marks {
     }
 }
 
-/// The means of a plane of sums.
-fn image_of(plane: &[[f64; 3]], samples: &[u32], region: Region) -> Image {
-    let means = plane.iter().zip(samples);
-    Image {
+/// The same values; `None` when cancelled.
+fn copied<T: Copy>(values: &[T], cancel: &CancelToken) -> Option<Vec<T>> {
+    let mut copy = Vec::with_capacity(values.len());
+    for values in values.chunks(CHUNK) {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        copy.extend_from_slice(values);
+    }
+    Some(copy)
+}
+
+/// The means of a plane of sums; `None` when cancelled.
+fn image_of(
+    plane: &[[f64; 3]],
+    samples: &[u32],
+    region: Region,
+    cancel: &CancelToken,
+) -> Option<Image> {
+    let mut pixels = Vec::with_capacity(plane.len());
+    for (sums, samples) in plane.chunks(CHUNK).zip(samples.chunks(CHUNK)) {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        let means = sums.iter().zip(samples);
+        pixels.extend(means.map(|(sum, &samples)| mean_of(sum, samples.max(1))));
+    }
+    Some(Image {
         width: region.width,
         height: region.height,
-        pixels: means
-            .map(|(sum, &samples)| mean_of(sum, samples.max(1)))
-            .collect(),
-    }
+        pixels,
+    })
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the picture is f32")]

@@ -159,7 +159,7 @@ impl PreparedGeometry {
                 let before = triangles.len();
                 place_triangles(mesh, shape, &frame, &mut triangles, cancel)?;
                 let placed = &triangles[before..];
-                let normals = place_normals(mesh, shape, placed);
+                let normals = place_normals(mesh, shape, placed, cancel)?;
                 let count = id(placed.len());
                 (Part::Flat(count), count, normals.map(Arc::new))
             };
@@ -264,24 +264,25 @@ pub fn build_structure(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Option<Accelerator> {
-    let count = triangles.len() as u64;
     let quality = match structure.build {
         AcceleratorBuild::Best => BuildQuality::Best,
         AcceleratorBuild::Fast => BuildQuality::Fast,
     };
-    let built = match structure.kind {
+    match structure.kind {
         AcceleratorChoice::Auto | AcceleratorChoice::Wide => {
             let tree = WideTree::build(&triangles, quality, cancel, progress)?;
-            return Some(Accelerator::Wide(tree));
+            Some(Accelerator::Wide(tree))
         }
         AcceleratorChoice::KdTree => {
-            let tree = KdTree::build(&triangles, &KdParameters::default(), cancel)?;
-            Accelerator::KdTree(tree)
+            let parameters = KdParameters::default();
+            let tree = KdTree::build_watched(&triangles, &parameters, cancel, progress)?;
+            Some(Accelerator::KdTree(tree))
         }
-        AcceleratorChoice::BruteForce => Accelerator::BruteForce(BruteForce::new(triangles)),
-    };
-    progress.advance(count);
-    Some(built)
+        AcceleratorChoice::BruteForce => {
+            progress.advance(triangles.len() as u64);
+            Some(Accelerator::BruteForce(BruteForce::new(triangles)))
+        }
+    }
 }
 
 /// [`build_structure`], or a list of the triangles where no structure is chosen.
@@ -296,6 +297,9 @@ fn structure_of(
         None => Some(Accelerator::BruteForce(BruteForce::new(triangles))),
     }
 }
+
+/// Triangles between two looks at the cancel token.
+const CHUNK: usize = 1 << 16;
 
 /// Appends all copies of a mesh; `None` when cancelled.
 fn place_triangles(
@@ -315,37 +319,47 @@ fn place_triangles(
         .map(|&p| shape.placement.world_from_object(p))
         .collect();
     for offset in shape.copies.offsets() {
-        if cancel.is_cancelled() {
-            return None;
-        }
         let prepared: Vec<Vec3> = in_world.iter().map(|&p| frame.narrow(p + offset)).collect();
-        triangles.extend(mesh.triangles.iter().map(|&corners| {
-            let corners =
-                outward_order(corners, &shape.placement).map(|vertex| prepared[vertex as usize]);
-            Triangle { corners }
-        }));
+        for placed in mesh.triangles.chunks(CHUNK) {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            triangles.extend(placed.iter().map(|&corners| {
+                let corners = outward_order(corners, &shape.placement)
+                    .map(|vertex| prepared[vertex as usize]);
+                Triangle { corners }
+            }));
+        }
     }
     Some(())
 }
 
-/// The shading normals of all copies of a mesh, which are the triangles `placed`; `None` where they are those of the triangles.
+/// The shading normals of all copies of a mesh, which are the triangles `placed`; none where they are those of the triangles. `None`
+/// when cancelled.
+#[expect(
+    clippy::option_option,
+    reason = "there may be none, and it may be cancelled"
+)]
 fn place_normals(
     mesh: &TriangleMesh,
     shape: &ObjectShape,
     placed: &[Triangle],
-) -> Option<ShadingNormals> {
+    cancel: &CancelToken,
+) -> Option<Option<ShadingNormals>> {
     let placement = &shape.placement;
     if let Some(crease) = shape.smooth {
         let turned = |normal: DVec3| (placement.linear * normal).normalize_or_zero();
         let ordered = |corners| outward_order(corners, placement);
-        let normals = SmoothNormals::new(corner_normals(mesh, crease), turned, ordered);
-        return Some(ShadingNormals::Smooth(normals));
+        let normals = corner_normals(mesh, crease, cancel)?;
+        let normals = SmoothNormals::new(normals, turned, ordered);
+        return Some(Some(ShadingNormals::Smooth(normals)));
     }
     let exact = |index: usize| {
         outward_order(mesh.corners(index), placement)
             .map(|corner| placement.world_from_object(corner))
     };
-    TrueNormals::of_copies(placed, mesh.triangles.len(), exact).map(ShadingNormals::Flat)
+    let normals = TrueNormals::of_copies(placed, mesh.triangles.len(), exact, cancel)?;
+    Some(normals.map(ShadingNormals::Flat))
 }
 
 /// A placement that mirrors turns triangles inside out; swapping two corners turns them back.

@@ -2,6 +2,8 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::control::CancelToken;
+
 /// A finished picture: linear RGB radiance, row by row from the top left.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
@@ -42,26 +44,47 @@ impl Image {
     /// SHA-256 over width and height (`u32`) and the RGB rows from the top (`f32`), all little-endian, in hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
+        let Some(hash) = self.hash_unless(&CancelToken::new()) else {
+            unreachable!("nobody cancels");
+        };
+        hash
+    }
+
+    /// [`Self::hash`]; `None` when cancelled.
+    #[must_use]
+    pub fn hash_unless(&self, cancel: &CancelToken) -> Option<String> {
+        /// Pixels between two looks at the cancel token.
+        const CHUNK: usize = 1 << 14;
         let mut hasher = Sha256::new();
         hasher.update(self.width.to_le_bytes());
         hasher.update(self.height.to_le_bytes());
-        for pixel in &self.pixels {
-            for channel in pixel {
+        for pixels in self.pixels.chunks(CHUNK) {
+            if cancel.is_cancelled() {
+                return None;
+            }
+            for channel in pixels.as_flattened() {
                 hasher.update(channel.to_le_bytes());
             }
         }
-        hasher
-            .finalize()
-            .iter()
-            .fold(String::with_capacity(64), |hex, byte| {
-                hex + &format!("{byte:02x}")
-            })
+        let digest = hasher.finalize();
+        let hex = digest.iter().fold(String::with_capacity(64), |hex, byte| {
+            hex + &format!("{byte:02x}")
+        });
+        Some(hex)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_hash_is_not_made_to_its_end_when_cancelled() {
+        let (image, cancel) = (Image::black(3, 2), CancelToken::new());
+        assert_eq!(image.hash_unless(&cancel), Some(image.hash()));
+        cancel.cancel();
+        assert_eq!(image.hash_unless(&cancel), None);
+    }
 
     /// Expected value from `printf '\1\0\0\0\1\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\xbf' | sha256sum`.
     #[test]

@@ -20,7 +20,11 @@ mod tests;
 use cluster::Cluster;
 use cut::cut;
 
+use crate::control::CancelToken;
 use crate::math::{Bounds, Vec2, Vec3};
+
+/// Lights between two looks at the cancel token.
+const CHUNK: usize = 1 << 14;
 
 /// From this depth on, cuts halve the number of lights, so that a way from the root fits 64 bits.
 const HALVED_FROM: u32 = 30;
@@ -102,11 +106,11 @@ impl Draw {
 }
 
 impl LightTree {
-    /// The tree over `luminaries`, fewer than 2³¹ with finite numbers.
+    /// The tree over `luminaries`, fewer than 2³¹ with finite numbers; `None` when cancelled.
     ///
     /// # Panics
     /// When there are more.
-    pub fn build(luminaries: &[Luminary]) -> Self {
+    pub fn build(luminaries: &[Luminary], cancel: &CancelToken) -> Option<Self> {
         let count = u32::try_from(luminaries.len()).ok();
         let count = count.filter(|&count| count < 1 << 31);
         let numbers = 0..count.expect("fewer than 2^31 lights");
@@ -117,10 +121,10 @@ impl LightTree {
             trails: vec![0; luminaries.len()],
         };
         if items.is_empty() {
-            return tree;
+            return Some(tree);
         }
         let placeholder = Node {
-            cluster: Cluster::around(&[]),
+            cluster: Cluster::around(&[], cancel),
             content: Content::Item(0),
         };
         tree.nodes.reserve_exact(2 * items.len() - 1);
@@ -129,12 +133,15 @@ impl LightTree {
         let mut open = vec![(0, 0..items.len(), 0_u32, 0_u64)];
         while let Some((slot, range, depth, way)) = open.pop() {
             let part = &mut items[range.clone()];
-            let cluster = Cluster::around(part);
+            if cancel.is_cancelled() {
+                return None;
+            }
+            let cluster = Cluster::around(part, cancel);
             let content = if let &[(item, _)] = &*part {
                 tree.trails[item as usize] = way | 1 << depth;
                 Content::Item(item)
             } else {
-                let middle = range.start + cut(part, depth >= HALVED_FROM);
+                let middle = range.start + cut(part, depth >= HALVED_FROM, cancel);
                 let first = tree.nodes.len();
                 tree.nodes.extend([placeholder; 2]);
                 let second = way | 1 << depth;
@@ -144,7 +151,7 @@ impl LightTree {
             };
             tree.nodes[slot] = Node { cluster, content };
         }
-        tree
+        (!cancel.is_cancelled()).then_some(tree)
     }
 
     /// Whether nothing shines.

@@ -51,6 +51,7 @@ mod shadow_ray;
 mod shares;
 mod sky_light;
 mod specular;
+mod stops;
 mod surface;
 mod tally;
 mod texturing;

@@ -18,6 +18,7 @@ use super::plan::Feature;
 use super::prepare::{PreparedScene, Seen};
 use super::sampler::{Decision, Dimension, Sampler};
 use super::shadow_ray;
+use super::stops::Stops;
 use super::surface::SurfacePoint;
 use super::tally::Tally;
 use super::texturing::Texturing;
@@ -35,16 +36,17 @@ pub(super) const ROULETTE_FROM: u32 = 4;
 /// near 1. Where nothing is absorbed, paths end by `max_bounces`.
 const ENOUGH: f32 = 0.5;
 
-/// The light that arrives against `camera_ray`, which makes that `hit`.
+/// The light that arrives against `camera_ray`, which makes that `hit`; not all of it when stopped.
 pub fn gather<K: Kernel>(
     scene: &PreparedScene,
     camera_ray: CameraRay,
     hit: Option<Hit>,
     sampler: Sampler,
+    stops: &Stops<'_>,
     tally: &mut K::Tally,
 ) -> Gathered<K::Parts> {
     let settings = scene.settings();
-    let mut path = EyePath::<K>::new(scene, camera_ray, hit);
+    let mut path = EyePath::<K>::new(scene, camera_ray, hit, stops);
     // How much denser radiance is where the path is than at the eye.
     let mut concentration = 1.0;
     // Density of the last scattered direction, and where light was aimed at instead; `None` where none could be: from the eye, a

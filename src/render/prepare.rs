@@ -27,6 +27,7 @@ use super::plan::{Feature, Plan};
 use super::primary_hits::PrimaryHits;
 #[cfg(test)]
 use super::sampler::Sampler;
+use super::stops::Stops;
 use super::texturing::PreparedTextures;
 use crate::accel::Assembly;
 use crate::control::{CancelToken, Progress};
@@ -207,9 +208,12 @@ impl PreparedScene {
             unreachable!("a validated camera has a direction");
         };
         let emitters = if plan.needs(Feature::Aiming) {
-            emitters_of(scene, previous, &geometry, &lights, &materials)
+            emitters_of(scene, previous, &geometry, &lights, &materials, cancel)
         } else {
-            Arc::default()
+            Some(Arc::default())
+        };
+        let Some(emitters) = emitters else {
+            return Ok(None);
         };
         let radius = bounds.diagonal() / 2.0;
         let aimed_at = background.image().filter(|_| is_aimed_at);
@@ -312,10 +316,25 @@ impl PreparedScene {
         Some(self.geometry.object_of(hit.triangle))
     }
 
-    /// What `sample` brings: linear radiance, or a false colour.
+    /// What `sample` brings: linear radiance, or a false colour. `None` when stopped: some of it may be missing then.
     pub(super) fn gathered<K: Kernel>(
         &self,
         sample: &CameraSample,
+        stops: &Stops<'_>,
+        tally: &mut K::Tally,
+    ) -> Option<Gathered<K::Parts>> {
+        let gathered = self.gathered_until::<K>(sample, stops, tally);
+        // What was left out, was when somebody asked already.
+        (!stops.is_asked()).then_some(gathered)
+    }
+
+    /// [`Self::gathered`], all of it as long as nobody asks to end.
+    #[expect(clippy::inline_always, reason = "it is called once")]
+    #[inline(always)]
+    fn gathered_until<K: Kernel>(
+        &self,
+        sample: &CameraSample,
+        stops: &Stops<'_>,
         tally: &mut K::Tally,
     ) -> Gathered<K::Parts> {
         let &CameraSample { sampler, hit, .. } = sample;
@@ -333,6 +352,7 @@ impl PreparedScene {
                 which,
                 &camera_ray,
                 sample,
+                stops,
                 tally,
             ))
         };
@@ -345,8 +365,8 @@ impl PreparedScene {
             Mode::Object => false_color(FalseColor::Object),
             Mode::Steps => false_color(FalseColor::Steps),
             Mode::Direct | Mode::Path if !self.does(Feature::Light) => Gathered::nothing(),
-            Mode::Direct => direct::gather::<K>(self, camera_ray, hit, sampler, tally),
-            Mode::Path => path::gather::<K>(self, camera_ray, hit, sampler, tally),
+            Mode::Direct => direct::gather::<K>(self, camera_ray, hit, sampler, stops, tally),
+            Mode::Path => path::gather::<K>(self, camera_ray, hit, sampler, stops, tally),
         }
     }
 
@@ -468,14 +488,15 @@ fn textures_of(
     Ok(textures.map(Arc::new))
 }
 
-/// What one light is chosen from in `scene`; that of `previous`, where it is the same.
+/// What one light is chosen from in `scene`; that of `previous`, where it is the same. `None` when cancelled.
 fn emitters_of(
     scene: &Scene,
     previous: Option<&PreparedScene>,
     geometry: &Arc<PreparedGeometry>,
     lights: &[PreparedLight],
     materials: &[PreparedMaterial],
-) -> Arc<Emitters> {
+    cancel: &CancelToken,
+) -> Option<Arc<Emitters>> {
     let emission = |materials: &[PreparedMaterial]| -> Vec<_> {
         materials.iter().map(PreparedMaterial::emission).collect()
     };
@@ -486,16 +507,17 @@ fn emitters_of(
             && previous.lights == lights
             && emission(&previous.materials) == emission(materials)
     });
-    match (lit_alike, scene.render.mode) {
-        (Some(previous), _) => Arc::clone(&previous.emitters),
-        (None, Mode::Path) => Arc::new(Emitters::new(lights, geometry, materials)),
+    let emitters = match (lit_alike, scene.render.mode) {
+        (Some(previous), _) => return Some(Arc::clone(&previous.emitters)),
+        (None, Mode::Path) => Emitters::new(lights, geometry, materials, cancel)?,
         (None, Mode::Direct) => {
             let are_chosen = lights.len() > direct::MOST_SUMMED;
             let chosen = if are_chosen { lights } else { &[] };
-            Arc::new(Emitters::new(chosen, geometry, materials))
+            Emitters::new(chosen, geometry, materials, cancel)?
         }
-        _ => Arc::default(),
-    }
+        _ => Emitters::default(),
+    };
+    Some(Arc::new(emitters))
 }
 
 #[cfg(test)]

@@ -201,8 +201,8 @@ impl<'a> Renderer<'a> {
         self.render_where_it_helps()
     }
 
-    /// The picture and what it took.
-    pub fn outcome(self, ending: Ending) -> RenderOutcome {
+    /// The picture and what it took; `None` when cancelled.
+    pub fn outcome(self, ending: Ending) -> Option<RenderOutcome> {
         self.clock.note_lead();
         let (seconds, cpu_seconds) = (self.clock.seconds(), self.clock.cpu_seconds());
         let Shared {
@@ -229,16 +229,21 @@ impl<'a> Renderer<'a> {
             depth_limited_samples: counts.depth_limited,
             clamped: counts.clamped(),
         };
-        let with_layers = estimator.filter(|_| self.run.layers);
-        let errors = with_layers.map(|estimator| (Layer::Error, estimator.image(&film)));
-        let (image, mut layers) = film.into_images();
+        let cancel = &self.run.cancel;
+        // A layer of which nothing is known would say that there is no error.
+        let is_known = self.run.layers && stats.error.is_some();
+        let errors = match estimator.filter(|_| is_known) {
+            Some(estimator) => Some((Layer::Error, estimator.image(&film, cancel)?)),
+            None => None,
+        };
+        let (image, mut layers) = film.into_images(cancel)?;
         layers.extend(errors);
-        RenderOutcome {
+        Some(RenderOutcome {
             image,
             layers,
             stats,
             errors: self.progress.errors_from(0),
-        }
+        })
     }
 
     /// Whether some pixels may get more samples than others.
@@ -289,7 +294,7 @@ impl<'a> Renderer<'a> {
 
             let is_round = samples.is_power_of_two();
             if is_round {
-                self.update_estimate(None);
+                self.update_estimate(None)?;
             } else if let Some(estimator) = &mut self.course.estimator {
                 estimator.advance(samples);
             }
@@ -330,7 +335,7 @@ impl<'a> Renderer<'a> {
                 });
             }
             let last = self.finish_round()?;
-            self.update_estimate(last.selected.as_deref());
+            self.update_estimate(last.selected.as_deref())?;
             self.tell(true);
             self.show_round();
             if self.is_quiet() {
@@ -382,7 +387,7 @@ impl<'a> Renderer<'a> {
         outlook.price_of_choice(share, limits) <= MOST_PRICE_OF_CHOICE
     }
 
-    /// The pixels that get samples next; `None` when none can get more.
+    /// The pixels that get samples next; `None` when none can get more, and when cancelled.
     fn select(&self) -> Option<Vec<bool>> {
         let (allotment, estimator) = self
             .course
@@ -398,7 +403,7 @@ impl<'a> Renderer<'a> {
             _ => Forecast::ALL,
         };
         let budget = (film.total_samples() as f64 * ROUND_SHARE).min(forecast.price / 2.0);
-        allotment.select(film, forecast, budget, most)
+        allotment.select(film, forecast, budget, most, &self.run.cancel)
     }
 
     /// Whether the noise is as low as asked for.
@@ -505,24 +510,30 @@ impl<'a> Renderer<'a> {
     }
 
     /// Estimates the error anew, after the pixels, those `selected` or all, have doubled their samples.
-    fn update_estimate(&mut self, selected: Option<&[bool]>) {
+    fn update_estimate(&mut self, selected: Option<&[bool]>) -> Result<(), Cut> {
         let is_adaptive = self.is_adaptive();
         let Some(estimator) = &mut self.course.estimator else {
-            return;
+            return Ok(());
         };
         let film = &self.shared.get_mut().expect("no thread panicked").film;
-        let allotment = self.crew.pool().install(|| {
-            estimator.update(film, selected);
-            (is_adaptive && film.mean_samples() * 2.0 >= f64::from(LEAST_SAMPLES))
-                .then(|| Allotment::new(film, estimator))
+        let cancel = &self.run.cancel;
+        let updated = self.crew.pool().install(|| {
+            estimator.update(film, selected, cancel)?;
+            if is_adaptive && film.mean_samples() * 2.0 >= f64::from(LEAST_SAMPLES) {
+                Allotment::new(film, estimator, cancel).map(Some)
+            } else {
+                Some(None)
+            }
         });
         // Once pixels differ, it goes on.
-        self.course.allotment = allotment
+        self.course.allotment = updated
+            .ok_or(Cut::Cancelled)?
             .filter(|allotment| selected.is_some() || self.is_choice_worthwhile(allotment));
         self.crew
             .pool()
             .broadcast(|thread| self.clock.note(thread.index()));
         self.clock.note_lead();
+        Ok(())
     }
 }
 

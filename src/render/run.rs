@@ -22,11 +22,11 @@ use crate::control::{CancelToken, Throttle};
 pub struct RunConfig {
     /// Threads to use; 0 is one per core.
     pub threads: usize,
-    /// Asked between samples.
+    /// Asked between samples, and now and then in long ones.
     pub cancel: CancelToken,
     /// Asked between tiles: ends the render with the samples it has then, [`Ending::Interrupted`].
     pub interrupt: CancelToken,
-    /// How many of the threads may work: a pause holds them between samples, without a trace in times and pixels; fewer than all are
+    /// How many of the threads may work: a pause holds them between samples and in long ones, without a trace in times and pixels; fewer than all are
     /// held between tiles. Whoever cancels a paused render must let it go on as well.
     pub throttle: Throttle,
     /// Whether to keep the parts of the picture, see [`Layer`]; those the scene can have.
@@ -194,10 +194,10 @@ impl Round<'_> {
         self.film.image()
     }
 
-    /// The error of each pixel, where it is estimated.
+    /// The error of each pixel, where it is estimated; `None` when cancelled, too.
     #[must_use]
-    pub fn error_image(&self) -> Option<Image> {
-        Some(self.estimator?.image(self.film))
+    pub fn error_image(&self, cancel: &CancelToken) -> Option<Image> {
+        self.estimator?.image(self.film, cancel)
     }
 }
 
@@ -266,7 +266,7 @@ pub fn render_watched(
     let region = region.unwrap_or(Region::full(settings.width, settings.height));
     let mut renderer = Renderer::new(scene, region, run, progress, watch);
     let ending = renderer.render()?;
-    Some(renderer.outcome(ending))
+    renderer.outcome(ending)
 }
 
 /// [`render_watched`] that goes on from `checkpoint`. The picture, its error and all counts are those of a render that was never
@@ -289,5 +289,5 @@ pub fn resume(
     );
     let mut renderer = Renderer::resume(scene, checkpoint, run, progress, watch);
     let ending = renderer.render()?;
-    Some(renderer.outcome(ending))
+    renderer.outcome(ending)
 }

@@ -5,12 +5,13 @@ use super::background::ImageBackground;
 use super::mis::power_heuristic;
 use super::prepare::PreparedScene;
 use super::sampler::{Decision, Dimension, Sampler};
+use super::stops::Stops;
 use super::surface::SurfacePoint;
 use super::tally::{NotedRay, RayPurpose, Tally};
 use crate::math::{Vec3, warp};
 
 /// The mean of `image`'s radiance over the hemisphere at `point`, weighted by the cosine and by what is not occluded; without occlusion
-/// nothing is in the way, and no ray is traced.
+/// nothing is in the way, and no ray is traced. Not over all of it when stopped.
 ///
 /// Half of the occlusion samples go where the image is bright, half are spread by the cosine, and each is weighted by how
 /// likely either half was to take it: the first half finds the sun, the second all that is wide and dim. An odd sample is the
@@ -20,6 +21,7 @@ pub fn mean_over_hemisphere(
     image: &ImageBackground,
     point: &SurfacePoint,
     (sampler, bounce): (Sampler, u32),
+    stops: &Stops<'_>,
     tally: &mut impl Tally,
 ) -> Occlusion {
     let occlusion = scene.settings().ambient_occlusion;
@@ -45,32 +47,36 @@ pub fn mean_over_hemisphere(
     let mut free = 0;
     let around_normal = warp::Frame::around(point.shading_normal);
     let numbers = sampler.turns(Dimension::at(Decision::AmbientOcclusion, bounce), by_cosine);
-    for turn in 0..by_cosine {
-        let local = warp::cosine_hemisphere(numbers.next_2d(turn));
-        let wi = around_normal.world_from_local(local);
-        if !is_free(wi) {
-            continue;
+    for turns in stops.parts(by_cosine) {
+        for turn in turns {
+            let local = warp::cosine_hemisphere(numbers.next_2d(turn));
+            let wi = around_normal.world_from_local(local);
+            if !is_free(wi) {
+                continue;
+            }
+            free += 1;
+            let (radiance, pdf) = image.radiance_and_pdf(wi);
+            if radiance == Vec3::ZERO {
+                continue;
+            }
+            let weight = power_heuristic(cosine_count * cosine_pdf(wi), image_count * pdf);
+            sum += radiance * (weight / cosine_count);
         }
-        free += 1;
-        let (radiance, pdf) = image.radiance_and_pdf(wi);
-        if radiance == Vec3::ZERO {
-            continue;
-        }
-        let weight = power_heuristic(cosine_count * cosine_pdf(wi), image_count * pdf);
-        sum += radiance * (weight / cosine_count);
     }
     let numbers = sampler.turns(Dimension::at(Decision::Background, bounce), by_image);
-    for turn in 0..by_image {
-        let Some(sample) = image.sample(numbers.next_2d(turn)) else {
-            continue;
-        };
-        let (wi, pdf) = (sample.direction, sample.pdf_solid_angle);
-        let cosine_pdf = cosine_pdf(wi);
-        if cosine_pdf <= 0.0 || !is_free(wi) {
-            continue;
+    for turns in stops.parts(by_image) {
+        for turn in turns {
+            let Some(sample) = image.sample(numbers.next_2d(turn)) else {
+                continue;
+            };
+            let (wi, pdf) = (sample.direction, sample.pdf_solid_angle);
+            let cosine_pdf = cosine_pdf(wi);
+            if cosine_pdf <= 0.0 || !is_free(wi) {
+                continue;
+            }
+            let weight = power_heuristic(image_count * pdf, cosine_count * cosine_pdf);
+            sum += sample.radiance * (cosine_pdf / pdf * weight / image_count);
         }
-        let weight = power_heuristic(image_count * pdf, cosine_count * cosine_pdf);
-        sum += sample.radiance * (cosine_pdf / pdf * weight / image_count);
     }
     Occlusion {
         free: if by_cosine > 0 {

@@ -10,10 +10,10 @@ use super::layers::{Gathered, Layer, Parts};
 use super::prepare::PreparedScene;
 use super::progress::RenderProgress;
 use super::run::{Clamped, RayCounts};
+use super::stops::Stops;
 use super::tally::Tally;
 use super::tiles::Region;
 use crate::accel::Packet;
-use crate::control::{CancelToken, Throttle};
 use crate::math::color::luminance;
 
 /// Side of the blocks of pixels whose samples are taken one after the other.
@@ -138,32 +138,13 @@ pub struct TileBlock {
     beginnings: CameraSamples,
 }
 
-/// What ends the sampling of a tile in the middle.
-#[derive(Clone, Copy, Debug)]
-pub struct Stops<'a> {
-    /// Whoever asked for the render.
-    pub cancel: &'a CancelToken,
-    /// Another thread that cannot go on.
-    pub halt: &'a CancelToken,
-    /// Whoever pauses the render.
-    pub throttle: &'a Throttle,
-}
-
-impl Stops<'_> {
-    /// Whether somebody asks to end. Waits while the render is paused.
-    pub fn is_asked(self) -> bool {
-        self.throttle.wait_while_paused();
-        self.cancel.is_cancelled() || self.halt.is_cancelled()
-    }
-}
-
 /// Takes the samples of every pixel of `tile` that `block` asks for, and writes in `note` at which it is; `None` when stopped.
 pub fn sample_tile<K: Kernel>(
     scene: &PreparedScene,
     tile: Region,
     block: &mut TileBlock,
     layers: &[Layer],
-    stops: Stops<'_>,
+    stops: &Stops<'_>,
     progress: &RenderProgress,
     note: &SampleNote,
 ) -> Option<()> {
@@ -195,12 +176,9 @@ pub fn sample_tile<K: Kernel>(
             note.set(first);
             let begun = beginnings.begin(scene, ids, &mut tally);
             for begun in begun {
-                if stops.is_asked() {
-                    return None;
-                }
                 note.set(begun.id);
                 let before = tally.rays().total();
-                let mut sample = scene.gathered::<K>(begun, &mut tally);
+                let mut sample = scene.gathered::<K>(begun, stops, &mut tally)?;
                 // With the one from the eye, whether it was traced or known: what a sample is worth must not depend on that.
                 let traced = 1 + tally.rays().total() - before;
                 counts.count_failures(&sample);

@@ -3,8 +3,10 @@
 use super::camera_samples::SampleId;
 use super::kernel::Watched;
 use super::prepare::{PreparedScene, Seen};
+use super::stops::Stops;
 use super::surface::SurfacePoint;
 use super::tally::{NotedEnd, NotedRay, RayPurpose, WorkTally};
+use crate::control::{CancelToken, Throttle};
 use crate::math::{DVec3, Vec3};
 
 /// A camera sample taken again, in the units of the scene.
@@ -100,7 +102,7 @@ pub enum TraceError {
 }
 
 /// Takes sample `sample`, counted from 0, of the pixel at column `x` and row `y` again, and tells all about it. It is the very
-/// sample that a render takes, bit for bit.
+/// sample that a render takes, bit for bit. `None` when cancelled.
 ///
 /// # Errors
 /// When there is no such pixel or sample.
@@ -111,7 +113,8 @@ pub fn trace_sample(
     scene: &PreparedScene,
     (x, y): (u32, u32),
     sample: u32,
-) -> Result<SampleTrace, TraceError> {
+    cancel: &CancelToken,
+) -> Result<Option<SampleTrace>, TraceError> {
     let settings = scene.settings();
     let (width, height) = (settings.width, settings.height);
     if x >= width || y >= height {
@@ -133,21 +136,33 @@ pub fn trace_sample(
         index: sample,
     };
     let begun = scene.begin(id, &mut tally);
-    let mut gathered = scene.gathered::<Watched>(&begun, &mut tally);
+    let stops = Stops {
+        cancel,
+        halt: cancel,
+        throttle: &Throttle::default(),
+    };
+    let Some(mut gathered) = scene.gathered::<Watched>(&begun, &stops, &mut tally) else {
+        return Ok(None);
+    };
     if let Some(most) = scene.clamp() {
         gathered.limit(most);
     }
-    let traced = |(purpose, ray): &(RayPurpose, NotedRay)| traced(scene, *purpose, ray);
-    let mut rays: Vec<TracedRay> = tally.kept.iter().map(traced).collect();
+    let traced = |(purpose, ray): &(RayPurpose, NotedRay)| {
+        (!cancel.is_cancelled()).then(|| traced(scene, *purpose, ray))
+    };
+    let rays: Option<Vec<TracedRay>> = tally.kept.iter().map(traced).collect();
+    let Some(mut rays) = rays else {
+        return Ok(None);
+    };
     // With all its digits, and from where the ray starts that is traced from near the scene on.
     let (eye, direction) = scene.line_of_sight((x, y), &begun.sampler, &mut tally);
     rays[0].origin = scene.geometry().frame().world_from_prepared(eye);
     rays[0].direction = direction;
-    Ok(SampleTrace {
+    Ok(Some(SampleTrace {
         radiance: gathered.radiance.to_array(),
         is_depth_limited: gathered.is_depth_limited,
         rays,
-    })
+    }))
 }
 
 /// A noted ray in the units of the scene.

@@ -6,7 +6,9 @@ use super::plan::Feature;
 use super::prepare::PreparedScene;
 use super::run::RayCounts;
 use super::sampler::Decision;
+use super::stops::Stops;
 use super::tally::WorkTally;
+use crate::control::{CancelToken, Throttle};
 
 /// What some samples took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,6 +36,12 @@ impl Work {
         samples: u32,
     ) -> Self {
         let mut work = Self::default();
+        let (never, throttle) = (CancelToken::new(), Throttle::default());
+        let stops = Stops {
+            cancel: &never,
+            halt: &never,
+            throttle: &throttle,
+        };
         for pixel in pixels {
             let mut line = None;
             work.pixels += 1;
@@ -44,7 +52,7 @@ impl Work {
                     Some(known) if !scene.does(Feature::EyeRays) => scene.along(known, id),
                     _ => scene.begin(id, &mut tally),
                 };
-                let _ = scene.gathered::<Watched>(&begun, &mut tally);
+                let _ = scene.gathered::<Watched>(&begun, &stops, &mut tally);
                 work.samples += 1;
                 line = Some(begun);
                 work.rays.add(&tally.counts);

@@ -1,4 +1,4 @@
-use raymini::io::{WrittenOrigin, parse_image, parse_layers};
+use raymini::io::{WrittenOrigin, parse_image, parse_render};
 use raymini::scene::RadianceMap;
 
 use super::{assert_message, measured};
@@ -40,10 +40,18 @@ pub fn check(bytes: &[u8]) {
             assert_message(&error.to_string());
         }
     }
-    let (layers, peak) = measured(|| parse_layers("picture", bytes));
-    match layers {
-        Ok(layers) => {
-            let pixels = layers.iter().map(|(_, image)| {
+    let (origin, peak_of_origin) = measured(|| WrittenOrigin::of_bytes(bytes));
+    assert_memory(peak_of_origin, 0, bytes);
+    if let Err(error) = origin {
+        assert_message(&error);
+    }
+    let (render, peak) = measured(|| parse_render("picture", bytes));
+    // What it tells of itself is read beside its pixels.
+    let peak = peak.saturating_sub(peak_of_origin);
+    match render {
+        Ok(render) => {
+            let layers = render.layers.iter().flatten().map(|(_, image)| image);
+            let pixels = layers.chain([&render.picture.image]).map(|image| {
                 assert_size(image.width, image.height, image.pixels.len(), bytes);
                 image.pixels.len()
             });
@@ -53,11 +61,6 @@ pub fn check(bytes: &[u8]) {
             assert_memory(peak, 0, bytes);
             assert_message(&error.to_string());
         }
-    }
-    let (origin, peak) = measured(|| WrittenOrigin::of_bytes(bytes));
-    assert_memory(peak, 0, bytes);
-    if let Err(error) = origin {
-        assert_message(&error);
     }
 }
 

@@ -9,7 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A folder with a small scene: a tetrahedron over a floor under two lights.
-fn folder() -> TempDir {
+pub fn folder() -> TempDir {
     let folder = TempDir::new().expect("a folder");
     let write = |name: &str, text: &str| {
         std::fs::write(folder.path().join(name), text).expect("is written");
@@ -200,6 +200,10 @@ fn flags_change_size_samples_mode_and_region() {
         (&picture["width"], &picture["height"]),
         (&30.into(), &5.into())
     );
+    assert_eq!(
+        (&picture["region"]["x"], &picture["region"]["y"]),
+        (&10.into(), &20.into())
+    );
     hash(folder.path(), &["--set", "output.png_bits=16"]);
     let picture = image::open(folder.path().join("out.png")).expect("is a picture");
     assert_eq!(picture.color(), image::ColorType::Rgb16);
@@ -245,26 +249,6 @@ fn a_bare_mesh_is_framed_and_lit() {
         .enumerate_pixels()
         .filter(|&(x, y, pixel)| on_mesh(x, y) && pixel.0[0] > 60);
     assert!(lit.count() * 2 > count, "most of the mesh is lit");
-}
-
-#[test]
-fn without_a_screen_the_scene_is_rendered_to_a_file() {
-    let folder = folder();
-    let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
-        .current_dir(folder.path())
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .env_remove("WAYLAND_SOCKET")
-        .arg("scene.toml")
-        .output()
-        .expect("starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    assert!(
-        said.contains("No window can be opened") && said.contains("Rendering to scene.png instead"),
-        "{said}"
-    );
-    assert!(folder.path().join("scene.png").exists());
 }
 
 #[test]
@@ -690,36 +674,6 @@ fn bench_refuses_what_it_cannot_measure() {
         let complaint = fail(folder.path(), code, &[&["bench"], arguments].concat());
         assert!(complaint.contains(expected), "{arguments:?}: {complaint}");
     }
-}
-
-/// Where there is no screen, or no window in the program, it says so.
-#[test]
-fn the_window_is_measured_only_where_there_is_one() {
-    let folder = folder();
-    let complaint = |arguments: &[&str], code: i32| {
-        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
-            .current_dir(folder.path())
-            .env_remove("DISPLAY")
-            .env_remove("WAYLAND_DISPLAY")
-            .env_remove("WAYLAND_SOCKET")
-            .args(["bench", "--window"])
-            .args(arguments)
-            .output()
-            .expect("starts");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(code), "{said}");
-        assert!(output.stdout.is_empty());
-        said
-    };
-    let said = complaint(&["scene.toml", "--json"], 1);
-    let expected = if cfg!(feature = "gui") {
-        "no display answers"
-    } else {
-        "built without its window"
-    };
-    assert!(said.contains(expected), "{said}");
-    assert!(complaint(&["no.toml"], 1).contains("no.toml: there is no such file"));
-    assert!(complaint(&["--threads", "2"], 2).contains("--threads"));
 }
 
 #[test]

@@ -10,3 +10,4 @@ mod faults;
 mod lost_digits;
 mod parts;
 mod report;
+mod without_window;

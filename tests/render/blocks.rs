@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::resume::{Case, assert_same, cases};
+use raymini::control::{CancelToken, Progress};
 use raymini::io::{BlockLog, LoggedBlocks, block_record};
 use raymini::render::{
     Block, BlockHeader, BlockStore, Checkpoint, Ending, PreparedScene, Region, RenderOutcome,
@@ -190,6 +191,31 @@ fn time_goes_on_where_it_was() {
     assert_eq!((stats.sample_range, traced), ([2, 2], 0));
     assert!((2000.0..2500.0).contains(&stats.render_seconds));
     assert!((4000.0..4500.0).contains(&stats.cpu_seconds));
+}
+
+/// Reading is followed to its end, and given up when nobody wants it.
+#[test]
+fn reading_a_log_tells_how_far_it_is_and_can_be_cancelled() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("blocks");
+    let case = cases().swap_remove(0);
+    let store = Store {
+        log: Some(log(&path, "ball")),
+        ..Store::default()
+    };
+    render(&case, &case.prepared(), &store, 9);
+    let (cancel, progress) = (CancelToken::new(), Progress::new());
+    let read = |cancel: &CancelToken, progress: &Progress| {
+        LoggedBlocks::read_unless(std::slice::from_ref(&path), "ball", cancel, progress)
+    };
+    let blocks = read(&cancel, &progress).expect("nobody cancels");
+    assert!(blocks.headers().len() >= 9);
+    let bytes = std::fs::metadata(&path).expect("is there").len();
+    assert_eq!(progress.done(), bytes);
+    cancel.cancel();
+    let progress = Progress::new();
+    assert!(read(&cancel, &progress).is_none());
+    assert!(progress.done() < bytes);
 }
 
 /// Files that were cut off, damaged, or are of another render give what is whole of theirs, and no more.

@@ -227,6 +227,22 @@ fn the_occlusion_factor_is_the_occlusion_picture() {
     assert!(compared > 300, "{compared}");
 }
 
+/// A layer of zeros would say that the picture has none.
+#[test]
+fn an_error_that_nothing_is_known_of_is_no_layer() {
+    let mut scene = everything();
+    for (samples, is_known) in [(1, false), (2, false), (4, true)] {
+        scene.render.samples_per_pixel = samples;
+        let outcome = render_layers(&scene);
+        let is_there = outcome
+            .layers
+            .iter()
+            .any(|(layer, _)| *layer == Layer::Error);
+        assert_eq!(is_there, is_known, "{samples}");
+        assert_eq!(outcome.stats.error.is_some(), is_known, "{samples}");
+    }
+}
+
 #[test]
 fn open_exr_files_hold_the_layers_as_channels() {
     let mut scene = everything();

@@ -111,7 +111,10 @@ fn prepare(scene: &Scene) -> PreparedScene {
 }
 
 fn trace(prepared: &PreparedScene, pixel: (u32, u32), sample: u32) -> SampleTrace {
-    trace_sample(prepared, pixel, sample).expect("is one of the picture")
+    let trace = trace_sample(prepared, pixel, sample, &CancelToken::new());
+    trace
+        .expect("is one of the picture")
+        .expect("nobody cancels")
 }
 
 fn count(counts: &mut RayCounts, trace: &SampleTrace) {
@@ -243,17 +246,18 @@ fn pixels_and_samples_that_are_not_there_are_errors() {
             height: 6,
         })
     };
-    assert_eq!(trace_sample(&prepared, (7, 0), 0), pixel(7, 0));
-    assert_eq!(
-        trace_sample(&prepared, (0, u32::MAX), 0),
-        pixel(0, u32::MAX)
-    );
+    let cancel = CancelToken::new();
+    let traced = |pixel, sample| trace_sample(&prepared, pixel, sample, &cancel);
+    assert_eq!(traced((7, 0), 0), pixel(7, 0));
+    assert_eq!(traced((0, u32::MAX), 0), pixel(0, u32::MAX));
     let sample = TraceError::NoSuchSample {
         sample: 16,
         count: 16,
     };
-    assert_eq!(trace_sample(&prepared, (6, 5), 16), Err(sample));
-    assert!(trace_sample(&prepared, (6, 5), 15).is_ok());
+    assert_eq!(traced((6, 5), 16), Err(sample));
+    assert!(traced((6, 5), 15).is_ok_and(|trace| trace.is_some()));
+    cancel.cancel();
+    assert_eq!(traced((6, 5), 15), Ok(None));
 }
 
 #[test]

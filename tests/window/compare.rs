@@ -1,8 +1,8 @@
 //! Two pictures against each other: wipe, flip, difference, and how far they are apart.
 
-use crate::driver::{Files, SCENE, Window, set_samples};
+use crate::driver::{DEADLINE, Files, Look, SCENE, Window, set_samples};
 use egui::{Key, Modifiers, PointerButton, Vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::analysis::{Metrics, mean_flip};
 use raymini::gui::compare::{Distance, Mode};
 use raymini::gui::jobs::Lane;
@@ -100,6 +100,177 @@ fn two_renders_are_compared_by_wipe_flip_and_difference() {
     assert!(window.says("the same, bit for bit"));
     window.click("Close");
     assert!(window.app().comparison().is_none());
+}
+
+/// Whether all of a text on the screen is to be read: it is in `room`, and as wide as its letters, or wrapped.
+fn is_readable(window: &Window, part: &str, room: egui::Rect) -> bool {
+    let node = window.harness.get_by_label_contains(part);
+    let text = node.accesskit_node().value().unwrap_or_default();
+    let font = egui::TextStyle::Body.resolve(&window.harness.ctx.global_style());
+    let ink = egui::Color32::WHITE;
+    let galley = window
+        .harness
+        .ctx
+        .fonts_mut(|fonts| fonts.layout_no_wrap(text, font, ink));
+    let rect = node.rect();
+    let is_whole = rect.width() + 1.0 >= galley.size().x;
+    room.contains_rect(rect) && (is_whole || rect.height() > 1.8 * galley.size().y)
+}
+
+/// In a window as small as it gets, and in one of the usual size, all three figures are to be read.
+#[test]
+fn how_far_two_pictures_are_apart_can_be_read_in_any_window() {
+    let files = Files::new();
+    for size in [Vec2::new(1280.0, 800.0), Vec2::new(800.0, 520.0)] {
+        let look = Look {
+            size,
+            ..Look::default()
+        };
+        let mut window = Window::start_as(vec![files.path("room.toml")], &look, None);
+        window.render();
+        window.operate("Add light");
+        window.render();
+        window.press(Modifiers::NONE, Key::C);
+        measured(&mut window);
+        window.harness.run_steps(3);
+        let bar = window.rect("Close").union(window.rect("Compare: Wipe"));
+        let room = bar.with_max_y(bar.bottom() + 60.0).expand(4.0);
+        for figure in ["RMSE", "MSE ", "FLIP 0."] {
+            assert!(is_readable(&window, figure, room), "{figure} at {size}");
+        }
+        // Beside the name of the scene, which has changed, is the switch Live.
+        let mark = window.rect("• not saved");
+        assert!(mark.right() <= window.rect("Live").left(), "at {size}");
+    }
+}
+
+/// What is told of a pixel is what is seen there, whichever of both pictures that is.
+#[test]
+fn what_is_told_of_a_pixel_is_what_is_seen() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.harness.state_mut().document_mut().scene.background =
+        raymini::scene::Background::Constant {
+            radiance: raymini::scene::Rgb::new(0.5, 0.5, 0.0),
+        };
+    window.settle();
+    window.render();
+    // Two pixels, which are stretched over the picture: the right one is blue.
+    let halves = image::RgbImage::from_fn(2, 1, |x, _| {
+        image::Rgb([0, 0, if x == 0 { 20 } else { 200 }])
+    });
+    halves.save(files.path("halves.png")).unwrap();
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&files.path("halves.png"));
+    measured(&mut window);
+    window.harness.run_steps(5);
+    let frame = window.rect("Viewport");
+    let is_told = |window: &mut Window, share: f32| {
+        let place = frame.lerp_inside(Vec2::new(share, 0.12));
+        window.harness.hover_at(place);
+        window.harness.run_steps(2);
+        let told = window.app().inspected().unwrap().seen.color().unwrap();
+        let seen = window.color_at(place);
+        let is_near = |(told, seen): (&u8, u8)| told.abs_diff(seen) <= 1;
+        let told_channels = [told.r(), told.g(), told.b()];
+        assert!(
+            told_channels.iter().zip(seen).all(is_near),
+            "{told:?}, {seen:?} at {share}"
+        );
+        window.app().inspected().unwrap().values_in_words()
+    };
+    // By the divider, A at the left and B at the right.
+    assert!(!is_told(&mut window, 0.3).contains("the other"));
+    assert!(is_told(&mut window, 0.9).contains("shown 0 0 200, the other"));
+    window.press(Modifiers::NONE, Key::X);
+    assert!(is_told(&mut window, 0.3).contains("shown 0 0 20, the other"));
+    assert!(is_told(&mut window, 0.9).contains("shown 0 0 200, the other"));
+    window.press(Modifiers::NONE, Key::X);
+    assert!(!is_told(&mut window, 0.9).contains("the other"));
+
+    // The difference is that of two renders.
+    window.press(Modifiers::NONE, Key::C);
+    window.operate("Add light");
+    window.render();
+    window.press(Modifiers::NONE, Key::C);
+    window.click("Compare: Difference");
+    measured(&mut window);
+    window.harness.run_steps(5);
+    assert!(is_told(&mut window, 0.5).contains("the difference"));
+}
+
+/// However large a picture is, another exposure is seen everywhere in it at once, if not as sharp.
+#[test]
+fn another_exposure_is_seen_everywhere_at_once() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let flat = image::RgbImage::from_pixel(2200, 1500, image::Rgb([100; 3]));
+    flat.save(files.path("flat.png")).unwrap();
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&files.path("flat.png"));
+    window.until("the other picture is there", |app| {
+        app.comparison().is_some() && !app.works_in(Lane::EncodeOther)
+    });
+    window.press(Modifiers::NONE, Key::X);
+    window.harness.run_steps(60);
+    let frame = window.rect("Viewport");
+    let rows = |window: &mut Window| {
+        let screen = window.harness.render().unwrap();
+        [0.12, 0.3, 0.6, 0.97].map(|share| {
+            let place = frame.lerp_inside(Vec2::new(0.5, share));
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "pixels"
+            )]
+            let pixel = screen.get_pixel(place.x as u32, place.y as u32);
+            pixel.0[0]
+        })
+    };
+    let mut before = rows(&mut window)[0];
+    for exposure in [2.0, -1.0] {
+        let scene = &mut window.harness.state_mut().document_mut().scene;
+        scene.display.exposure = exposure;
+        let mut looks = vec![before];
+        let mut frames_after = 0;
+        let deadline = std::time::Instant::now() + DEADLINE;
+        while frames_after < 20 {
+            assert!(std::time::Instant::now() < deadline);
+            window.harness.step();
+            let seen = rows(&mut window);
+            assert!(seen.iter().all(|&row| row == seen[0]), "{seen:?}");
+            if looks.last() != Some(&seen[0]) {
+                looks.push(seen[0]);
+            }
+            frames_after += usize::from(looks.len() > 1);
+        }
+        assert_eq!(looks.len(), 2, "{looks:?}");
+        before = looks[1];
+    }
+}
+
+/// The divider follows the arrow keys, also when another control was used last.
+#[test]
+fn the_divider_is_moved_by_keys() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    window.render();
+    window.press(Modifiers::NONE, Key::C);
+    let at = |window: &Window| window.rect("Divider").center().x;
+    let middle = at(&window);
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    let right = at(&window);
+    assert!(right > middle + 5.0);
+    window.press(Modifiers::NONE, Key::ArrowLeft);
+    window.press(Modifiers::NONE, Key::ArrowLeft);
+    assert!(at(&window) < middle - 5.0);
+    window.harness.get_by_label("Divider").focus();
+    window.harness.run_steps(2);
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    window.press(Modifiers::NONE, Key::ArrowRight);
+    assert!((at(&window) - right).abs() < 1.5, "it keeps the keys");
 }
 
 /// Red along a row of the screen, a little below the middle of the picture.

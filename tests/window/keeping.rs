@@ -7,6 +7,7 @@ use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
 use crate::everyday::is_told_to_close;
 use eframe::App as _;
 use egui::{Key, Modifiers};
+use raymini::control::CancelToken;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::inspector::Samples;
 use raymini::gui::picture::{LONG, Picture};
@@ -14,12 +15,12 @@ use raymini::io::{BlockLog, LoggedBlocks, block_record, describe_render};
 use raymini::render::{Layer, Region};
 
 /// A window that keeps its work in `data`.
-fn open(path: &Path, data: &Path) -> Window {
+pub fn open(path: &Path, data: &Path) -> Window {
     Window::start_keeping(vec![path.to_owned()], true, Some(data.to_owned()))
 }
 
 /// Edits, and ends as a process does that is killed: it says goodbye to nobody, and its locks are free.
-fn edit_and_die(files: &Files, data: &Path) {
+pub fn edit_and_die(files: &Files, data: &Path) {
     let mut window = open(&files.path("room.toml"), data);
     window.click("Add light");
     window.until("the work is kept", raymini::gui::App::is_work_kept);
@@ -27,7 +28,7 @@ fn edit_and_die(files: &Files, data: &Path) {
     window.until("the newest work is kept", raymini::gui::App::is_work_kept);
 }
 
-fn asks(window: &mut Window) {
+pub fn asks(window: &mut Window) {
     window.until("lost work is asked about", |app| {
         matches!(app.dialog(), Some(Dialog::Recovery(_)))
     });
@@ -109,6 +110,8 @@ fn closing_the_window_leaves_nothing_behind() {
     let mut window = open(&files.path("room.toml"), &data);
     window.click("Add light");
     window.until("the work is kept", raymini::gui::App::is_work_kept);
+    window.ask_to_close();
+    window.click("Discard");
     window.harness.state_mut().on_exit();
     let sessions = std::fs::read_dir(data.join("sessions")).unwrap();
     assert_eq!(sessions.count(), 0);
@@ -230,7 +233,7 @@ fn checkpoints(data: &Path) -> Vec<PathBuf> {
 }
 
 /// Starts a render, and pauses it when it is on disk.
-fn render_until_kept(window: &mut Window, data: &Path) {
+pub fn render_until_kept(window: &mut Window, data: &Path) {
     window.click("Render");
     window.just_until("it runs", |app| {
         app.picture().is_some_and(Picture::is_running)
@@ -244,7 +247,7 @@ fn render_until_kept(window: &mut Window, data: &Path) {
 }
 
 /// What a process leaves that is killed now: `to` is beside `from`.
-fn copy_folder(from: &Path, to: &Path) {
+pub fn copy_folder(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
         let entry = entry.unwrap();
@@ -436,7 +439,9 @@ fn leave_long_render(room: &Path, data: &Path, killed: &Path) {
     };
     let scene = load(&folder.join("scene.toml"));
     let region = Region::full(scene.render.width, scene.render.height);
-    let description = describe_render(&scene, region, &Layer::all_of(&scene));
+    let layers = Layer::all_of(&scene);
+    let description = describe_render(&scene, region, &layers, &CancelToken::new());
+    let description = description.expect("nobody cancels");
     let path = folder.join("blocks-1");
     let known = LoggedBlocks::read(std::slice::from_ref(&path), &description);
     let mut blocks: Vec<_> = known.headers().iter().collect();
@@ -495,6 +500,13 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
     drop(window);
 
     let mut window = finish(&again);
+    // Opening another scene takes it from nobody.
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&files.write("other.toml", crate::driver::SCENE));
+    window.until("the other is open", |app| app.document().name() == "other");
+    window.settle();
+    assert_eq!(window.app().renders().entries().len(), 1);
+    assert_eq!(renders(&again).len(), 1);
     // Another render takes its place on disk; the picture stays under Renders, and is asked about.
     window.render();
     assert_eq!(window.app().renders().entries().len(), 1);

@@ -25,7 +25,10 @@ fn a_material_becomes_a_preset_and_its_ball_follows() {
     }
     window.click("Preset Gold");
     let gold = presets.iter().find(|preset| preset.name == "Gold").unwrap();
-    assert_eq!(window.scene().materials["clay"], gold.material);
+    // Clay is the name of a preset, which nobody chose for this one.
+    assert_eq!(window.scene().materials["Gold"], gold.material);
+    let object = &window.scene().objects[0];
+    assert_eq!(object.material.as_deref(), Some("Gold"));
     assert!(!window.has("Preset Gold"), "the menu is closed");
     let known = Material::clone(&gold.material);
     window.until("the ball of gold is there", move |app| {

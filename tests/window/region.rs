@@ -203,7 +203,7 @@ fn a_paused_render_is_cancelled_and_replaced() {
     assert_eq!(window.hash(), library_hash(window.scene()));
     window.until("threads have stopped", |app| app.render_threads() == 0);
 
-    // Another scene takes the place of one that rests.
+    // One that rests does so beside another scene, until that is rendered.
     start_long_render(&mut window, 100_000);
     window.click("Pause");
     window.press(Modifiers::COMMAND, Key::O);
@@ -211,6 +211,16 @@ fn a_paused_render_is_cancelled_and_replaced() {
     window.import("Replace");
     window.click("Replace");
     window.until("the mesh is open", |app| app.document().name() == "pyramid");
+    window.settle();
+    assert!(picture(&window).is_paused());
+    let render = &mut window.harness.state_mut().document_mut().scene.render;
+    (render.width, render.height) = (64, 48);
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("the render ends", |app| {
+        let width = app.picture().map(|picture| picture.scene.render.width);
+        width == Some(64) && is_over(app)
+    });
+    assert_eq!(window.hash(), library_hash(window.scene()));
     window.until("threads have stopped", |app| app.render_threads() == 0);
 }
 
@@ -284,9 +294,32 @@ fn a_region_has_the_pixels_of_the_whole_picture() {
     assert!(!window.app().document().is_modified());
 }
 
-/// Its size and place are part of what an earlier render is gone back to, and pictures of different parts are not compared.
+/// A region that begins or ends beside the picture goes to its edge.
 #[test]
-fn a_region_is_restored_and_not_compared_with_another() {
+fn a_region_is_drawn_from_beside_the_picture() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let frame = window.rect("Viewport");
+    let before = window.scene().clone();
+    let beside = frame.left_top() - egui::vec2(0.0, 8.0);
+    window.press(Modifiers::NONE, Key::B);
+    window.drag(PointerButton::Primary, beside, frame.center());
+    let region = window.app().region().part([160, 120]).region;
+    assert_eq!((region.x, region.y), (0, 0));
+    assert!(region.width.abs_diff(80) <= 1 && region.height.abs_diff(60) <= 1);
+    assert!(!window.app().region().is_drawing);
+
+    // Another drag, after the tool went away, is no edit.
+    window.drag(PointerButton::Primary, frame.center(), beside);
+    assert_eq!(window.app().region().part([160, 120]).region, region);
+    assert_eq!(window.scene(), &before);
+    assert_eq!(window.app().view(), View::Picture);
+}
+
+/// Its size and place are part of what an earlier render is gone back to, and it is compared with what a whole picture shows there.
+#[test]
+fn a_region_is_restored_and_compared_with_the_whole() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
     window.render();
@@ -302,7 +335,10 @@ fn a_region_is_restored_and_not_compared_with_another() {
     window.until("the distance is known", |app| {
         app.comparison().is_some_and(|c| c.distance().is_some())
     });
-    assert!(window.says("different parts of the picture"));
+    let size = format!("{} × {}", part.region.width, part.region.height);
+    assert!(window.says(&format!(
+        "the same, bit for bit  ·  over {size} that both show"
+    )));
     window.press(Modifiers::NONE, Key::C);
     window.press(Modifiers::SHIFT, Key::B);
     assert!(!window.app().region().is_chosen());
@@ -377,4 +413,42 @@ fn the_time_of_a_render_is_told_when_asked_for() {
         (known.low, known.value, known.high),
         (elapsed, elapsed, elapsed)
     );
+}
+
+/// The file tells which part of the picture it is, so nothing has changed since.
+#[test]
+fn a_saved_region_opens_as_what_was_rendered() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let frame = window.rect("Viewport");
+    window.press(Modifiers::NONE, Key::B);
+    let quarter = frame.min + frame.size() / 4.0;
+    window.drag(PointerButton::Primary, quarter, frame.center());
+    window.render();
+    let (hash, part) = (window.hash(), picture(&window).buffer.part());
+    assert!(!part.is_whole());
+    let saved = ["part.exr", "part.png"].map(|name| files.path(name));
+    for path in &saved {
+        window.save_picture(path);
+    }
+    drop(window);
+    for path in &saved {
+        let mut window = Window::open(path);
+        window.until("it is on the screen", |app| {
+            app.picture_on_screen().is_some_and(Picture::is_shown)
+        });
+        assert!(window.says("of 160 × 120, from part."));
+        assert!(!window.says("settings changed since"));
+        assert_eq!(
+            window.app().picture_on_screen().unwrap().buffer.part(),
+            part
+        );
+        window.render();
+        assert_eq!(window.hash(), hash);
+        // Saved again, it still tells.
+        let again = files.path("again.exr");
+        window.save_picture(&again);
+        let origin = raymini::io::WrittenOrigin::of_file(&again).unwrap();
+        assert_eq!(origin.region, Some(part.region));
+    }
 }

@@ -1,12 +1,15 @@
 //! The renders of a session: looked at again, saved, restored.
 
-use crate::driver::{Files, Window, library_hash, set_samples};
+use crate::driver::{Files, SCENE, Window, library_hash, set_samples};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use raymini::control::{CancelToken, Progress};
+use raymini::gui::App;
+use raymini::gui::dialogs::Dialog;
 use raymini::gui::picture::Picture;
+use raymini::gui::renders::Facts;
 use raymini::gui::top_bar::View;
-use raymini::io::{WrittenOrigin, read_layers};
+use raymini::io::{WrittenOrigin, read_image, read_render};
 use raymini::render::Layer;
 use raymini::render::display::encode_8;
 use raymini::scene::Shadows;
@@ -136,6 +139,48 @@ fn settings_are_restored_in_one_step_that_can_be_undone() {
     assert_eq!(window.scene(), &before);
 }
 
+/// What is under a small picture is to be read, however narrow that is.
+#[test]
+fn the_line_under_a_narrow_picture_is_not_cut_off() {
+    let files = Files::new();
+    let size = "width = 160\nheight = 120";
+    assert!(SCENE.contains(size));
+    let narrow = SCENE.replace(size, "width = 20\nheight = 200");
+    let mut window = Window::open(&files.write("narrow.toml", &narrow));
+    window.click("Renders");
+    window.render();
+    window.harness.run_steps(3);
+    let facts = Facts::of(window.app().picture().unwrap());
+    let line = format!("1  {}", facts.result());
+    assert!(line.contains("noise"), "{line}");
+    let (font, ink) = (egui::FontId::proportional(11.0), egui::Color32::WHITE);
+    let galley = window
+        .harness
+        .ctx
+        .fonts_mut(|fonts| fonts.layout_no_wrap(line, font, ink));
+    assert!(window.rect("Show render 1").width() >= galley.size().x);
+}
+
+/// The last render is forgotten as any other, and the one before is looked at.
+#[test]
+fn the_last_render_is_forgotten_too() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    for (present, left) in [(3, vec![1, 2]), (2, vec![1]), (1, vec![])] {
+        assert_eq!(number_on_screen(&window), Some(present));
+        window.click("Forget");
+        assert_eq!(past(&window), left);
+        assert!(window.app().picture().is_none());
+    }
+    assert_eq!(window.app().view(), View::Preview);
+    window.render();
+    assert_eq!(
+        number_on_screen(&window),
+        Some(4),
+        "no number means two renders"
+    );
+}
+
 #[test]
 fn renders_are_forgotten_and_outlive_their_scene() {
     let files = Files::new();
@@ -248,8 +293,8 @@ fn a_saved_picture_opens_with_its_scene() {
     assert!(first.is_some());
     assert_eq!(first, second);
     let progress = Progress::new();
-    let kept = read_layers(&again, &CancelToken::new(), &progress);
-    assert_eq!(kept.unwrap().unwrap(), layers);
+    let kept = read_render(&again, &CancelToken::new(), &progress);
+    assert_eq!(kept.unwrap().unwrap().layers.unwrap(), layers);
     window.operate("Layer");
     window.operate("Whole picture");
 
@@ -275,4 +320,91 @@ fn a_saved_picture_opens_with_its_scene() {
     let window = window_of(&looks);
     assert!(window.app().renders().entries().is_empty());
     assert_eq!(window.app().view(), View::Preview);
+}
+
+/// A file that has rounded a picture tells the hash of what was rendered, also when it is saved again, and never that of the rounded pixels.
+#[test]
+fn a_rounded_picture_that_is_saved_again_has_the_hash_of_the_render() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let hash = window.hash();
+    let shown = files.path("shown.png");
+    window.save_picture(&shown);
+    drop(window);
+
+    let mut window = Window::open(&shown);
+    window.until("it is on the screen", |app| {
+        app.picture_on_screen().is_some_and(Picture::is_shown)
+    });
+    assert!(!window.says(&hash[..8]), "what is shown is rounded");
+    let told = |path: &std::path::Path| WrittenOrigin::of_file(path).unwrap().rendered_hash;
+    let [png, exr] = ["again.png", "again.exr"].map(|name| files.path(name));
+    for path in [&shown, &png, &exr] {
+        if *path != shown {
+            window.save_picture(path);
+        }
+        assert_eq!(told(path).as_ref(), Some(&hash), "{}", path.display());
+        assert_ne!(read_image(path).unwrap().image.hash(), hash);
+    }
+    drop(window);
+    let mut window = Window::open(&exr);
+    window.settle();
+    let entry = &window.app().renders().entries()[0];
+    assert_eq!(entry.facts.hash(), None, "they are not the light");
+    let png = files.path("once more.png");
+    window.save_picture(&png);
+    assert_eq!(told(&png), Some(hash));
+}
+
+/// A render goes on with its own scene while another is open, and there is undone to it. What it has reached when another is asked for is
+/// among the renders.
+#[test]
+fn a_render_goes_on_while_another_scene_is_open() {
+    let files = Files::new();
+    let long = SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    files.write("room.toml", &long);
+    let other = files.write("other.toml", SCENE);
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Render");
+    window.until("it runs", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.drop_file(other);
+    window.harness.step();
+    window.until("the other is open", |app| app.document().name() == "other");
+    window.settle();
+    let of_room = "a picture of room: F5 renders this scene instead";
+    for key in [Key::Num1, Key::Num2] {
+        window.press(Modifiers::NONE, key);
+        assert!(window.says(of_room));
+    }
+    let samples = |app: &App| {
+        let picture = app.picture().filter(|picture| picture.is_running());
+        picture.map(|picture| picture.progress.samples.done())
+    };
+    let before = samples(window.app()).expect("it runs");
+    window.until("it goes on", |app| samples(app) > Some(before));
+
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().document().name(), "room");
+    assert!(!window.says(of_room) && !window.says("settings changed"));
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(window.app().document().name(), "other");
+    window.settle();
+    assert!(window.says(of_room) && samples(window.app()).is_some());
+    window.ask_to_close();
+    assert!(matches!(window.app().dialog(), Some(Dialog::Running)));
+    window.click("Go on");
+
+    window.press(Modifiers::NONE, Key::F5);
+    window.until("the other is rendered", |app| {
+        let picture = app.picture();
+        picture.is_some_and(|picture| picture.number == 2 && !picture.is_running())
+    });
+    assert_eq!(window.hash(), library_hash(window.scene()));
+    let entries = window.app().renders().entries();
+    assert_eq!(entries.len(), 1);
+    assert_eq!(entries[0].scene.render.samples_per_pixel, 100_000);
+    assert!(!window.says(of_room));
 }

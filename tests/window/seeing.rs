@@ -35,8 +35,10 @@ fn the_picture_is_enlarged_and_moved_and_the_camera_stays() {
     let camera = window.scene().camera;
     let whole = window.app().zoom().scale();
     let place = frame(&window).center() + Vec2::new(80.0, 40.0);
-    turn_wheel(&mut window, place, 6.0);
+    window.harness.hover_at(place);
+    window.harness.run_steps(2);
     let before = window.app().inspected().unwrap().pixel;
+    turn_wheel(&mut window, place, 6.0);
     turn_wheel(&mut window, place, 6.0);
     assert!(window.app().zoom().scale() > whole * 2.0);
     let after = window.app().inspected().unwrap().pixel;
@@ -80,6 +82,44 @@ fn the_picture_is_enlarged_and_moved_and_the_camera_stays() {
         camera,
         "in the preview it is the camera's"
     );
+}
+
+/// A slip of the mouse over a picture that was rendered changes nothing, and it is said where the camera moves.
+#[test]
+fn a_drag_over_a_whole_picture_leaves_the_scene_alone() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let scene = window.scene().clone();
+    let place = frame(&window).center();
+    let button = |pos, button, pressed| Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    for held in [PointerButton::Primary, PointerButton::Middle] {
+        window.harness.hover_at(place);
+        window.harness.run_steps(1);
+        window.harness.event(button(place, held, true));
+        window.harness.run_steps(1);
+        let to = place + Vec2::new(70.0, 30.0);
+        window.harness.hover_at(to);
+        window.harness.run_steps(2);
+        assert!(window.says("The camera moves in the preview (1)"));
+        window.harness.event(button(to, held, false));
+        window.harness.run_steps(2);
+        assert!(!window.says("The camera moves in the preview"));
+    }
+    window.clicks_at(place, 2);
+    assert_eq!(window.scene(), &scene);
+    assert_eq!(window.app().view(), View::Picture);
+    assert!(!window.app().document().is_modified());
+
+    // In the preview it moves.
+    window.press(Modifiers::NONE, Key::Num1);
+    window.drag(PointerButton::Primary, place, place + Vec2::new(70.0, 30.0));
+    assert_ne!(window.scene().camera, scene.camera);
 }
 
 #[test]
@@ -148,7 +188,7 @@ fn the_pixel_under_the_mouse_is_told() {
     assert_eq!(window.app().inspected().unwrap().surface, None);
 }
 
-/// Channels change what is seen, at once and in the next render, and nothing of what is saved or told of a pixel.
+/// Channels change what is seen, at once and in the next render, and what is told of that, and nothing of what is saved.
 #[test]
 fn channels_are_seen_alone_and_as_false_colours() {
     let files = Files::new();
@@ -202,19 +242,24 @@ fn channels_are_seen_alone_and_as_false_colours() {
         "{colours:?}, {expected:?}"
     );
 
-    // The inspector and files keep to all channels, and another render is seen in the same way.
+    // The inspector tells what is seen, files keep to all channels, and another render is seen in the same way.
     window.harness.hover_at(place);
     window.harness.run_steps(2);
     let told = window.app().inspected().unwrap().values.color;
     let told = [told.r(), told.g(), told.b()];
     let is_near = |(told, seen): (&u8, u8)| told.abs_diff(seen) <= 2;
-    assert!(told.iter().zip(all).all(is_near), "{told:?}, {all:?}");
+    assert!(
+        told.iter().zip(colours).all(is_near),
+        "{told:?}, {colours:?}"
+    );
+    assert!(window.says(&format!("shown {} {} {}", told[0], told[1], told[2])));
+    window.until_says("brighter than white");
     window.render();
     assert_eq!(pixel(&mut window), colours);
     let saved = files.path("seen.png");
     window.save_picture(&saved);
     let png = image::open(&saved).unwrap().to_rgb8();
-    assert!(png.pixels().any(|p| p.0 == told), "as it always was");
+    assert!(png.pixels().any(|p| p.0 == all), "as it always was");
 }
 
 #[test]

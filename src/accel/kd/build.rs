@@ -13,7 +13,7 @@ use super::events::{self, Distributor, Events, Fate, Side};
 use super::split::{Plane, best_plane, leaf_cost};
 use super::{KdParameters, LANES, MAX_DEPTH, MAX_REFERENCES};
 use crate::accel::half_area;
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::Triangle;
 use crate::math::Bounds;
 use rayon::prelude::*;
@@ -58,12 +58,13 @@ pub(super) struct Pieces {
     pub nodes: Vec<Vec<Node>>,
 }
 
-/// Grows the tree over `triangles` inside `bounds`; `None` when cancelled.
+/// Grows the tree over `triangles` inside `bounds`; `None` when cancelled. `progress` advances by their number altogether.
 pub(super) fn grow(
     triangles: &[Triangle],
     bounds: Bounds,
     parameters: &KdParameters,
     cancel: &CancelToken,
+    progress: &Progress,
 ) -> Option<Pieces> {
     let references: Vec<_> = triangles
         .par_iter()
@@ -94,8 +95,15 @@ pub(super) fn grow(
         halvings: 0,
     };
     let mut top = Growth::new(&job, root, budget);
+    // Every generation handles all triangles, and there are as many as doublings lead from one to all of them.
+    let count = triangles.len() as u64;
+    let generation = count / u64::from(count.max(2).ilog2());
+    let mut left = count;
     while top.waiting.len() < SUBTREES && top.waiting.iter().any(Waiting::is_large) {
         top.split_large()?;
+        let done = generation.min(left / 2);
+        progress.advance(done);
+        left -= done;
     }
 
     // What is left of the budget goes to the subtrees in proportion to their references.
@@ -117,9 +125,14 @@ pub(super) fn grow(
         let share = (spare * (count as f64 / waiting_references as f64)) as usize;
         let mut subtree = Growth::new(&job, cell, count + share);
         subtree.split_all()?;
-        Some(subtree.nodes)
+        let done = left * count as u64 / waiting_references as u64;
+        progress.advance(done);
+        Some((subtree.nodes, done))
     });
-    let subtrees: Vec<Vec<Node>> = grown.collect::<Option<_>>()?;
+    let (subtrees, done): (Vec<Vec<Node>>, Vec<u64>) =
+        grown.collect::<Option<Vec<_>>>()?.into_iter().unzip();
+    // What was rounded off, and all where there are no subtrees.
+    progress.advance(left - done.iter().sum::<u64>());
     let nodes = std::iter::once(top.nodes).chain(subtrees).collect();
     Some(Pieces { nodes })
 }

@@ -18,7 +18,7 @@ use super::block::TriangleBlock;
 use super::boxes::{self, Cell, Division, LevelBoxes};
 use super::query::{AnyHit, NearestHit};
 use super::simd::{self, LANES};
-use crate::control::CancelToken;
+use crate::control::{CancelToken, Progress};
 use crate::geometry::Triangle;
 use crate::math::{Bounds, Ray};
 use node::{Node, NodeKind, packed, places};
@@ -120,13 +120,27 @@ impl KdTree {
         parameters: &KdParameters,
         cancel: &CancelToken,
     ) -> Option<Self> {
+        Self::build_watched(triangles, parameters, cancel, &Progress::new())
+    }
+
+    /// [`Self::build`]; `progress` advances by the number of triangles altogether.
+    ///
+    /// # Panics
+    /// When there are more than 2²⁹ triangles.
+    #[must_use]
+    pub fn build_watched(
+        triangles: &[Triangle],
+        parameters: &KdParameters,
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Option<Self> {
         assert!(
             triangles.len() <= MAX_REFERENCES,
             "{} triangles are more than 2^29",
             triangles.len()
         );
         let bounds = Bounds::of_points(triangles.iter().flat_map(|t| t.corners));
-        let pieces = build::grow(triangles, bounds, parameters, cancel)?;
+        let pieces = build::grow(triangles, bounds, parameters, cancel, progress)?;
         let (nodes, mut blocks) = packed(&pieces, triangles, cancel)?;
         Some(Self {
             places: places(&mut blocks, triangles),

@@ -11,6 +11,11 @@ impl KdTree {
         StructureQuality {
             triangles: self.triangle_count() as u64,
             references: statistics.references as u64,
+            nodes: (statistics.nodes - statistics.leaves) as u64,
+            leaves: statistics.leaves as u64,
+            empty_leaves: statistics.empty_leaves as u64,
+            blocks: statistics.blocks as u64,
+            depth: statistics.max_depth,
             sah_cost: statistics.sah_cost,
         }
     }

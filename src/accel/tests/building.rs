@@ -43,6 +43,18 @@ fn hostile_scenes_stay_within_the_reference_budget() {
     }
 }
 
+#[test]
+fn progress_of_the_kd_tree_counts_every_triangle() {
+    for count in [0, 5, 300, 40_000] {
+        let triangles = prepared(&shapes::soup(count, 0.02, 8));
+        let (parameters, cancel) = (KdParameters::default(), CancelToken::new());
+        let progress = Progress::new();
+        let tree = KdTree::build_watched(&triangles, &parameters, &cancel, &progress);
+        assert!(tree.is_some());
+        assert_eq!(progress.done(), u64::from(count));
+    }
+}
+
 /// Where no single plane pays, as in the vertex fan, the builder must not stop at a leaf with everything.
 #[test]
 fn hostile_scenes_cost_less_than_one_leaf() {

@@ -2,7 +2,7 @@
 
 use super::WideTree;
 use super::build::{BLOCK_COST, NODE_COST};
-use super::node::ChildKind;
+use super::node::{Child, ChildKind};
 use crate::accel::block::TriangleBlock;
 use crate::accel::{StructureQuality, half_area};
 use crate::math::Bounds;
@@ -29,17 +29,24 @@ impl WideTree {
                 1.0
             }
         };
-        let mut open = vec![(self.root, 1.0)];
-        while let Some((child, chance_of_child)) = open.pop() {
+        let mut open = vec![(self.root, 1.0, 0)];
+        while let Some((child, chance_of_child, depth)) = open.pop() {
+            quality.depth = quality.depth.max(depth);
             match child.kind() {
                 ChildKind::Node(index) => {
+                    quality.nodes += 1;
                     quality.sah_cost += chance_of_child * NODE_COST;
                     let node = &self.nodes[index];
                     for (lane, &child) in node.children.iter().enumerate() {
-                        open.push((child, chance(&node.bounds(lane))));
+                        if child != Child::NONE {
+                            open.push((child, chance(&node.bounds(lane)), depth + 1));
+                        }
                     }
                 }
                 ChildKind::Leaf(blocks) => {
+                    quality.leaves += 1;
+                    quality.empty_leaves += u64::from(blocks.is_empty());
+                    quality.blocks += blocks.len() as u64;
                     quality.sah_cost += chance_of_child * BLOCK_COST * blocks.len() as f64;
                     let ids = self.blocks[blocks].iter().flat_map(|block| block.ids);
                     let references = ids.filter(|&id| id != TriangleBlock::NO_TRIANGLE);

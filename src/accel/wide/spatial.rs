@@ -16,6 +16,12 @@ const BINS: usize = 16;
 /// 207 and takes 76 bytes per triangle, with 1 it is 222 and 79.
 const PRICE: f32 = 50.0;
 
+/// How much dearer a plane may be than the best division by objects. The heuristic counts rays that go all the way through. One that hits
+/// something before the plane need not look behind it, while of boxes that overlap both have to be looked into. On three dense soups (20,000
+/// and 100,000 slivers, 100,000 triangles a fifth as wide as the scene) the two cost the same within a tenth, so that without this nothing
+/// was cut: with it, their rays are 1.3 to 1.6 times as fast; meshes stay as they are, bit by bit.
+const WORTH: f32 = 1.2;
+
 /// A plane across an axis; what lies in it is before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
@@ -111,7 +117,8 @@ impl Slices {
     }
 }
 
-/// The cheapest plane that adds at most `spare` items, if it costs less than `objects`.
+/// The cheapest plane that adds at most `spare` items, if it costs less than what it is worth where the best division by objects costs
+/// `objects`.
 pub(super) fn cheapest(
     job: &Job,
     items: &[Item],
@@ -122,7 +129,7 @@ pub(super) fn cheapest(
     let slices = Slices::new(extent);
     let bins = binning::filled(job, items, |items| slices.fill(items));
 
-    let mut best = (objects, None);
+    let mut best = (objects * WORTH, None);
     for (axis, bins) in bins.iter().enumerate() {
         for (index, (left, right)) in binning::sides(bins).enumerate() {
             let (before, behind) = (left.begin, right.end);

@@ -1,9 +1,17 @@
 //! What waits to be visited during a walk.
 
+use std::cell::RefCell;
+use std::mem;
+
 use super::node::WIDTH;
 use crate::accel::leaf::Visitor;
 
 const STACK_SIZE: usize = 32;
+
+thread_local! {
+    /// Memory for what does not fit in the array, kept from ray to ray.
+    static SET_ASIDE: RefCell<Vec<Vec<Waiting>>> = const { RefCell::new(Vec::new()) };
+}
 
 /// The boxes that wait for their turn, the nearest of each node on top.
 pub(super) struct Stack {
@@ -36,6 +44,9 @@ impl Stack {
     #[cold]
     #[inline(never)]
     fn set_aside(&mut self) {
+        if self.below.capacity() == 0 {
+            self.below = SET_ASIDE.with_borrow_mut(Vec::pop).unwrap_or_default();
+        }
         self.below.extend_from_slice(&self.top[..self.count]);
         self.count = 0;
     }
@@ -70,6 +81,15 @@ impl Stack {
         }
     }
 
+    #[cold]
+    #[inline(never)]
+    fn give_back(&mut self) {
+        let mut below = mem::take(&mut self.below);
+        below.clear();
+        // Where the thread ends, nothing is kept.
+        let _ = SET_ASIDE.try_with(|kept| kept.borrow_mut().push(below));
+    }
+
     /// Moves as much as fits back onto the empty array.
     #[cold]
     #[inline(never)]
@@ -78,6 +98,15 @@ impl Stack {
         let rest = self.below.len() - self.count;
         self.top[..self.count].copy_from_slice(&self.below[rest..]);
         self.below.truncate(rest);
+    }
+}
+
+impl Drop for Stack {
+    #[inline(always)]
+    fn drop(&mut self) {
+        if self.below.capacity() > 0 {
+            self.give_back();
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! What the builder makes of triangles: cut or not, fast or well.
 
+use super::build::{BLOCK_COST, NODE_COST};
 use super::*;
-use crate::accel::BruteForce;
-use crate::accel::tests::{bits, rays, scenes, wide_tree};
-use crate::geometry::shapes::Random;
+use crate::accel::tests::{bits, prepared, rays, scenes, wide_tree};
+use crate::accel::{Accelerator, BruteForce, Visits};
+use crate::geometry::shapes::{self, Random};
 use crate::math::{DVec3, Vec3};
 
 /// Triangles of which every other one is long and thin.
@@ -114,12 +115,47 @@ fn what_is_cut_pays() {
     let cut = wide_tree(&triangles);
     let bytes = cut.bytes() / triangles.len();
     assert!(bytes <= 80, "{bytes} bytes per triangle");
-    let (cancel, progress) = (CancelToken::new(), Progress::new());
-    let whole = WideTree::build_adding(&triangles, BuildQuality::Best, 0, &cancel, &progress);
-    let whole = whole.expect("nobody cancels");
+    let whole = uncut_tree(&triangles);
     assert_eq!(references_per_triangle(&whole), 1.0);
     let [cut, whole] = [cut, whole].map(|tree| tree.quality().sah_cost);
     assert!(cut < 0.75 * whole, "costs of {cut} and {whole}");
+}
+
+/// Soups so dense that the heuristic finds a plane as dear as a division by objects: what is cut must pay there, too.
+#[test]
+fn dense_soups_are_cut() {
+    for (name, mesh) in [
+        ("slivers", shapes::slivers(20_000, 1e-3, 5)),
+        ("soup", shapes::soup(20_000, 0.3, 6)),
+    ] {
+        let triangles = prepared(&mesh);
+        let cut = wide_tree(&triangles);
+        let references = references_per_triangle(&cut);
+        assert!((1.5..=1.7).contains(&references), "{name}: {references}");
+        let bytes = cut.bytes() / triangles.len();
+        assert!(bytes <= 80, "{name}: {bytes} bytes per triangle");
+        // What the heuristic does not count: rays that hit something end there.
+        let rays = rays(&triangles, 7);
+        let visited = [cut, uncut_tree(&triangles)].map(|tree| {
+            let tree = Accelerator::Wide(tree);
+            let mut all = Visits::default();
+            for ray in &rays {
+                all += tree.visits(ray, f32::INFINITY, false);
+            }
+            NODE_COST * all.nodes as f64 + BLOCK_COST * all.blocks as f64
+        });
+        let [cut, whole] = visited;
+        assert!(
+            cut < 0.8 * whole,
+            "{name}: visits that cost {cut} and {whole}"
+        );
+    }
+}
+
+fn uncut_tree(triangles: &[Triangle]) -> WideTree {
+    let (cancel, progress) = (CancelToken::new(), Progress::new());
+    let tree = WideTree::build_adding(triangles, BuildQuality::Best, 0, &cancel, &progress);
+    tree.expect("nobody cancels")
 }
 
 fn fast_tree(triangles: &[Triangle]) -> WideTree {

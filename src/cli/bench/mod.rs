@@ -49,7 +49,7 @@ pub struct BenchArguments {
     write: Option<PathBuf>,
 
     /// Measure the window in place of the structures: its frames while all cores render, how soon a cancelled render ends, and how soon
-    /// an edit shows with Live on. It opens for about a minute
+    /// an edit shows with Live on. It opens for two or three minutes; exit code 1 where a bar is missed
     #[arg(long, conflicts_with_all = ["structures", "size", "assignments", "threads", "rays", "write"])]
     window: bool,
 

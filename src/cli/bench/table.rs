@@ -20,6 +20,7 @@ pub fn describe(facts: &BenchFacts) -> String {
             facts.structures[0].triangles_stored
         ),
         structures(facts),
+        parts(facts),
         rays(facts),
     ];
     sections.push(rates("Mrays/s, one thread", facts, |structure| {
@@ -78,6 +79,25 @@ fn structures(facts: &BenchFacts) -> String {
             format!("{:.3}", structure.references_per_triangle),
             format!("{:.2}", structure.sah_cost),
         ]
+    };
+    let heads = heads.map(str::to_owned).to_vec();
+    aligned(std::iter::once(heads).chain(facts.structures.iter().map(row)))
+}
+
+/// What the structures are made of.
+fn parts(facts: &BenchFacts) -> String {
+    let heads = ["structure", "nodes", "leaves", "empty", "blocks", "depth"];
+    let row = |structure: &StructureFacts| {
+        let counts = [
+            structure.nodes,
+            structure.leaves,
+            structure.empty_leaves,
+            structure.blocks,
+            structure.depth.into(),
+        ];
+        let mut row = vec![structure.name.to_owned()];
+        row.extend(counts.iter().map(ToString::to_string));
+        row
     };
     let heads = heads.map(str::to_owned).to_vec();
     aligned(std::iter::once(heads).chain(facts.structures.iter().map(row)))

@@ -2,6 +2,10 @@ use super::*;
 use crate::geometry::shapes::{cuboid, icosphere as sphere};
 use crate::math::{DVec2, power_of_two};
 
+fn normals_of(mesh: &TriangleMesh, crease: Degrees) -> CornerNormals {
+    corner_normals(mesh, crease, &CancelToken::new()).expect("nobody cancels")
+}
+
 /// A cube of edge 2 around the origin, two triangles per side.
 fn cube() -> TriangleMesh {
     cuboid(DVec3::NEG_ONE, DVec3::ONE)
@@ -37,7 +41,7 @@ fn seams_of_images_are_not_seen_in_normals() {
 
 /// The normal of each corner, after checking that all are unit vectors.
 fn per_corner(mesh: &TriangleMesh, crease: f64) -> Vec<[DVec3; 3]> {
-    let shading = corner_normals(mesh, Degrees(crease));
+    let shading = normals_of(mesh, Degrees(crease));
     for normal in &shading.normals {
         assert!((normal.length() - 1.0).abs() < 1e-14, "{normal}");
     }
@@ -61,7 +65,7 @@ fn a_cube_is_flat_up_to_89_degrees_and_round_from_91() {
         assert_flat(&cube, crease);
     }
     // The two triangles of a side share their normals: 6 sides of 4 corners.
-    assert_eq!(corner_normals(&cube, Degrees(30.0)).normals.len(), 24);
+    assert_eq!(normals_of(&cube, Degrees(30.0)).normals.len(), 24);
     for crease in [90.1, 180.0, 1000.0] {
         let normals = per_corner(&cube, crease);
         for (triangle, corners) in cube.triangles.iter().zip(normals) {
@@ -71,7 +75,7 @@ fn a_cube_is_flat_up_to_89_degrees_and_round_from_91() {
                 assert!(normal.distance(diagonal) < 1e-14, "{normal} {diagonal}");
             }
         }
-        assert_eq!(corner_normals(&cube, Degrees(crease)).normals.len(), 8);
+        assert_eq!(normals_of(&cube, Degrees(crease)).normals.len(), 8);
     }
 }
 
@@ -85,23 +89,20 @@ fn normals_of_a_sphere_are_nearly_radial() {
             assert!(normal.distance(radial) < 4e-3, "{normal} {radial}");
         }
     }
-    let shading = corner_normals(&sphere, Degrees(30.0));
+    let shading = normals_of(&sphere, Degrees(30.0));
     assert_eq!(shading.normals.len(), sphere.positions.len());
 }
 
 #[test]
 fn scale_changes_nothing() {
     let sphere = sphere(2);
-    let base = corner_normals(&sphere, Degrees(40.0));
+    let base = normals_of(&sphere, Degrees(40.0));
     for exponent in [-900, -60, 60, 900] {
         let factor = power_of_two(exponent);
-        assert_eq!(
-            corner_normals(&scaled(&sphere, factor), Degrees(40.0)),
-            base
-        );
+        assert_eq!(normals_of(&scaled(&sphere, factor), Degrees(40.0)), base);
     }
     for factor in [1e-300, 1e-20, 1e20, 1e300, f64::MAX] {
-        let shading = corner_normals(&scaled(&sphere, factor), Degrees(40.0));
+        let shading = normals_of(&scaled(&sphere, factor), Degrees(40.0));
         assert_eq!(shading.corners, base.corners);
         for (normal, expected) in shading.normals.iter().zip(&base.normals) {
             assert!(normal.distance(*expected) < 1e-12, "{factor}");
@@ -227,7 +228,7 @@ fn many_faces_at_one_edge_join_their_neighbours() {
         let page = mesh.positions[outer as usize];
         page.x > 0.5
     });
-    let normals = corner_normals(&mesh, Degrees(13.0)).normals;
+    let normals = normals_of(&mesh, Degrees(13.0)).normals;
     assert_eq!(normals.len(), 2 + mesh.triangles.len());
     assert!(normals[0].distance(DVec3::NEG_Y) < 1e-12, "{}", normals[0]);
 }
@@ -235,14 +236,15 @@ fn many_faces_at_one_edge_join_their_neighbours() {
 #[test]
 fn an_empty_mesh_and_unused_vertices_have_no_normals() {
     let mut mesh = TriangleMesh::default();
-    assert_eq!(
-        corner_normals(&mesh, Degrees(30.0)),
-        CornerNormals::default()
-    );
+    assert_eq!(normals_of(&mesh, Degrees(30.0)), CornerNormals::default());
     mesh.positions = vec![DVec3::ONE; 3];
     mesh.normals = Some(vec![DVec3::ONE; 3]);
-    assert_eq!(
-        corner_normals(&mesh, Degrees(30.0)),
-        CornerNormals::default()
-    );
+    assert_eq!(normals_of(&mesh, Degrees(30.0)), CornerNormals::default());
+}
+
+#[test]
+fn there_are_no_normals_when_cancelled() {
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    assert_eq!(corner_normals(&cube(), Degrees(30.0), &cancel), None);
 }

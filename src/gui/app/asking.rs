@@ -78,7 +78,7 @@ impl App {
         let response = modal_ui(ctx, "waiting", 380.0, |ui| {
             ui.heading(purpose.title());
             ui.add_space(4.0);
-            let text = "The desktop shows its file dialog in a window of its own.";
+            let text = "The desktop shows its file dialog in a window of its own. Where none appears, type the path.";
             ui.label(RichText::new(text).weak());
             buttons_ui(ui, |ui| {
                 let cancel = ui.button("Cancel").clicked();

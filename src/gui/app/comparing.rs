@@ -105,8 +105,8 @@ impl App {
 
     fn begin_comparing(&mut self, mut comparison: Comparison) {
         self.view = View::Picture;
-        if let Some(before) = &self.comparison {
-            comparison.mode = before.mode;
+        if let Some(before) = &mut self.comparison {
+            comparison.continue_from(before);
         }
         self.comparison = Some(comparison);
         self.jobs.cancel(Lane::Compare);
@@ -138,22 +138,25 @@ impl App {
         buffer.set_display(self.document.scene.display);
         self.look_at(&buffer);
         self.jobs.start(Lane::EncodeOther, move |job| {
-            buffer.encode_all(&job.cancel, |tile| {
-                job.send(Event::CompareTile(Side::Other, tile));
+            buffer.encode_all(&job.cancel, |encoded| {
+                job.send(Event::CompareEncoded(Side::Other, encoded));
             });
         });
     }
 
     /// Has measured what is compared, where it is looked at and not known.
     pub(super) fn update_comparison(&mut self) {
-        if self.jobs.is_busy(Lane::Compare) || self.picture_on_screen().is_none() {
-            return;
-        }
-        let shown = self.shown_picture();
+        let shown = self.picture_on_screen();
         let shown = shown.map(|p| (p.is_running(), Arc::clone(&p.buffer)));
         let (Some((is_running, a)), Some(comparison)) = (shown, &mut self.comparison) else {
             return;
         };
+        if comparison.measures_another(a.id()) {
+            // What is found of that, nobody wants to see.
+            self.jobs.cancel(Lane::Compare);
+        } else if self.jobs.is_busy(Lane::Compare) {
+            return;
+        }
         if !comparison.must_measure(a.id(), is_running) {
             return;
         }
@@ -164,8 +167,8 @@ impl App {
                 Ok((distance, difference)) => {
                     let size = difference.size_in_texels();
                     job.send(Event::Compared(Ok((distance, size))));
-                    difference.encode_all(&job.cancel, |tile| {
-                        job.send(Event::CompareTile(Side::Difference, tile));
+                    difference.encode_all(&job.cancel, |encoded| {
+                        job.send(Event::CompareEncoded(Side::Difference, encoded));
                     });
                 }
                 Err(why) => job.send(Event::Compared(Err(why))),

@@ -1,7 +1,8 @@
 //! Keeping unsaved work and what was opened last on disk, and offering what a window before left behind.
 //!
 //! Whatever was edited is on disk a second later: it is written at most every half second, by a job, while there is something that
-//! is not saved. Restored work is removed from where it was found only when this window keeps it itself.
+//! is not saved. Restored work is kept where it was found until it is saved, beside what else this window keeps: undoing may lead from one to the
+//! other.
 //! A render is kept too while it runs, and if it took long until it is saved or the next begins; it goes on when it is restored.
 
 use std::collections::VecDeque;
@@ -10,14 +11,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{App, WaitingRender};
-use crate::gui::dialogs::Dialog;
 use crate::gui::dialogs::recovery::Answer;
+use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::document::same_scene;
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
-use crate::gui::keeping::{self, Begun, Lost, Session};
-use crate::gui::picture::Outcome;
-use crate::gui::recovering::{Recovered, recover};
+use crate::gui::keeping::{self, About, Begun, Lost, Place, Session};
+use crate::gui::picture::{Outcome, Picture};
+use crate::gui::recovering::{Interrupted, Recovered, recover};
+use crate::gui::start::Survivor as _;
 use crate::gui::top_bar::View;
 use crate::scene::Scene;
 
@@ -25,6 +27,9 @@ use crate::scene::Scene;
 const INTERVAL: Duration = Duration::from_millis(500);
 /// Time until work is written again that could not be.
 const RETRY_INTERVAL: Duration = Duration::from_secs(5);
+
+/// The longest that a closing window waits for a render to end.
+const LETTING_GO: Duration = Duration::from_secs(1);
 
 /// What the window keeps on disk.
 #[derive(Debug, Default)]
@@ -40,8 +45,8 @@ pub struct Keeping {
     started: Option<Instant>,
     /// Lost work that was not asked about yet.
     lost: VecDeque<Lost>,
-    /// Restored work that is not kept here yet.
-    restored: Option<Lost>,
+    /// Restored work that is not saved yet, and the number of the file that it is in the document.
+    restored: Option<(Lost, usize)>,
     /// Why nothing can be kept, until it is told.
     fault: Option<String>,
     /// The files opened or saved last, newest first.
@@ -84,21 +89,54 @@ impl App {
         }
     }
 
-    /// Removes what was kept, as the window closes: the user has decided about it.
+    /// Removes what was kept, as the window closes, where the user has decided about it. Where the desktop ends the program, as some do when their
+    /// session ends, nobody was asked: then all is left for the next start.
     pub(super) fn end_keeping(&mut self) {
+        if !self.may_close && self.holds_up_closing() {
+            return self.give_up();
+        }
         // What was to be gone on with, and is not yet, is offered again.
         self.waiting_render = None;
+        (self.dialog, self.after_saving) = (None, None);
+        self.asked_later.clear();
+        self.jobs.cancel(Lane::Load);
+        while self.jobs.next_event().is_some() {}
+        self.stop_rendering();
         if let Some(picture) = &self.picture {
             picture.leave_kept();
         }
         if let Some(session) = self.keeping.session.take() {
             session.end();
         }
-        self.keeping
-            .restored
-            .take()
-            .into_iter()
-            .for_each(Lost::discard);
+        // What was undone was not decided about.
+        let file = self.document.file_number();
+        let restored = self.keeping.restored.take();
+        if let Some((lost, _)) = restored.filter(|(_, restored)| *restored == file) {
+            lost.discard();
+        }
+    }
+
+    /// Has the render let go of its files: on some systems what is open can neither be moved nor removed.
+    fn stop_rendering(&mut self) {
+        self.jobs.cancel(Lane::Render);
+        if let Some(picture) = &self.picture {
+            picture.throttle().allow(usize::MAX);
+        }
+        let end = Instant::now() + LETTING_GO;
+        while self.jobs.running_threads(Lane::Render) > 0 && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Where unsaved work is kept, if it is.
+    fn place_of_work(&self) -> Option<Place> {
+        let session = self.keeping.session.as_ref()?;
+        let restored = self.keeping.restored.as_ref();
+        let restored = restored.filter(|(_, file)| *file == self.document.file_number());
+        Some(match restored {
+            Some((lost, _)) => Place::Found(lost.clone()),
+            None => Place::Session(Arc::clone(session)),
+        })
     }
 
     /// Where the window keeps what outlives it; `None` where it keeps nothing.
@@ -115,21 +153,19 @@ impl App {
 
     /// Has unsaved work written where it changed since the last time, and removed where it is saved.
     pub(super) fn keep_work(&mut self, ctx: &egui::Context) {
-        let Some(session) = self.keeping.session.clone() else {
-            return;
-        };
         if self.jobs.is_busy(Lane::Keep) {
             return;
         }
+        let Some(place) = self.place_of_work() else {
+            return;
+        };
         let document = &self.document;
         if !document.is_modified() {
-            if self.keeping.kept.take().is_some() {
+            let is_found = matches!(place, Place::Found(_));
+            if self.keeping.kept.take().is_some() || is_found {
                 self.keeping.has_failed = false;
-                let restored = self.keeping.restored.take();
-                self.jobs.start(Lane::Keep, move |_| {
-                    session.clear();
-                    restored.into_iter().for_each(Lost::discard);
-                });
+                self.keeping.restored.take_if(|_| is_found);
+                self.jobs.start(Lane::Keep, move |_| place.clear());
             }
             return;
         }
@@ -147,12 +183,12 @@ impl App {
         let scene = document.scene.clone();
         self.keeping.kept = Some(scene.clone());
         self.keeping.started = Some(Instant::now());
-        let (name, path) = (
-            document.name().to_owned(),
-            document.path().map(Path::to_owned),
-        );
+        let about = About {
+            name: document.name().to_owned(),
+            path: document.path().map(Path::to_owned),
+        };
         self.jobs.start(Lane::Keep, move |job| {
-            job.send(Event::WorkKept(session.keep(&scene, name, path)));
+            job.send(Event::WorkKept(place.keep(&scene, &about)));
         });
     }
 
@@ -165,20 +201,21 @@ impl App {
     pub(super) fn work_kept(&mut self, result: Result<(), String>) {
         let had_failed = std::mem::replace(&mut self.keeping.has_failed, result.is_err());
         match result {
-            Ok(()) => {
-                if let Some(restored) = self.keeping.restored.take() {
-                    self.jobs.start(Lane::Discard, move |_| restored.discard());
-                }
-            }
             // It is tried again and again, and told once.
             Err(error) if !had_failed => self.not_kept(&error),
-            Err(_) => {}
+            _ => {}
         }
     }
 
     /// The job that writes unsaved work, or removes it, ended by a fault of the program: what was to be on disk is written again.
     pub(super) fn keep_failed(&mut self) {
         self.keeping.has_failed = self.keeping.kept.is_some();
+    }
+
+    /// Whether unsaved work is kept on disk, as soon as there is some.
+    #[must_use]
+    pub fn is_keeping(&self) -> bool {
+        self.keeping.session.is_some()
     }
 
     /// Whether all that is not saved is on disk.
@@ -234,29 +271,14 @@ impl App {
         });
     }
 
-    pub(super) fn restored(&mut self, lost: Lost, result: Result<Recovered, String>) {
+    /// Lost work was read. What was edited meanwhile is asked about, as before another scene is opened.
+    pub(super) fn restored(&mut self, lost: Lost, result: Result<Box<Recovered>, String>) {
         self.loading = None;
         match result {
-            Ok(Recovered { document, render }) => {
-                self.replace_document(document);
-                if self.document.is_modified() {
-                    self.keeping.restored = Some(lost);
-                    self.messages.news("Restored what was not saved");
-                } else {
-                    self.jobs.start(Lane::Discard, move |_| lost.discard());
-                }
-                match render {
-                    Some(Ok(interrupted)) => {
-                        self.is_live = false;
-                        self.waiting_render = Some(WaitingRender {
-                            interrupted: Some(interrupted),
-                            ..WaitingRender::new()
-                        });
-                    }
-                    Some(Err(reason)) => self.render_lost(&reason),
-                    None => {}
-                }
+            Ok(recovered) if self.document.is_modified() => {
+                self.ask(Dialog::Unsaved(Intent::Restore(lost, recovered)));
             }
+            Ok(recovered) => self.put_restored(lost, *recovered),
             Err(error) => {
                 let folder = lost.folder().display();
                 let text = format!(
@@ -265,6 +287,47 @@ impl App {
                 self.messages.error("Cannot restore the unsaved work", text);
             }
         }
+    }
+
+    /// Puts lost work in place of the scene, and goes on with its render.
+    pub(super) fn put_restored(&mut self, lost: Lost, recovered: Recovered) {
+        let Recovered {
+            scene,
+            is_saved,
+            render,
+        } = recovered;
+        let About { name, path } = lost.about.clone();
+        let before = self.open_document(scene, name, path, is_saved);
+        if is_saved {
+            self.jobs.start(Lane::Discard, move |_| lost.discard());
+        } else {
+            self.keeping.restored = Some((lost, self.document.file_number()));
+            let undo = before.map_or_else(String::new, |it| format!(". Undo brings {it} back"));
+            let news = format!("Restored what was not saved{undo}");
+            self.messages.news(news);
+        }
+        match render {
+            Some(Ok(interrupted)) => self.go_on_with(interrupted),
+            Some(Err(reason)) => self.tell_lost_render(&reason),
+            None => {}
+        }
+    }
+
+    /// Goes on with a render that was interrupted, as soon as its scene is prepared.
+    fn go_on_with(&mut self, interrupted: Interrupted) {
+        if self.picture.as_ref().is_some_and(Picture::is_running) {
+            // One that nobody goes on with stays on disk.
+            drop(interrupted);
+            return self.messages.warning(
+                "The interrupted render waits",
+                "Another one runs. It is offered again at the next start.",
+            );
+        }
+        self.is_live = false;
+        self.waiting_render = Some(WaitingRender {
+            interrupted: Some(interrupted),
+            ..WaitingRender::new()
+        });
     }
 
     pub(super) fn render_goes_on(&mut self, share_done: f64, seconds: f64) {
@@ -278,6 +341,10 @@ impl App {
     pub(super) fn render_lost(&mut self, reason: &str) {
         self.end_picture(Outcome::Failed);
         self.view = View::Preview;
+        self.tell_lost_render(reason);
+    }
+
+    fn tell_lost_render(&mut self, reason: &str) {
         let text = format!("{reason}.\nThe scene is here: Render begins anew.");
         let title = "The interrupted render cannot go on";
         self.messages.warning(title, text);
@@ -317,8 +384,44 @@ impl App {
 
 #[cfg(test)]
 mod tests {
+    use egui_kittest::kittest::Queryable as _;
+
     use super::*;
     use crate::gui::app::testing;
+    use crate::gui::picture_buffer::PictureBuffer;
+    use crate::render::RenderProgress;
+
+    /// What is on disk of a render may take seconds to read.
+    #[test]
+    fn how_far_an_interrupted_render_is_read_is_told_until_it_goes_on() {
+        let mut window = testing::window(None);
+        let app = window.state_mut();
+        let scene = app.document.scene.clone();
+        let part = app.wanted_part();
+        let buffer = PictureBuffer::new(part, Vec::new(), scene.display).expect("it fits");
+        let picture = Picture::new(
+            1,
+            ["demo", "Demo"].map(str::to_owned),
+            scene,
+            Arc::new(buffer),
+            RenderProgress::default(),
+            Instant::now(),
+        );
+        picture.reading.set_total(1000);
+        picture.reading.advance(420);
+        app.picture = Some(picture);
+        window.run_steps(2);
+        let told = "Reading what was rendered before";
+        assert!(window.query_by_label_contains(told).is_some());
+        assert!(window.query_by_label("42 %").is_some());
+        window.state_mut().render_goes_on(0.25, 9.0);
+        window.run_steps(2);
+        assert!(window.query_by_label_contains(told).is_none());
+        let goes_on = "interrupted at 25 %, goes on";
+        assert!(window.query_by_label_contains(goes_on).is_some());
+        // Nobody renders it.
+        window.state_mut().picture = None;
+    }
 
     #[test]
     fn work_is_written_again_after_a_fault_of_the_program() {

@@ -1,15 +1,18 @@
 //! Where everything is drawn.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use egui::{
-    CentralPanel, Color32, CornerRadius, FontId, Frame, Margin, Panel, Rect, RichText, Ui, Vec2,
+    CentralPanel, Color32, CornerRadius, FontId, Frame, Margin, Panel, Rect, RichText, Ui,
+    UiBuilder, Vec2,
 };
 
 use super::App;
 use super::tools::{focus_aid, moves_since};
 use crate::gui::commands::{Command, Stoppable};
 use crate::gui::focus::FocusAid;
+use crate::gui::keeping::Fold;
 use crate::gui::look::Channels;
 use crate::gui::panels::{self, PanelState, StructureInUse};
 use crate::gui::picture::Picture;
@@ -17,17 +20,22 @@ use crate::gui::preview::choice::Omission;
 use crate::gui::renders::{self, StripState};
 use crate::gui::status_bar::{self, Activity, Status};
 use crate::gui::theme;
+use crate::gui::tool;
 use crate::gui::top_bar::{self, Recent};
 use crate::gui::viewport::{self, ViewportScene};
 use crate::gui::zoom::Place;
 use crate::gui::{compare, error_colors, error_plot, false_colors, inspector, steps_legend};
 use crate::io;
+use crate::render::Layer;
 use crate::scene::Mode;
 
 /// Time between two frames while a report is made and the user does nothing: rarely, as each frame takes time from what is measured.
 const REPORT_REFRESH: Duration = Duration::from_millis(500);
 /// The same while costs are measured: drawing counts among the processor time of what is measured.
 const MEASURING_REFRESH: Duration = Duration::from_secs(1);
+
+/// How wide the side panel may be, in points.
+const PANEL_WIDTHS: RangeInclusive<f32> = theme::PANEL_WIDTH - 40.0..=560.0;
 
 /// What was asked for in the window.
 #[derive(Clone, Debug)]
@@ -64,13 +72,14 @@ impl App {
         let mut open = self.panel_open;
         let panel = Panel::right("side panel")
             .frame(bar(0, 0))
-            .default_size(self.looks.layout.panel.size_or(theme::PANEL_WIDTH))
-            .size_range(theme::PANEL_WIDTH - 40.0..=560.0)
+            .default_size(panel_width(&self.looks.layout.panel))
+            .size_range(PANEL_WIDTHS)
             .show_collapsible(ui, &mut open, |ui| {
                 self.panels_ui(ui, &mut bar_asked.commands);
             });
         self.panel_open = open;
         let width = panel.map(|panel| panel.response.rect.width());
+        let width = width.filter(|width| PANEL_WIDTHS.contains(width));
         self.looks.layout.panel.note(open, width);
         let mut open = self.error_plot.open;
         let plot = Panel::bottom("error plot")
@@ -148,6 +157,7 @@ impl App {
         } else if let Some(picture) = self.picture_on_screen().or(self.picture.as_ref()) {
             Activity::Picture {
                 picture,
+                is_of_other: picture.file != self.document.file_number(),
                 outdated: self.is_outdated(picture),
             }
         } else {
@@ -166,20 +176,28 @@ impl App {
             ui.ctx().request_repaint_after(REPORT_REFRESH);
         }
         let scene = &self.document.scene;
+        let (news, left) = self.messages.fresh_news();
+        if let Some(left) = left {
+            ui.ctx().request_repaint_after(left);
+        }
         let status = Status {
             activity,
             saving: self.pictures_being_saved(),
             esc_stops: self.what_to_stop(),
-            news: self.messages.last_news(),
+            news,
             scene: (!scene.objects.is_empty()).then_some(scene),
         };
         status_bar::status_bar_ui(ui, &status)
     }
 
     fn panels_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        // Nothing in the panel makes it wider: what has no room is cut off.
+        let place = ui.available_rect_before_wrap();
+        ui.advance_cursor_after_rect(place);
+        let mut ui = ui.new_child(UiBuilder::new().max_rect(place));
         egui::ScrollArea::vertical()
             .auto_shrink(false)
-            .show(ui, |ui| {
+            .show(&mut ui, |ui| {
                 Frame::new()
                     .inner_margin(Margin {
                         left: 12,
@@ -202,6 +220,7 @@ impl App {
                             None => self.picture.as_ref(),
                         };
                         let layers = shown.map_or(&[][..], |p| p.buffer.layers());
+                        let mut asked_pixel = None;
                         let mut state = PanelState {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
@@ -211,6 +230,7 @@ impl App {
                             channels: &mut self.channels,
                             layers,
                             histogram: self.brightness.histogram.as_ref(),
+                            asked_pixel: &mut asked_pixel,
                             structure,
                             costs: &self.costs,
                             balls: &mut self.balls,
@@ -220,6 +240,9 @@ impl App {
                             commands,
                         };
                         panels::panels_ui(ui, &mut state);
+                        if let Some(pixel) = asked_pixel {
+                            self.zoom.show_pixel(pixel);
+                        }
                     });
             });
     }
@@ -259,6 +282,7 @@ impl App {
             });
         }
         if self.document.scene.objects.is_empty() {
+            self.show_tiles(ui.ctx());
             self.viewport.release();
             viewport::backdrop_ui(ui, area, frame, false);
             self.empty_ui(ui, area);
@@ -272,6 +296,7 @@ impl App {
             self.interact_ui(ui, frame, area);
             self.follow_edits(ui.ctx());
         }
+        self.show_tiles(ui.ctx());
         let showing_picture = self.picture_on_screen().is_some();
         viewport::backdrop_ui(ui, area, frame, self.is_preview_hidden());
         // Behind an enlarged picture it would be larger than a texture may be, and behind a whole one nobody sees it.
@@ -289,6 +314,21 @@ impl App {
         hovered_files_ui(ui, area);
     }
 
+    /// Says where the camera is moved, while somebody drags over a whole picture, where nothing moves.
+    fn drag_hint_ui(&self, ui: &Ui, visible: Rect) {
+        if self.viewport.drags_picture() && !self.zoom.is_enlarged() {
+            let keys = [Command::ShowPreview, Command::ToggleLive];
+            let [preview, live] = keys.map(|command| command.shortcut_text(ui.ctx()));
+            tool::hint_ui(
+                ui,
+                visible,
+                &format!(
+                    "The camera moves in the preview ({preview}), or here with Live on ({live})"
+                ),
+            );
+        }
+    }
+
     /// Draws what lies over preview and picture, and says what is in them.
     fn overlays_ui(&mut self, ui: &mut Ui, frame: Rect, area: Rect) {
         self.trace_asked_ray();
@@ -296,12 +336,12 @@ impl App {
         if self.is_camera_view() {
             let scene = &self.document.scene;
             viewport::markers_ui(ui, frame, scene, &self.selection);
-            let moved = self.selected_move();
-            viewport::box_ui(ui, frame, scene, &self.selected_bounds(), |corner| {
-                moved.map_or(corner, |moved| moved.apply(corner))
-            });
+            if let Some(corners) = self.selected_corners() {
+                viewport::box_ui(ui, frame, scene, &corners);
+            }
         }
         self.tools_ui(ui, frame, area);
+        self.drag_hint_ui(ui, frame.intersect(area));
         if self.picture_on_screen().is_some() {
             let name = self.shown_name();
             if let Some(comparison) = &mut self.comparison {
@@ -314,7 +354,9 @@ impl App {
         if let Some(scale) = picture.buffer.shown_error_scale() {
             error_colors::legend_ui(ui, seen, scale);
         } else if self.channels == Channels::FalseColors {
-            false_colors::legend_ui(ui, seen, display);
+            let is_radiance = picture.scene.render.mode.shows_light()
+                && picture.buffer.shown_layer().is_none_or(Layer::is_part);
+            false_colors::legend_ui(ui, seen, display, is_radiance);
         } else if picture.scene.render.mode == Mode::Steps {
             steps_legend::legend_ui(ui, seen, display);
         }
@@ -435,7 +477,7 @@ impl App {
             self.show_camera_view();
         }
         if is_picture {
-            self.inspect_ui(ui);
+            self.inspect_ui(ui, frame.intersect(area));
         } else {
             self.look_ui(ui, frame.intersect(area), frame);
         }
@@ -453,6 +495,16 @@ impl App {
             area,
             egui::Label::new(RichText::new(text).size(16.0).weak()),
         );
+    }
+}
+
+/// The width of the side panel that was remembered, where it can be right.
+fn panel_width(panel: &Fold) -> f32 {
+    let width = panel.size_or(theme::PANEL_WIDTH);
+    if PANEL_WIDTHS.contains(&width) {
+        width
+    } else {
+        theme::PANEL_WIDTH
     }
 }
 
@@ -551,4 +603,21 @@ fn no_gpu_ui(ui: &Ui, frame: Rect) {
         FontId::proportional(15.0),
         ui.visuals().weak_text_color(),
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_width_that_the_panel_cannot_have_is_not_remembered() {
+        let width = |size| {
+            let is_open = true;
+            panel_width(&Fold { is_open, size })
+        };
+        assert_eq!(width(Some(400.0)), 400.0);
+        for wrong in [None, Some(1250.0), Some(3.0), Some(-1.0), Some(f32::NAN)] {
+            assert_eq!(width(wrong), theme::PANEL_WIDTH, "{wrong:?}");
+        }
+    }
 }

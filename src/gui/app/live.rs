@@ -42,12 +42,11 @@ impl App {
         let picture =
             picture.filter(|picture| !picture.is_paused() && !self.goes_on_as_it_was(picture));
         let is_followed = self.is_live && can_start && self.waiting_render.is_none();
-        let is_given_up = |p: &Picture| p.is_running() && !p.is_long();
+        let file = self.document.file_number();
+        let is_given_up = |p: &Picture| p.is_running() && !p.is_long() && p.file == file;
         let is_wanted = |p: &Picture| (is_given_up(p) || is_followed) && self.is_outdated(p);
         if picture.is_some_and(is_wanted) {
-            if let Some(picture) = &mut self.picture {
-                picture.replace();
-            }
+            self.replace_picture();
             self.ask_for_render();
         }
     }

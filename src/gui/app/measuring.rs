@@ -12,6 +12,7 @@ impl App {
     /// Has balls of materials rendered that are missing. Not before the scene can be drawn and rendered, and not while something is
     /// measured: it would take time from that.
     pub(super) fn update_balls(&mut self) {
+        self.balls.set_images(&self.document.scene.textures);
         let is_measuring =
             self.report.is_running() || self.is_measuring_costs() || self.is_estimating_time();
         let is_free = !is_measuring && !self.is_settling() && !self.jobs.is_busy(Lane::Balls);

@@ -2,8 +2,8 @@
 //!
 //! A frame takes in what background jobs have to say (`App::take_news`), draws bars, panels and the central area, which
 //! edit the scene in place or name a [`Command`], carries the commands out, and last looks at what changed: new geometry
-//! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. Everything slow is a job;
-//! see [`super::jobs`] for how jobs and window talk.
+//! is handed to a job to prepare, a new display setting to a job that encodes the picture anew. What came of a picture goes to its
+//! textures when the central area is drawn (`App::show_tiles`). Everything slow is a job; see [`super::jobs`] for how jobs and window talk.
 //!
 //! - `bookmarks`: cameras to come back to
 //! - `comparing`: the shown picture against another
@@ -610,7 +610,11 @@ impl eframe::App for App {
             self.document.record_edit(&self.selection);
         }
         let before = (self.shown_layer, self.channels);
+        let selected = self.selection.clone();
         let asked = self.window_ui(ui);
+        if self.selection != selected {
+            self.messages.note_edit();
+        }
         commands.extend(asked.commands);
         match asked.recent {
             Some(Recent::Open(path)) => self.open(vec![path]),

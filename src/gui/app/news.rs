@@ -7,14 +7,16 @@ use crate::gui::costs::CostState;
 use crate::gui::dialogs::Dialog;
 use crate::gui::event::Event;
 use crate::gui::jobs::{Lane, News};
-use crate::gui::picture::Outcome;
+use crate::gui::picture::{Outcome, Picture};
 use crate::gui::time_estimate::TimeState;
 use crate::io::holds_layers;
 
 impl App {
-    /// Takes in what background jobs have to say, for a few milliseconds at most.
-    pub(super) fn take_news(&mut self, ctx: &egui::Context) {
-        self.take_events(ctx);
+    /// Puts on the screen what has come of pictures. Only once the edits of a frame are followed: pieces of a picture that one of them replaces would
+    /// go to the driver in vain, and take more of the frame than the first look at the new one.
+    pub(super) fn show_tiles(&mut self, ctx: &egui::Context) {
+        let is_shown = |app: &Self| app.shown_picture().is_some_and(Picture::is_shown);
+        let was_shown = is_shown(self);
         let shown = self.shown_number();
         if let Some(picture) = &mut self.picture {
             picture.show_tiles(ctx);
@@ -25,9 +27,14 @@ impl App {
         if let Some(comparison) = &mut self.comparison {
             comparison.show_tiles(ctx);
         }
+        if is_shown(self) != was_shown {
+            // What the bars offer was laid out before.
+            ctx.request_repaint();
+        }
     }
 
-    fn take_events(&mut self, ctx: &egui::Context) {
+    /// Takes in what background jobs have to say, for a few milliseconds at most.
+    pub(super) fn take_news(&mut self, ctx: &egui::Context) {
         const BUDGET_SECONDS: f64 = 0.002;
         let started = Instant::now();
         while let Some(news) = self.jobs.next_event() {
@@ -77,9 +84,9 @@ impl App {
                     picture.take_tile(tile);
                 }
             }
-            Event::Encoded { number, tile } => {
+            Event::Encoded { number, encoded } => {
                 if let Some(picture) = self.picture_of_mut(number) {
-                    picture.take_tile(tile);
+                    picture.take_encoded(encoded);
                 }
             }
             Event::Compared(result) => {
@@ -87,9 +94,9 @@ impl App {
                     comparison.set_distance(result);
                 }
             }
-            Event::CompareTile(side, tile) => {
+            Event::CompareEncoded(side, encoded) => {
                 if let Some(comparison) = &mut self.comparison {
-                    comparison.take_tile(side, tile);
+                    comparison.take(side, encoded);
                 }
             }
             Event::ComparisonRead { path, result } => self.comparison_read(&path, result),
@@ -129,7 +136,7 @@ impl App {
             Event::TimeEstimated { subject, result } => self.time_estimated(subject, result),
             Event::KeepingBegun { recent, begun } => self.keeping_begun(recent, begun),
             Event::WorkKept(result) => self.work_kept(result),
-            Event::Restored { lost, result } => self.restored(lost, result.map(|it| *it)),
+            Event::Restored { lost, result } => self.restored(lost, result),
             Event::RenderGoesOn {
                 share_done,
                 seconds,
@@ -153,12 +160,14 @@ impl App {
         match lane {
             Lane::Load => self.loading = None,
             Lane::Render => self.end_picture(Outcome::Failed),
+            Lane::Encode => self.await_look_of(None),
             Lane::SaveScene => {
                 self.scene_saves -= 1;
                 self.after_saving = None;
             }
             Lane::SavePicture => self.picture_save_failed(),
             Lane::Keep => self.keep_failed(),
+            Lane::Dialog => self.after_saving = None,
             Lane::Report => self.report.fail_by_fault(),
             Lane::Costs => self.costs = CostState::Unknown,
             Lane::Time => self.time = TimeState::Unknown,
@@ -169,5 +178,29 @@ impl App {
         let text =
             format!("This is a fault of the program, and your scene is still here: {message}");
         self.messages.error("Something went wrong", text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use crate::gui::app::testing;
+
+    #[test]
+    fn what_comes_of_a_picture_waits_for_the_edits_of_the_frame() {
+        let mut window = testing::window(None);
+        let ctx = window.ctx.clone();
+        let app = window.state_mut();
+        app.ask_for_render();
+        let deadline = Instant::now() + Duration::from_mins(1);
+        while app.picture().is_none_or(|p| p.first_tile.is_none()) {
+            assert!(Instant::now() < deadline, "no tile comes");
+            app.take_news(&ctx);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        assert!(!app.picture().unwrap().is_shown());
+        window.step();
+        assert!(window.state().picture().unwrap().is_shown());
     }
 }

@@ -124,8 +124,13 @@ impl App {
         match what {
             Stoppable::Region => self.region.stop(),
             Stoppable::Render => {
+                let was_preparing = self.picture.as_ref().is_some_and(|p| p.is_preparing);
                 self.cancel_render();
                 self.pass_over_edits();
+                // Else what it gave up would be begun again beside the picture.
+                if was_preparing {
+                    self.give_up_preparing();
+                }
             }
             Stoppable::Report => self.cancel_report(),
             Stoppable::Measuring => self.cancel_measuring_costs(),
@@ -183,6 +188,37 @@ mod tests {
         assert_eq!(app.messages().last_news(), "Loading cancelled");
         assert!(!app.top_bar_state().allows(Command::Cancel));
         drop(release);
+    }
+
+    /// A render that prepares its scene itself, as those do that follow every change, takes that along when it is cancelled.
+    #[test]
+    fn preparing_ends_with_the_render_that_does_it() {
+        let mut window = testing::window(None);
+        window.state_mut().toggle_live();
+        testing::until(&mut window, |app| !app.is_rendering() && !app.is_settling());
+        let app = window.state_mut();
+        let started = app.jobs_started(Lane::Prepare);
+        app.document.scene.objects[0].translate.x += 0.5;
+        app.ask_for_render();
+        assert!(app.picture.as_ref().is_some_and(|p| p.is_preparing));
+        assert_eq!(app.what_to_stop(), Some(Stoppable::Render));
+        app.stop(Stoppable::Render);
+        assert!(!app.works_in(Lane::Render));
+        window.run_steps(5);
+        let app = window.state_mut();
+        assert_eq!(app.jobs_started(Lane::Prepare), started);
+        assert!(app.is_live && app.what_to_stop().is_none());
+        assert!(
+            app.messages()
+                .last_news()
+                .starts_with("Preparing cancelled")
+        );
+
+        app.document.scene.objects[0].translate.x += 0.5;
+        testing::until(&mut window, |app| !app.is_rendering() && !app.is_settling());
+        let app = window.state();
+        let picture = app.picture.as_ref().expect("there is one");
+        assert_eq!(picture.scene.objects, app.document.scene.objects);
     }
 
     /// A cancelled preparation is not begun again on its own, but for a render and for an edit.

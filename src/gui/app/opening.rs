@@ -161,7 +161,10 @@ impl App {
             [] => "Demo".to_owned(),
             [first, ..] => name_of(first),
         };
-        self.open_document(loaded.scene, name, file);
+        let before = self.open_document(loaded.scene, name, file, true);
+        if let Some(before) = before {
+            self.messages.news(format!("Undo brings {before} back"));
+        }
         if !loaded.warnings.is_empty() {
             let title = format!("Opened {} with remarks", what(paths));
             self.messages.warning(title, loaded.warnings.join("\n"));
@@ -174,35 +177,35 @@ impl App {
         }
     }
 
-    /// Puts another scene in place of the present one. That can be undone, unless there was none.
-    fn open_document(&mut self, scene: Scene, name: String, path: Option<PathBuf>) {
+    /// Puts another scene in place of the present one; `is_saved`: whether it is what its file holds. Returns the name of the one before,
+    /// which undoing brings back; `None` where there was none.
+    pub(super) fn open_document(
+        &mut self,
+        scene: Scene,
+        name: String,
+        path: Option<PathBuf>,
+        is_saved: bool,
+    ) -> Option<String> {
         let before = self.document.name().to_owned();
         let is_first = self.document.scene.objects.is_empty()
             && self.document.undo_history().next_undo().is_none();
-        if is_first {
-            self.replace_document(Document::new(scene, name, path));
-        } else {
-            let selection = std::mem::take(&mut self.selection);
-            self.document.open(scene, name, path, &selection);
-            self.show_other_scene();
-            self.messages.clear();
-            let news = format!("Undo brings {before} back");
-            self.messages.news(news);
+        let selection = std::mem::take(&mut self.selection);
+        match (is_first, is_saved) {
+            (true, true) => self.document = Document::new(scene, name, path),
+            (true, false) => self.document = Document::restored(scene, name, path),
+            (false, true) => self.document.open(scene, name, path, &selection),
+            (false, false) => self.document.open_restored(scene, name, path, &selection),
         }
-    }
-
-    /// Puts another document in place of the present one, and forgets what belongs to that.
-    pub(super) fn replace_document(&mut self, document: Document) {
-        self.document = document;
         self.show_other_scene();
         self.messages.clear();
         self.messages.news("");
+        (!is_first).then_some(before)
     }
 
-    /// Forgets what belonged to the scene that was shown before: the document has another one now.
+    /// Forgets what belonged to the scene that was shown before: the document has another one now. A render that was asked for goes on as it
+    /// does beside any other edit, and what it has reached stays on disk.
     pub(super) fn show_other_scene(&mut self) {
         self.jobs.cancel(Lane::Prepare);
-        self.jobs.cancel(Lane::Render);
         self.jobs.cancel(Lane::Encode);
         self.jobs.cancel(Lane::Reload);
         self.jobs.cancel(Lane::Trace);
@@ -221,6 +224,18 @@ impl App {
         self.unwanted_preparation = None;
         self.problem = None;
         self.hide_past_render();
+        let goes_on = |picture: &Picture| picture.is_running() && !picture.is_preparing;
+        if self.is_live || !self.picture.as_ref().is_some_and(goes_on) {
+            self.put_picture_away();
+        }
+        // What follows every change follows this one, but for the times of a report, which it would spoil.
+        let is_followed = self.is_live && !self.report.is_running();
+        self.waiting_render = is_followed.then(WaitingRender::new);
+    }
+
+    /// Ends the present picture, where it is not ended, and puts it among the renders where it is one to remember.
+    fn put_picture_away(&mut self) {
+        self.jobs.cancel(Lane::Render);
         if !self.is_live || self.picture.as_ref().is_some_and(Picture::is_long) {
             // What a render has reached stays among the renders.
             self.end_picture(Outcome::Cancelled);
@@ -228,9 +243,6 @@ impl App {
         if let Some(picture) = self.picture.take() {
             self.keep_render(picture);
         }
-        // What follows every change follows this one, but for the times of a report, which it would spoil.
-        let is_followed = self.is_live && !self.report.is_running();
-        self.waiting_render = is_followed.then(WaitingRender::new);
     }
 
     pub(super) fn image_loaded(&mut self, path: &Path, result: Result<RadianceFile, String>) {
@@ -280,5 +292,48 @@ pub(super) fn what(paths: &[PathBuf]) -> String {
         [] => "the demo scene".to_owned(),
         [path] => name(path),
         [first, rest @ ..] => format!("{} and {} more", name(first), rest.len()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gui::app::testing;
+    use crate::io::{Origin, Values};
+    use crate::render::{Image, Layer};
+
+    /// Each byte counts once as it is read and once as it is understood; one that was read again would count again.
+    #[test]
+    fn a_render_is_read_once_and_its_progress_ends_with_it() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("render.exr");
+        let mut scene = io::demo_scene();
+        (scene.render.width, scene.render.height) = (64, 48);
+        let origin = Origin {
+            scene: &scene,
+            error: None,
+            region: None,
+            values: Values::Rendered,
+        };
+        let layers = [(Layer::Emission, Image::black(64, 48))];
+        io::write_render(&Image::black(64, 48), &layers, &origin, &path).expect("is written");
+        let scene_file = folder.path().join("scene.toml");
+        io::save_scene(&scene, &scene_file).expect("is saved");
+
+        let mut window = testing::window(None);
+        let progress_of = |window: &mut egui_kittest::Harness<'static, App>, path: &Path| {
+            window.state_mut().load(vec![path.to_owned()]);
+            let loading = window.state().loading.as_ref().expect("it is read");
+            let progress = loading.progress.clone();
+            testing::until(window, |app| app.loading.is_none());
+            assert_eq!(progress.done(), progress.total());
+            progress.total()
+        };
+        let scene = progress_of(&mut window, &scene_file);
+        let render = progress_of(&mut window, &path);
+        let file = std::fs::metadata(&path).expect("is there").len();
+        assert_eq!(render, scene + 2 * file);
+        let picture = window.state().picture_on_screen().expect("it is shown");
+        assert_eq!(picture.buffer.layers(), [Layer::Emission]);
     }
 }

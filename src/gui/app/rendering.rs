@@ -67,16 +67,21 @@ impl App {
             self.cancel_render();
             self.pass_over_edits();
         }
+        self.give_up_preparing();
+        if self.picture.is_none() {
+            // There is none to follow every change.
+            self.is_live = false;
+        }
+    }
+
+    /// Has the scene as it is not prepared before that is needed, where it is not by now.
+    pub(super) fn give_up_preparing(&mut self) {
         if !self.is_prepared() {
             self.jobs.cancel(Lane::Prepare);
             self.preparing = None;
             self.unwanted_preparation = Some(self.document.scene.clone());
             self.messages
                 .news("Preparing cancelled: Render prepares the scene again");
-        }
-        if self.picture.is_none() {
-            // There is none to follow every change.
-            self.is_live = false;
         }
     }
 
@@ -198,8 +203,8 @@ impl App {
 
     /// Starts a render as soon as its geometry is there; one that runs is given up.
     pub(super) fn ask_for_render(&mut self) {
-        if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
-            picture.replace();
+        if self.picture.as_ref().is_some_and(Picture::is_running) {
+            self.replace_picture();
             self.cancel_render();
         }
         self.cancel_measuring_costs();
@@ -208,6 +213,14 @@ impl App {
         self.unwanted_preparation = None;
         self.waiting_render = Some(WaitingRender::new());
         self.update_background_work();
+    }
+
+    /// Takes note that another render takes the place of the present one, which is remembered where it is of another scene.
+    pub(super) fn replace_picture(&mut self) {
+        let file = self.document.file_number();
+        if let Some(picture) = self.picture.as_mut().filter(|p| p.file == file) {
+            picture.replace();
+        }
     }
 
     fn start_render(&mut self, waiting: WaitingRender, preparation: Option<Preparation>) {
@@ -258,12 +271,16 @@ impl App {
             asked,
         );
         if let Some(mut previous) = self.picture.take() {
-            if was_shown {
+            // Layers have no coarse picture to begin with: tiles of this one among those of another would be two pictures.
+            if was_shown && (self.shown_layer.is_none() || self.is_live) {
                 picture.continue_from(&mut previous);
             }
             self.keep_render(previous);
         }
+        // On disk there is one at a time.
+        self.renders.forget_kept();
         picture.number = self.render_count + 1;
+        picture.file = self.document.file_number();
         picture.is_preparing = preparation.is_some();
         picture.why_black = why_black(&scene).ok().flatten();
         if goes_on {
@@ -276,6 +293,7 @@ impl App {
         let throttle = picture.throttle().clone();
         let kept = kept.map(Arc::new);
         picture.keep_in(kept.clone());
+        let reading = picture.reading.clone();
         self.picture = Some(picture);
         self.view = View::Picture;
 
@@ -290,6 +308,7 @@ impl App {
             throttle,
             buffer,
             progress,
+            reading,
             tile_delay: self.refresh_interval(),
             kept,
             goes_on,
@@ -386,7 +405,9 @@ impl App {
 
     pub(super) fn render_failed(&mut self, text: &str, is_short_of_memory: bool) {
         self.end_picture(Outcome::Failed);
-        if is_short_of_memory && self.free_past_pixels() {
+        let file = self.document.file_number();
+        let is_of_other = self.picture.as_ref().is_some_and(|p| p.file != file);
+        if is_short_of_memory && !is_of_other && self.free_past_pixels() {
             return self.ask_for_render();
         }
         self.messages.error("Cannot render", text);
@@ -415,6 +436,9 @@ impl App {
         }
         if let Some(picture) = self.picture.as_mut().filter(|p| p.is_running()) {
             picture.end(outcome);
+            if picture.may_lack_tiles() && self.shown_render.is_none() {
+                self.show_pixels_again();
+            }
         }
     }
 
@@ -450,9 +474,17 @@ impl App {
         let shown = shown.filter(|picture| !picture.is_running() || picture.first_tile.is_some());
         let shown = shown.map(|picture| (picture.number, Arc::clone(&picture.buffer)));
         if let Some((number, buffer)) = shown {
+            self.await_look_of(Some(number));
             self.jobs.start(Lane::Encode, move |job| {
                 worker::encode(job, number, &buffer);
             });
+        }
+    }
+
+    /// Takes note that all of the picture of render `number` is being encoded, and of no other.
+    pub(super) fn await_look_of(&mut self, number: Option<usize>) {
+        if let Some(present) = &mut self.picture {
+            present.await_look(number == Some(present.number));
         }
     }
 

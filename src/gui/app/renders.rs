@@ -47,13 +47,29 @@ impl App {
             Asked::Show(number) => self.show_render(number),
             Asked::Restore(number) => self.restore_render(number),
             Asked::Compare(number) => self.compare_with(number),
-            Asked::Forget(number) => {
-                if self.shown_render == Some(number) {
-                    self.show_present_render();
-                }
-                drop_elsewhere(self.renders.forget(number));
-            }
+            Asked::Forget(number) => self.forget_render(number),
             Asked::Command(command) => self.carry_out(ctx, command),
+        }
+    }
+
+    /// Takes render `number`, which does not run, out of the list. Where it is looked at, another one is then.
+    fn forget_render(&mut self, number: usize) {
+        let is_shown = self.shown_number() == Some(number);
+        let is_present = |picture: &mut Picture| picture.number == number && !picture.is_running();
+        if let Some(present) = self.picture.take_if(is_present) {
+            if is_shown {
+                self.jobs.cancel(Lane::Encode);
+            }
+            self.keep_render(present);
+        } else if is_shown {
+            self.show_present_render();
+        }
+        drop_elsewhere(self.renders.forget(number));
+        if self.picture.is_none() && is_shown {
+            match self.renders.entries().last() {
+                Some(newest) => self.show_render(newest.facts.number),
+                None => self.view = View::Preview,
+            }
         }
     }
 
@@ -63,9 +79,13 @@ impl App {
         if self.shown_number() == Some(number) {
             return;
         }
+        let stand_in = self.shown_picture().map(Picture::as_stand_in);
         self.hide_past_render();
         let is_present = self.picture.as_ref().is_some_and(|p| p.number == number);
         self.shown_render = (!is_present).then_some(number);
+        if let (Some(picture), Some(stand_in)) = (self.renders.picture_mut(number), stand_in) {
+            picture.show_meanwhile(stand_in);
+        }
         let display = self.document.scene.display;
         if let Some(picture) = self.shown_picture_mut() {
             picture.scene.display = display;
@@ -134,14 +154,12 @@ impl App {
     }
 
     /// Remembers a render that makes room for another, if it is worth it.
-    pub(super) fn keep_render(&mut self, mut picture: Picture) {
-        // On disk there is one at a time.
-        picture.forget_kept();
+    pub(super) fn keep_render(&mut self, picture: Picture) {
         // Those that edits start anew would push all others out of the plot.
         let is_in_plot = !picture.is_replaced() && self.error_plot.keep(&picture);
         let is_wanted = Renders::wants(&picture);
         if is_in_plot || is_wanted {
-            self.render_count = picture.number;
+            self.render_count = self.render_count.max(picture.number);
         }
         drop_elsewhere(if is_wanted {
             self.renders.keep(picture, &self.document.scene)
@@ -153,15 +171,19 @@ impl App {
 
     /// Puts the picture of the file that was opened among the renders, and shows it.
     pub(super) fn show_opened(&mut self, path: &Path, opened: OpenedPicture) {
-        self.render_count += 1;
-        let number = self.render_count;
+        let present = self.picture.as_ref().map_or(0, |picture| picture.number);
+        let number = self.render_count.max(present) + 1;
+        self.render_count = number;
         let file = path.file_name().unwrap_or(path.as_os_str());
         let names = [
             file.to_string_lossy().into_owned(),
             self.document.name().to_owned(),
         ];
         let scene = self.document.scene.clone();
-        let picture = Picture::opened(number, names, scene, opened);
+        let mut picture = Picture::opened(number, names, scene, opened);
+        picture.file = self.document.file_number();
+        // What is rendered is what was.
+        self.region.choose(picture.buffer.part());
         drop_elsewhere(self.renders.keep(picture, &self.document.scene));
         self.show_render(number);
     }

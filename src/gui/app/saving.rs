@@ -15,6 +15,7 @@ use crate::gui::jobs::Lane;
 use crate::gui::picture::{Outcome, Picture};
 use crate::gui::picture_buffer::PictureId;
 use crate::gui::worker;
+use crate::io::{Origin, Values};
 use crate::scene::Scene;
 
 /// What a banner says until the scene is saved.
@@ -105,10 +106,19 @@ impl App {
         scene.output = self.document.scene.output;
         let is_final = !picture.is_running();
         let last = picture.errors().last();
+        let measured = last.map(|point| (&point.error).into());
         let (is_whole, error) = match picture.outcome {
             Outcome::Opened { error, .. } => (true, error),
-            Outcome::Finished { .. } => (true, last.map(|point| (&point.error).into())),
-            _ => (false, last.map(|point| (&point.error).into())),
+            Outcome::Finished { .. } => (true, measured),
+            _ => (false, measured),
+        };
+        let rounded = match &picture.outcome {
+            Outcome::Opened {
+                hash: None,
+                hash_before,
+                ..
+            } => Some(hash_before.clone()),
+            _ => None,
         };
         self.messages.news("");
         let cancel = CancelToken::new();
@@ -117,7 +127,14 @@ impl App {
             cancel: cancel.clone(),
         });
         self.jobs.start(Lane::SavePicture, move |job| {
-            let result = worker::save_picture(&buffer, &scene, error, &path, &cancel);
+            let rounded = rounded.as_ref();
+            let origin = Origin {
+                scene: &scene,
+                error,
+                region: buffer.part().region(),
+                values: rounded.map_or(Values::Rendered, |hash| Values::Rounded(hash.as_deref())),
+            };
+            let result = worker::save_picture(&buffer, &origin, &path, &cancel);
             job.send(Event::PictureSaved {
                 path,
                 picture: buffer.id(),
@@ -314,6 +331,12 @@ impl App {
     pub(super) fn decide(&mut self, ctx: &egui::Context, intent: Intent, decision: Decision) {
         match (decision, intent) {
             (Decision::None, intent) => self.dialog = Some(Dialog::Unsaved(intent)),
+            (Decision::Cancel, Intent::Restore(lost, _)) => {
+                let name = &lost.about.name;
+                let news =
+                    format!("What was restored of {name} is offered again at the next start");
+                self.messages.news(news);
+            }
             (Decision::Cancel, _) => {}
             (Decision::Save, intent) => {
                 self.after_saving = Some(intent);
@@ -328,6 +351,7 @@ impl App {
         match intent {
             Intent::Open(paths) => self.load(paths),
             Intent::Import(import) => self.replace_by(*import),
+            Intent::Restore(lost, recovered) => self.put_restored(lost, *recovered),
             Intent::Close => self.close_unless_asked(ctx),
         }
     }

@@ -7,11 +7,13 @@ use egui::{Pos2, Rect, Ui};
 
 use super::App;
 use crate::accel::Visits;
+use crate::gui::compare::Seen;
 use crate::gui::document::same_geometry;
 use crate::gui::event::Event;
 use crate::gui::histogram::Histogram;
 use crate::gui::inspector::{Inspected, Surface};
 use crate::gui::jobs::Lane;
+use crate::gui::look::Channels;
 use crate::gui::orbit::PictureSize;
 use crate::gui::pick;
 use crate::gui::picture::Picture;
@@ -39,6 +41,7 @@ struct Source {
     is_running: bool,
     display: Display,
     layer: Option<Layer>,
+    channels: Channels,
     at: Instant,
 }
 
@@ -51,6 +54,7 @@ impl Source {
                 source.is_running,
                 source.display,
                 source.layer,
+                source.channels,
             )
         };
         key(self) == key(now) && !(now.is_running && now.at.duration_since(self.at) > INTERVAL)
@@ -117,23 +121,28 @@ impl App {
         });
     }
 
-    /// Takes note of what the picture on the screen holds under the mouse.
-    pub(super) fn inspect_ui(&mut self, ui: &Ui) {
+    /// Takes note of what the picture on the screen, of which `visible` is seen, holds under the mouse.
+    pub(super) fn inspect_ui(&mut self, ui: &Ui, visible: Rect) {
         let position = self.free_position(ui);
-        let pixel = position.and_then(|position| self.zoom.pixel_at(position));
-        self.inspected = pixel.and_then(|pixel| self.inspect(pixel));
+        self.inspected = position.and_then(|position| self.inspect(position, visible));
     }
 
-    fn inspect(&self, pixel: [u32; 2]) -> Option<Inspected> {
+    fn inspect(&self, position: Pos2, visible: Rect) -> Option<Inspected> {
         let picture = self.picture_on_screen()?;
+        let pixel = self.zoom.pixel_at(position)?;
+        let share = self.zoom.share_at(position)?;
         let values = picture.buffer.values_at(pixel)?;
         let comparison = self.comparison.as_ref();
-        let other = comparison.and_then(|comparison| comparison.buffer.values_at(pixel));
+        let other = comparison.and_then(|comparison| comparison.other_at(share));
+        let seen = comparison.map_or(Seen::Itself(values.color), |comparison| {
+            comparison.seen_at(position, visible, share, (&picture.buffer, values.color))
+        });
         Some(Inspected {
             pixel,
             values,
             samples: picture.samples(),
             other: other.map(|values| values.linear),
+            seen,
             surface: self.surface_at(picture, pixel),
             visits: self.visits_at(picture, pixel),
         })
@@ -173,6 +182,7 @@ impl App {
             is_running: picture.is_running(),
             display: picture.scene.display,
             layer: self.shown_layer,
+            channels: self.channels,
             at: Instant::now(),
         };
         let is_known = self.brightness.source.is_some_and(|s| s.holds_for(&now));
@@ -184,5 +194,50 @@ impl App {
         self.jobs.start(Lane::Histogram, move |job| {
             job.send(Event::HistogramMade(buffer.histogram()));
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use egui_kittest::kittest::Queryable as _;
+
+    use super::*;
+    use crate::gui::app::testing;
+    use crate::gui::opened_picture::OpenedPicture;
+    use crate::gui::picture_buffer::PictureBuffer;
+    use crate::render::Image;
+
+    /// A single pixel among half a million that is not finite is counted, and shown by a click.
+    #[test]
+    fn a_pixel_that_is_not_finite_is_found() {
+        let mut window = testing::window(None);
+        let render = &mut window.state_mut().document.scene.render;
+        (render.width, render.height) = (960, 540);
+        let mut image = Image::black(960, 540);
+        image.pixels[311 * 960 + 407] = [0.0, f32::NAN, 0.0];
+        let buffer = PictureBuffer::of_image(image, Display::default());
+        let opened = OpenedPicture {
+            buffer: Arc::new(buffer),
+            hash: None,
+            hash_before: None,
+            error: None,
+            without_layers: None,
+        };
+        window
+            .state_mut()
+            .show_opened(Path::new("dark.exr"), opened);
+        testing::until(&mut window, |app| app.brightness.histogram.is_some());
+        window.run_steps(2);
+        let told = "0 % of the picture is cut off at white; 1 pixel is not finite, in magenta";
+        assert!(window.query_by_label(told).is_some());
+        let show = "Show the first pixel that is not finite";
+        window.get_by_label(show).click_accesskit();
+        window.run_steps(3);
+        let zoom = &window.state().zoom;
+        assert!(zoom.scale() >= 16.0);
+        let viewport = window.get_by_label("Viewport").rect();
+        assert_eq!(zoom.pixel_at(viewport.center()), Some([407, 311]));
     }
 }

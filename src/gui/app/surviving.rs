@@ -87,6 +87,9 @@ impl Survivor for App {
             self.take_news(&ctx);
         }
         self.keep_work_at_once(&ctx);
+        if let Some(session) = self.keeping.session() {
+            session.leave();
+        }
     }
 }
 

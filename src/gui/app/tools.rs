@@ -3,15 +3,22 @@
 use egui::{Key, Modifiers, Rect, Ui};
 
 use super::{App, PreparedState};
+use crate::gui::commands::Command;
 use crate::gui::focus::{self, FocusAid};
 use crate::gui::gizmo::Axis;
+use crate::gui::gizmo::motion::Placed;
+use crate::gui::orbit;
 use crate::gui::selection::Selection;
 use crate::gui::tool::{self, Tool};
+use crate::gui::viewport;
 use crate::math::{DBounds, DVec3};
 use crate::scene::{Move, Scene};
 
-/// What can be done while a handle is held.
-const HELD_KEYS: &str = "X, Y, Z along one axis  ·  Ctrl snaps  ·  Esc cancels";
+/// What can be done while a handle that moves, turns or scales is held.
+const MOVE_KEYS: &str =
+    "X, Y, Z along one axis, a second time across it  ·  Ctrl snaps  ·  Esc cancels";
+const TURN_KEYS: &str = "X, Y, Z about one axis  ·  Ctrl snaps  ·  Esc cancels";
+const SCALE_KEYS: &str = "Ctrl snaps  ·  Esc cancels";
 
 impl App {
     /// Chooses what the mouse does; the tool in use gives way to selecting.
@@ -48,8 +55,10 @@ impl App {
         if !is_free {
             return;
         }
+        // First the tool goes, then what is selected; before both, what goes on is stopped.
         let is_asking = matches!(self.viewport.tool, Tool::Focus | Tool::Rays);
-        if is_asking && pressed(Key::Escape) {
+        let is_working = self.viewport.tool.has_handles() && self.what_to_stop().is_none();
+        if (is_asking || is_working) && pressed(Key::Escape) {
             self.viewport.tool = Tool::Select;
         }
         if self.viewport.tool == Tool::Rays {
@@ -79,10 +88,13 @@ impl App {
             Tool::Select => Vec::new(),
             Tool::Rays => self.ray_words(),
             Tool::Focus => focus::in_words(scene, self.viewport.depth_under_mouse()),
-            tool => self.handle_words(tool),
+            tool => self.handle_words(tool, frame, visible),
         };
         if !lines.is_empty() {
-            tool::note_ui(ui, visible, &lines);
+            let note = tool::note_ui(ui, visible, &lines);
+            if self.viewport.tool == Tool::Focus {
+                self.open_lens_ui(ui, note);
+            }
         }
         if self.is_camera_view()
             && let Some(tool) = tool::tools_ui(ui, area, self.viewport.tool)
@@ -98,8 +110,45 @@ impl App {
         }
     }
 
-    /// What to say beside the handles of `tool`.
-    fn handle_words(&self, tool: Tool) -> Vec<String> {
+    /// Where nothing is blurred, offers above the note of the focus at `note` what blurs.
+    fn open_lens_ui(&mut self, ui: &mut Ui, note: Rect) {
+        let scene = &mut self.document.scene;
+        let has_lens = scene.camera.aperture_radius > 0.0;
+        let text = match (has_lens, scene.render.depth_of_field) {
+            (true, true) => return,
+            (false, _) => "Open the lens",
+            (true, false) => "Switch Depth of field on",
+        };
+        let size = egui::vec2(170.0, ui.spacing().interact_size.y);
+        let place = Rect::from_min_size(note.right_top() - size - egui::vec2(0.0, 6.0), size);
+        let response = ui.put(place, egui::Button::new(text));
+        let tooltip = "Blur what is not sharp: gives the lens a radius of a hundredth of the focus distance where it has none";
+        if response.on_hover_text(tooltip).clicked() {
+            if !has_lens {
+                scene.camera.aperture_radius = focus::wide_radius(&scene.camera);
+            }
+            scene.render.depth_of_field = true;
+        }
+    }
+
+    /// Whether the middle of the handles is in `visible`, a part of `frame`.
+    fn are_handles_seen(&self, frame: Rect, visible: Rect) -> bool {
+        let scene = &self.document.scene;
+        let part = self.viewport.handled_part(scene, &self.selection);
+        let placed = part.and_then(|part| Placed::of(scene, part, self.selected_center()));
+        let size = viewport::picture_size(frame);
+        let place = placed.and_then(|placed| orbit::project(&scene.camera, size, placed.pivot));
+        place.is_some_and(|(place, _)| {
+            let seen = visible.translate(-frame.min.to_vec2());
+            let (min, max) = (seen.min, seen.max);
+            let x = f64::from(min.x)..=f64::from(max.x);
+            let y = f64::from(min.y)..=f64::from(max.y);
+            x.contains(&place.x) && y.contains(&place.y)
+        })
+    }
+
+    /// What to say beside the handles of `tool`, in `visible` of `frame`.
+    fn handle_words(&self, tool: Tool, frame: Rect, visible: Rect) -> Vec<String> {
         if !self.is_camera_view() {
             return Vec::new();
         }
@@ -107,8 +156,22 @@ impl App {
             .viewport
             .handled_part(&self.document.scene, &self.selection);
         match (self.viewport.handle_in_words(), part, &self.selection) {
-            (Some(words), ..) => vec![words, HELD_KEYS.to_owned()],
-            (None, Some(_), _) => Vec::new(),
+            (Some(words), ..) => {
+                let keys = match tool {
+                    Tool::Rotate => TURN_KEYS,
+                    Tool::Scale => SCALE_KEYS,
+                    _ => MOVE_KEYS,
+                };
+                vec![words, keys.to_owned()]
+            }
+            (None, Some(_), _) if self.are_handles_seen(frame, visible) => Vec::new(),
+            (None, Some(_), Selection::Object(_)) => vec![format!(
+                "The handles are out of sight: {} looks at the object",
+                Command::FrameSelected.label()
+            )],
+            (None, Some(_), _) => {
+                vec!["The handles are out of sight: look at the light to use them".to_owned()]
+            }
             (None, None, Selection::Light(_)) => {
                 let verb = if tool == Tool::Rotate {
                     "turned"
@@ -134,8 +197,26 @@ impl App {
     /// What the selected object turns about, in its own coordinates.
     pub(super) fn selected_center(&self) -> DVec3 {
         let selected = self.placed_selection();
-        let center = selected.and_then(|(index, state)| state.placed.object_centers.get(index));
-        center.copied().unwrap_or_default()
+        let own = selected.and_then(|(index, state)| state.placed.object_boxes.get(index));
+        let own = own.filter(|own| !own.is_empty());
+        own.map_or(DVec3::ZERO, DBounds::center)
+    }
+
+    /// The corners of the box around the selected object, in the order of [`corners_of`]: along its own axes, or around all copies along
+    /// those of the world.
+    pub(super) fn selected_corners(&self) -> Option<[DVec3; 8]> {
+        let (index, state) = self.placed_selection()?;
+        let object = self.document.scene.objects.get(index)?;
+        if object.copies.total() == 1 {
+            let own = state.placed.object_boxes.get(index)?;
+            let placement = object.placement();
+            let place = |corner| placement.world_from_object(corner);
+            return (!own.is_empty()).then(|| corners_of(own).map(place));
+        }
+        let bounds = self.selected_bounds();
+        let moved = self.selected_move();
+        let place = |corner| moved.map_or(corner, |moved| moved.apply(corner));
+        (!bounds.is_empty()).then(|| corners_of(&bounds).map(place))
     }
 
     /// The world box of the selected object.
@@ -156,13 +237,28 @@ impl App {
     }
 
     /// What happened to the selected object since its triangles were prepared.
-    pub(super) fn selected_move(&self) -> Option<Move> {
+    fn selected_move(&self) -> Option<Move> {
         let (Selection::Object(index), Some(state)) = (&self.selection, &self.prepared) else {
             return None;
         };
         let moves = moves_since(&state.scene, &self.document.scene);
         moves.get(*index).copied().flatten()
     }
+}
+
+/// The corners of a box; bit `n` of a corner's number says which end of axis `n` it is at.
+fn corners_of(bounds: &DBounds) -> [DVec3; 8] {
+    std::array::from_fn(|bits| {
+        let at = |axis: usize| {
+            let end = if bits >> axis & 1 == 1 {
+                bounds.max
+            } else {
+                bounds.min
+            };
+            end[axis]
+        };
+        DVec3::new(at(0), at(1), at(2))
+    })
 }
 
 /// Whether Ctrl+X was pressed, which desktops tell of in place of the keys. It means nothing else then.

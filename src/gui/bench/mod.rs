@@ -2,21 +2,28 @@
 //!
 //! The program opens its own window and works in it as a user does, by keys and the mouse, while a render runs that would take hours:
 //! it watches, points at the picture, drags the camera, cancels, and edits with Live on. What is measured of a frame is the processor
-//! time of the thread that draws the window, from the start of one frame to that of the next.
+//! time of the thread that draws the window, from the start of one frame to that of the next. The window keeps work and renders on disk as
+//! any other does, in a folder of its own that goes when it closes.
 //!
 //! - `script`: what is done in the window
 //! - `figures`: what came out
+//! - `bars`: what is to come out, and all of it as a table
 
+mod bars;
 mod figures;
 mod script;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
 
 use super::app::{App, AppOptions, FileDialogs};
 use super::keeping::Layout;
 use super::start::{self, GuiError, Survivor};
 use crate::analysis::report::Machine;
+pub use bars::Kept;
 pub use figures::{FrameFigures, RestartFigures, Spread, WindowFigures};
 use script::{Ending, Script};
 
@@ -32,11 +39,14 @@ pub struct BenchRequest {
 /// Opens a window, measures in it and closes it.
 ///
 /// # Errors
-/// When no window can be opened, when it is closed before the end, or when something in it does not come about.
+/// When no window can be opened, when it is closed before the end, or when something in it does not come about; when nothing can be kept
+/// in the system's folder for temporary files.
 pub fn measure(request: &BenchRequest) -> Result<WindowFigures, GuiError> {
+    let data = data_folder()?;
     let options = AppOptions {
         paths: request.scene.iter().cloned().collect(),
         file_dialogs: FileDialogs::PathField,
+        data_folder: Some(data.path().to_owned()),
         ..AppOptions::default()
     };
     let ending: Arc<Mutex<Option<Ending>>> = Arc::default();
@@ -52,6 +62,7 @@ pub fn measure(request: &BenchRequest) -> Result<WindowFigures, GuiError> {
             ending: place,
         }
     })?;
+    remove(&data);
     let ending = ending.lock().unwrap_or_else(PoisonError::into_inner).take();
     let reason = match ending {
         Some(Ending::Measured(figures)) => {
@@ -67,6 +78,26 @@ pub fn measure(request: &BenchRequest) -> Result<WindowFigures, GuiError> {
         None => "the window was closed before the end".to_owned(),
     };
     Err(GuiError::NotMeasured { reason })
+}
+
+/// Where the window keeps its work: never where the user's is.
+fn data_folder() -> Result<TempDir, GuiError> {
+    let folder = tempfile::Builder::new().prefix("raymini-bench-").tempdir();
+    folder.map_err(|error| GuiError::NotMeasured {
+        reason: format!("nothing can be kept on disk: {error}"),
+    })
+}
+
+/// Removes the folder, in which other threads may still be removing what they kept.
+fn remove(data: &TempDir) {
+    const MOST: Duration = Duration::from_secs(5);
+    let started = Instant::now();
+    while data.path().exists()
+        && std::fs::remove_dir_all(data.path()).is_err()
+        && started.elapsed() < MOST
+    {
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// The window, and who works in it.
@@ -124,6 +155,10 @@ impl eframe::App for Bench {
             self.script.end_frame(&self.app, &ctx);
         }
     }
+
+    fn on_exit(&mut self) {
+        self.app.on_exit();
+    }
 }
 
 impl Survivor for Bench {
@@ -142,5 +177,22 @@ impl Survivor for Bench {
 
     fn give_up(&mut self) {
         self.app.give_up();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_kept_goes_with_all_that_is_in_it() {
+        let data = data_folder().unwrap();
+        let folder = data.path().to_owned();
+        std::fs::create_dir_all(folder.join("sessions/a")).unwrap();
+        std::fs::write(folder.join("sessions/a/scene.toml"), "").unwrap();
+        remove(&data);
+        assert!(!folder.exists());
+        // Twice is no error.
+        remove(&data);
     }
 }

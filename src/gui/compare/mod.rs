@@ -4,19 +4,22 @@
 //! `raymini compare` does, on the linear values.
 
 mod bar;
+mod seen;
 mod wipe;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::canvas::Canvas;
-use super::picture_buffer::{EncodedTile, PictureBuffer, PictureId};
+use super::part::Part;
+use super::picture_buffer::{Encoded, PictureBuffer, PictureId};
 use crate::analysis::{Metrics, mean_flip_unless, scaled_difference};
 use crate::control::CancelToken;
-use crate::render::Image;
+use crate::render::{Image, Region};
 use crate::scene::{Choice, Display};
 
 pub use bar::Asked;
+pub use seen::Seen;
 
 /// Time between two measures of a picture that still changes.
 const INTERVAL: Duration = Duration::from_secs(2);
@@ -59,6 +62,8 @@ pub struct Distance {
     pub relmse: f64,
     /// How different they look in turn on a screen, 0 to 1; `None` while one of them changes.
     pub flip: Option<f64>,
+    /// The pixels that were measured, where the pictures show different parts of one: those that both show.
+    pub shared: Option<Part>,
     /// Pixels that differ in any bit.
     pub differing_pixels: u64,
     /// Pixels that are left out, as one of the pictures has no finite value there.
@@ -70,10 +75,10 @@ pub struct Distance {
 /// What a comparison found: the distance, and the picture of the difference.
 pub type Compared = Result<(Distance, Arc<PictureBuffer>), String>;
 
-/// [`compare`], of what the renders in two buffers have so far.
+/// [`compare`], of what the renders in two buffers have so far; where they show parts of pictures of one size, of what both show.
 ///
 /// # Errors
-/// When the sizes differ, or the parts of pictures of one size do, in words.
+/// When the sizes differ, or nothing is in both, in words.
 pub fn compare_buffers(
     a: &PictureBuffer,
     b: &PictureBuffer,
@@ -81,10 +86,34 @@ pub fn compare_buffers(
     cancel: &CancelToken,
 ) -> Compared {
     let (a_part, b_part) = (a.part(), b.part());
-    if a_part.of == b_part.of && a_part != b_part {
-        return Err("they show different parts of the picture".to_owned());
+    if a_part.of != b_part.of || a_part == b_part {
+        return compare(&a.image(), &b.image(), is_changing, cancel);
     }
-    compare(&a.image(), &b.image(), is_changing, cancel)
+    let shared = a_part
+        .shared_with(&b_part)
+        .ok_or("they show parts of the picture that have no pixel in common")?;
+    let [a, b] = [a, b].map(|buffer| part_of(&buffer.image(), buffer.part().region, shared.region));
+    let (distance, difference) = compare(&a, &b, is_changing, cancel)?;
+    let distance = Distance {
+        shared: Some(shared),
+        ..distance
+    };
+    Ok((distance, difference))
+}
+
+/// The pixels of `region`, of an image that has those of `kept`, which contains it.
+fn part_of(image: &Image, kept: Region, region: Region) -> Image {
+    let (left, top) = (region.x - kept.x, region.y - kept.y);
+    let mut pixels = Vec::with_capacity(region.pixel_count());
+    for y in top..top + region.height {
+        let start = y as usize * image.width as usize + left as usize;
+        pixels.extend_from_slice(&image.pixels[start..start + region.width as usize]);
+    }
+    Image {
+        width: region.width,
+        height: region.height,
+        pixels,
+    }
 }
 
 /// Measures how far `a` is from `b`, and draws where. What they look like takes time, and is left out where one of them `is_changing`, or
@@ -105,6 +134,7 @@ pub fn compare(a: &Image, b: &Image, is_changing: bool, cancel: &CancelToken) ->
         rmse: metrics.errors.rmse(),
         relmse: metrics.errors.relmse,
         flip,
+        shared: None,
         differing_pixels: metrics.differing_pixels,
         non_finite_pixels: metrics.non_finite_a.max(metrics.non_finite_b),
         white,
@@ -187,10 +217,7 @@ impl Comparison {
                 || measured.was_running && (!is_running || measured.at.elapsed() > INTERVAL)
         });
         if is_due {
-            if self
-                .measured
-                .is_some_and(|measured| measured.picture != picture)
-            {
+            if self.measures_another(picture) {
                 self.distance = None;
                 self.difference = Canvas::default();
             }
@@ -214,11 +241,11 @@ impl Comparison {
         }));
     }
 
-    /// Takes in a piece of a picture; it is on the screen from [`Self::show_tiles`] on.
-    pub fn take_tile(&mut self, side: Side, tile: EncodedTile) {
+    /// Takes in what is encoded of a picture; it is on the screen from [`Self::show_tiles`] on.
+    pub fn take(&mut self, side: Side, encoded: Encoded) {
         match side {
-            Side::Other => self.other.put(tile),
-            Side::Difference => self.difference.put(tile),
+            Side::Other => self.other.take(encoded),
+            Side::Difference => self.difference.take(encoded),
         }
     }
 
@@ -226,6 +253,23 @@ impl Comparison {
     pub fn show_tiles(&mut self, ctx: &egui::Context) {
         self.other.flush(ctx, self.buffer.size_in_texels());
         self.difference.flush(ctx, self.difference_size);
+    }
+
+    /// Takes the place of `before`: as that is shown, and showing its picture until this one is there.
+    pub fn continue_from(&mut self, before: &mut Self) {
+        self.mode = before.mode;
+        self.shows_other = before.shows_other;
+        self.divider = before.divider;
+        if before.buffer.part() == self.buffer.part() {
+            self.other = std::mem::take(&mut before.other);
+        }
+    }
+
+    /// Whether A is another picture than the one that was measured last, or is being.
+    #[must_use]
+    pub fn measures_another(&self, picture: PictureId) -> bool {
+        self.measured
+            .is_some_and(|measured| measured.picture != picture)
     }
 
     /// Takes all off the screen; the difference is drawn anew.
@@ -276,6 +320,53 @@ mod tests {
         assert_eq!(difference.image().pixels, [[0.0; 3], [1.0; 3]]);
         let error = compare(&a, &Image::black(3, 1), true, &wanted).unwrap_err();
         assert!(error.contains("2×1 and 3×1"), "{error}");
+    }
+
+    /// A buffer of a part of a picture whose pixels are told apart by where they are.
+    fn part_buffer(region: Region, of: [u32; 2], brighter: f32) -> PictureBuffer {
+        let part = Part { region, of };
+        let buffer = PictureBuffer::new(part, Vec::new(), Display::default()).unwrap();
+        let rows = region.y..region.y + region.height;
+        let pixels = rows.flat_map(|y| {
+            let columns = region.x..region.x + region.width;
+            columns.map(move |x| [x as f32 + 100.0 * y as f32 + brighter; 3])
+        });
+        let rgb: Vec<_> = pixels.collect();
+        let tile = crate::render::TilePixels {
+            region,
+            rgb: &rgb,
+            layers: &[],
+        };
+        assert!(buffer.accept(&tile).is_some());
+        buffer
+    }
+
+    #[test]
+    fn a_region_is_compared_with_the_same_pixels_of_the_whole() {
+        let of = [8, 6];
+        let region = |x, y, width, height| Region {
+            x,
+            y,
+            width,
+            height,
+        };
+        let whole = part_buffer(Region::full(8, 6), of, 0.0);
+        let part = part_buffer(region(3, 2, 4, 3), of, 0.5);
+        let wanted = CancelToken::new();
+        for (a, b) in [(&whole, &part), (&part, &whole)] {
+            let (distance, difference) = compare_buffers(a, b, false, &wanted).unwrap();
+            assert!((distance.rmse - 0.5).abs() < 1e-6, "{distance:?}");
+            assert_eq!(distance.differing_pixels, 12);
+            assert_eq!(distance.shared, Some(part.part()));
+            assert_eq!(difference.size_in_texels(), [4, 3]);
+        }
+        let other = part_buffer(region(5, 0, 3, 4), of, 0.5);
+        let (distance, _) = compare_buffers(&part, &other, false, &wanted).unwrap();
+        assert_eq!(distance.differing_pixels, 0);
+        assert_eq!(distance.shared.unwrap().region, region(5, 2, 2, 2));
+        let far = part_buffer(region(0, 0, 2, 2), of, 0.0);
+        let error = compare_buffers(&part, &far, false, &wanted).unwrap_err();
+        assert!(error.contains("no pixel in common"), "{error}");
     }
 
     #[test]

@@ -1,15 +1,24 @@
 //! Two pictures in one frame.
 
-use egui::{Align2, Color32, CursorIcon, FontId, Id, Key, Rect, Sense, Stroke, Ui, Vec2};
+use egui::{
+    Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Rect, Sense, Stroke, Ui, Vec2,
+};
 
-use super::{Comparison, Mode};
-use crate::gui::canvas::Canvas;
+use super::{Comparison, Mode, Side};
+use crate::gui::theme;
 use crate::gui::widgets::format_number;
 
 /// How far beside the divider the mouse takes hold of it, in points.
 const REACH: f32 = 7.0;
 /// What one press of an arrow key moves the divider by, as a share of the width.
 const KEY_STEP: f32 = 0.02;
+/// The keys that move it.
+const ARROWS: EventFilter = EventFilter {
+    tab: false,
+    horizontal_arrows: true,
+    vertical_arrows: false,
+    escape: false,
+};
 
 impl Comparison {
     /// Draws B, the difference or the divider over A, which is there already, in `frame`, whatever part of it `visible` is. `a`: what
@@ -19,13 +28,13 @@ impl Comparison {
             Mode::Wipe => self.wipe_ui(ui, frame, visible, a),
             Mode::Flip => {
                 if self.shows_other {
-                    self.picture_ui(ui, frame, visible, self.other());
+                    self.picture_ui(ui, frame, visible, Side::Other);
                 }
                 let name = if self.shows_other { &self.name } else { a };
                 tag_ui(ui, visible, Align2::LEFT_TOP, name);
             }
             Mode::Difference => {
-                self.picture_ui(ui, frame, visible, self.difference());
+                self.picture_ui(ui, frame, visible, Side::Difference);
                 let white = match &self.distance {
                     Some(Ok(distance)) => {
                         format!(", white is {}", format_number(distance.white, 4))
@@ -37,16 +46,25 @@ impl Comparison {
         }
     }
 
-    /// Draws B, or the difference, which are of one part of the picture.
-    fn picture_ui(&self, ui: &Ui, frame: Rect, clip: Rect, canvas: Option<&Canvas>) {
+    /// Draws B, or the difference, over A. Where there is none of it, there is nothing: A would be taken for it.
+    fn picture_ui(&self, ui: &Ui, frame: Rect, clip: Rect, side: Side) {
         let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
+        let (canvas, shared) = match (side, &self.distance) {
+            (Side::Difference, Some(Ok(distance))) => (self.difference(), distance.shared),
+            (Side::Difference, _) => (None, None),
+            (Side::Other, _) => (self.other(), None),
+        };
         if let Some(canvas) = canvas {
-            canvas.paint(&painter, self.buffer.part().rect_in(frame));
+            let part = shared.unwrap_or(self.buffer.part());
+            if !part.is_whole() {
+                painter.rect_filled(frame, 0.0, theme::backdrop(ui.visuals()));
+            }
+            canvas.paint(&painter, part.rect_in(frame));
             return;
         }
-        let words = match &self.distance {
-            Some(Err(_)) => {
-                "There is no difference to show: it takes the same part of pictures of one size"
+        let words = match (side, &self.distance) {
+            (Side::Difference, Some(Err(_))) => {
+                "There is no difference to show: it takes pictures of one size that both show some of the same pixels"
             }
             _ => "…",
         };
@@ -56,7 +74,7 @@ impl Comparison {
     }
 
     fn wipe_ui(&mut self, ui: &Ui, frame: Rect, visible: Rect, a: &str) {
-        let x = visible.left() + visible.width() * self.divider;
+        let x = self.divider_x(visible);
         let handle = Rect::from_center_size(
             egui::pos2(x, visible.center().y),
             Vec2::new(2.0 * REACH, visible.height()),
@@ -70,7 +88,14 @@ impl Comparison {
         {
             self.divider = (position.x - visible.left()) / visible.width().max(1.0);
         }
-        if response.has_focus() {
+        let is_focused = response.has_focus();
+        if is_focused {
+            // They would go on to another control.
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, ARROWS));
+        }
+        // Where nothing else takes keys, it need not be gone to.
+        let is_steered = is_focused || ui.memory(|memory| memory.focused().is_none());
+        if is_steered && ui.is_enabled() {
             let steps = ui.input(|input| {
                 f32::from(u8::from(input.key_pressed(Key::ArrowRight)))
                     - f32::from(u8::from(input.key_pressed(Key::ArrowLeft)))
@@ -78,11 +103,11 @@ impl Comparison {
             self.divider += steps * KEY_STEP;
         }
         self.divider = self.divider.clamp(0.0, 1.0);
-        let is_held = response.dragged() || response.has_focus();
+        let is_held = response.dragged() || is_focused;
         let response = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
 
         let right = Rect::from_min_max(egui::pos2(x, visible.top()), visible.max);
-        self.picture_ui(ui, frame, right, self.other());
+        self.picture_ui(ui, frame, right, Side::Other);
         let painter = ui.painter().with_clip_rect(visible.expand(1.0));
         let dark = Stroke::new(3.0, Color32::from_black_alpha(150));
         let width = if response.hovered() || is_held {

@@ -98,7 +98,11 @@ impl Contributions {
     /// not wanted then.
     pub fn follow(&mut self, scene: &Scene) -> bool {
         let known = self.scene.as_ref();
-        if self.is_off || known.is_some_and(|known| same_picture(known, scene)) {
+        // Emitters are known by the names of their materials.
+        let is_same = |known: &Scene| {
+            same_picture(known, scene) && known.materials.keys().eq(scene.materials.keys())
+        };
+        if self.is_off || known.is_some_and(|known| is_same(known)) {
             let known = self.scene.as_mut();
             if let Some(known) = known.filter(|known| known.light_names != scene.light_names) {
                 known.light_names.clone_from(&scene.light_names);

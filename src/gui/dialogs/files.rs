@@ -1,18 +1,14 @@
 //! The desktop's own file dialog, asked for on a thread of its own.
 //!
-//! The desktop answers through a portal. Where there is none, the dialog reports the same as when the user cancels it,
-//! only at once: no user is that quick, so a quick answer means that the path must be typed.
+//! The desktop answers through a portal. Where there is none, the path must be typed.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
+use super::desktop;
 use crate::gui::commands::TextureUse;
 use crate::gui::event::Event;
 use crate::gui::jobs::Job;
 use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS, TEXTURE_EXTENSIONS};
-
-/// An answer faster than this is no user's.
-const NO_USER_IS_FASTER: Duration = Duration::from_millis(150);
 
 /// What a path is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,13 +117,26 @@ pub struct Answer {
 
 /// Shows the desktop's dialog and sends its answer. `suggestion`: the folder to start in and the file name to offer.
 pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
-    let started = Instant::now();
+    job.send(Event::PathsChosen(answer(purpose, suggestion)));
+}
+
+fn answer(purpose: FilePurpose, suggestion: &Path) -> Answer {
+    let (paths, was_shown) = desktop::was_shown(|| choose(purpose, suggestion));
+    Answer {
+        purpose,
+        nobody_saw_it: !was_shown,
+        paths: paths.unwrap_or_default(),
+    }
+}
+
+/// The files chosen in the desktop's dialog.
+fn choose(purpose: FilePurpose, suggestion: &Path) -> Option<Vec<PathBuf>> {
     let mut dialog = rfd::FileDialog::new().set_title(purpose.title());
     if let Some(folder) = suggestion.parent().filter(|folder| folder.is_dir()) {
         dialog = dialog.set_directory(folder);
     }
     let extensions = purpose.extensions();
-    let paths = match purpose {
+    match purpose {
         FilePurpose::Open => dialog
             .add_filter("Scenes and meshes", &extensions)
             .pick_files(),
@@ -154,12 +163,7 @@ pub fn ask(job: &Job<Event>, purpose: FilePurpose, suggestion: &Path) {
             }
             dialog.save_file().map(|path| vec![path])
         }
-    };
-    job.send(Event::PathsChosen(Answer {
-        purpose,
-        nobody_saw_it: paths.is_none() && started.elapsed() < NO_USER_IS_FASTER,
-        paths: paths.unwrap_or_default(),
-    }));
+    }
 }
 
 #[cfg(test)]
@@ -175,5 +179,70 @@ mod tests {
             FilePurpose::Open.with_extension("ram".into()),
             Path::new("ram")
         );
+    }
+
+    /// The environment of [`asks_the_desktop`] says what it is to ask for.
+    #[cfg(target_os = "linux")]
+    const ASKED_FOR: &str = "RAYMINI_TEST_DIALOG";
+
+    /// Not a test by itself: [`the_desktop`] runs it in a process of its own, whose desktop is what that makes it.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn asks_the_desktop() {
+        let purpose = match std::env::var(ASKED_FOR).as_deref() {
+            Ok("open") => FilePurpose::Open,
+            Ok("save") => FilePurpose::SaveScene,
+            Ok("folder") => FilePurpose::ReportFolder,
+            _ => return,
+        };
+        println!("{:?}", answer(purpose, Path::new("/")));
+    }
+
+    /// What is answered where the session bus is at `bus` and programs are looked for in `programs`.
+    #[cfg(target_os = "linux")]
+    fn the_desktop(asked_for: &str, bus: &str, programs: &Path) -> String {
+        let test = "gui::dialogs::files::tests::asks_the_desktop";
+        let output = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", test, "--nocapture"])
+            .env(ASKED_FOR, asked_for)
+            .env("DBUS_SESSION_BUS_ADDRESS", bus)
+            .env("PATH", programs)
+            .output()
+            .unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Also where it takes its time to fail, as on a busy machine.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_desktop_without_dialog_is_no_user_who_cancels() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let fails_at_once = "unix:path=/nowhere/bus";
+        let fails_late = "unixexec:path=/bin/sleep,argv1=0.5";
+        for bus in [fails_at_once, fails_late] {
+            for asked_for in ["open", "save", "folder"] {
+                let answer = the_desktop(asked_for, bus, folder.path());
+                assert!(answer.contains("paths: []"), "{answer}");
+                assert!(answer.contains("nobody_saw_it: true"), "{bus}: {answer}");
+            }
+        }
+        // Without a portal there may be zenity, in which a user cancels at once, or chooses.
+        let zenity = folder.path().join("zenity");
+        let make_zenity = |script: &str| {
+            std::fs::write(&zenity, format!("#!/bin/sh\n{script}\n")).unwrap();
+            std::fs::set_permissions(&zenity, PermissionsExt::from_mode(0o755)).unwrap();
+        };
+        for asked_for in ["open", "save", "folder"] {
+            make_zenity("exit 1");
+            let answer = the_desktop(asked_for, fails_at_once, folder.path());
+            assert!(
+                answer.contains("paths: [], nobody_saw_it: false"),
+                "{answer}"
+            );
+            make_zenity("echo /a/b.toml");
+            let answer = the_desktop(asked_for, fails_at_once, folder.path());
+            assert!(answer.contains("paths: [\"/a/b.toml\"]"), "{answer}");
+        }
     }
 }

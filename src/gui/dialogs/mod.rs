@@ -1,5 +1,6 @@
 //! Questions and sheets over the window. One shows at a time.
 
+mod desktop;
 pub mod files;
 pub mod import;
 pub mod path_field;
@@ -14,11 +15,12 @@ use import::Import;
 use path_field::PathField;
 
 use super::keeping::Lost;
+use super::recovering::Recovered;
 
 pub use shortcuts::shortcuts_ui;
 
 /// What shows over the window.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub enum Dialog {
     /// A path to type, where the desktop offers no file dialog or the user prefers typing.
     Path(PathField),
@@ -76,12 +78,14 @@ pub(in crate::gui) fn buttons_ui<R>(
 }
 
 /// What the user was about to do when unsaved work stood in the way.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub enum Intent {
     /// Open these files in place of the scene.
     Open(Vec<PathBuf>),
     /// Open these meshes, which were read, in place of the scene.
     Import(Box<Import>),
+    /// Bring back lost work, which was read, in place of the scene.
+    Restore(Lost, Box<Recovered>),
     /// Close the window.
     Close,
 }

@@ -31,6 +31,10 @@ pub fn unsaved_ui(ctx: &egui::Context, name: &str, intent: &Intent) -> Decision 
                 "Another scene takes its place. Undo brings this one back.",
                 "Replace",
             ),
+            Intent::Restore(..) => (
+                "What is restored takes its place. Undo brings this one back.",
+                "Replace",
+            ),
             Intent::Close => (
                 "They are lost by closing the window without saving.",
                 "Discard",

@@ -17,7 +17,7 @@ const KEYS_WIDTH: [f32; 2] = [210.0, 128.0];
 const GAP: f32 = 14.0;
 
 /// What the mouse does in the preview.
-const MOUSE: [(&str, &str); 8] = [
+const MOUSE: [(&str, &str); 9] = [
     ("Drag", "Orbit about the target"),
     (
         "Shift + drag, middle or right drag",
@@ -30,6 +30,10 @@ const MOUSE: [(&str, &str); 8] = [
     (
         "Drag a handle",
         "Move, turn or scale what is selected; Ctrl snaps, X Y Z keep to an axis",
+    ),
+    (
+        "Click, then , and .",
+        "With the tool Rays: see the rays of a pixel, and of its sample before and after",
     ),
     (
         "Drop files",
@@ -45,12 +49,12 @@ const MOUSE_OVER_PICTURE: [(&str, &str); 4] = [
     ),
     (
         "Drag",
-        "Move the enlarged picture; orbit, in the preview, while all of it is seen",
+        "Move the enlarged picture; the camera moves in the preview alone, or with Live on",
     ),
     ("Point", "See the values of the pixel, in the line below"),
     (
         "Drag the divider",
-        "See more of one of two compared pictures",
+        "See more of one of two compared pictures; the arrow keys move it too",
     ),
 ];
 

@@ -183,6 +183,8 @@ impl Handle {
 pub struct HandleDrag {
     placed: Placed,
     tool: Tool,
+    /// What was taken hold of, and what it goes on as.
+    taken: Handle,
     handle: Handle,
     /// As they were when it was taken hold of.
     axes: Axes,
@@ -224,6 +226,7 @@ impl HandleDrag {
         Some(Self {
             placed,
             tool,
+            taken: handle,
             handle,
             axes,
             from,
@@ -251,12 +254,15 @@ impl HandleDrag {
         self.handle
     }
 
-    /// Goes on along or about `axis` alone, from where the drag began. A second time, a move goes on across it.
+    /// Goes on along or about `axis` alone, from where the drag began. A second time, a move goes on across it; but an arrow keeps to the
+    /// axis that it was taken hold of for.
     pub fn constrain(&mut self, axis: Axis) {
-        self.handle = match (self.tool, self.handle) {
-            (Tool::Move, Handle::Along(now)) if now == axis => Handle::Across(axis),
-            (Tool::Move | Tool::Rotate, _) => Handle::Along(axis),
-            (_, handle) => handle,
+        let along = Handle::Along(axis);
+        let is_again = self.handle == along && self.taken != along;
+        self.handle = match self.tool {
+            Tool::Move if is_again => Handle::Across(axis),
+            Tool::Move | Tool::Rotate => along,
+            _ => self.handle,
         };
         self.turn = Turn::default();
     }
@@ -598,6 +604,30 @@ mod tests {
         assert_eq!(drag.handle(), Handle::Across(Axis::X));
         drag.cancel(&mut after);
         assert_eq!(after, scene());
+    }
+
+    #[test]
+    fn an_arrow_keeps_to_its_axis_when_its_own_letter_is_pressed() {
+        let mut after = scene();
+        let start = after.objects[0].translate;
+        let held = start + DVec3::X * 0.7;
+        for tool in [Tool::Move, Tool::Rotate] {
+            let mut drag = hold(&after, tool, Handle::Along(Axis::X), held);
+            for _ in 0..3 {
+                drag.constrain(Axis::X);
+                assert_eq!(drag.handle(), Handle::Along(Axis::X));
+            }
+            drag.constrain(Axis::Y);
+            assert_eq!(drag.handle(), Handle::Along(Axis::Y));
+            drag.constrain(Axis::X);
+            assert_eq!(drag.handle(), Handle::Along(Axis::X));
+        }
+        let mut drag = hold(&after, Tool::Move, Handle::Along(Axis::X), held);
+        drag.constrain(Axis::X);
+        let to = on_screen(&after, held + DVec3::new(0.5, 0.0, 0.6));
+        drag.drag_to(&mut after, SIZE, to, false);
+        let way = after.objects[0].translate - start;
+        assert!(way.x != 0.0 && way.y == 0.0 && way.z == 0.0, "{way}");
     }
 
     #[test]

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub use layout::{Fold, LEAST_WINDOW, Layout, Theme, load_layout, save_layout};
 pub use recent::{MOST_RECENT, load_recent, save_recent};
 pub use render::{KeptRender, RenderAbout, scene_of_render};
-pub use session::{Begun, Lost, Session, begin};
+pub use session::{About, Begun, Lost, Place, Session, begin};
 
 /// The program's folder in the user's data; `None` where the system knows no home.
 #[must_use]

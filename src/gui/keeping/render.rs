@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::session::Session;
+use crate::control::{CancelToken, Progress};
 use crate::io::{
     BlockLog, LoggedBlocks, load_checkpoint, save_checkpoint, save_scene, write_atomically,
 };
@@ -54,8 +55,8 @@ pub fn scene_of_render(folder: &Path) -> PathBuf {
     folder.join(SCENE)
 }
 
-/// The place of a render on disk. It is removed with this value, which a process that is killed does not live to do. One that such a process
-/// left is not removed before it is [accepted](Self::accept).
+/// The place of a render on disk. It is removed with this value, which a process that is killed does not live to do, unless its session is
+/// [left](Session::leave). One that such a process left is not removed before it is [accepted](Self::accept).
 #[derive(Debug)]
 pub struct KeptRender {
     session: Arc<Session>,
@@ -120,7 +121,7 @@ impl KeptRender {
 
     /// Keeps `checkpoint` of a render of `scene` in place of the last one, whole or not at all. `description`: see
     /// [`describe_render`](crate::io::describe_render). The logs before the one that grows go; those of a process that was killed stay where
-    /// `needs_old`.
+    /// `needs_old`. When cancelled, all stays as it is.
     ///
     /// # Errors
     /// In words.
@@ -130,6 +131,7 @@ impl KeptRender {
         description: &str,
         checkpoint: &Checkpoint,
         needs_old: bool,
+        cancel: &CancelToken,
     ) -> Result<(), String> {
         let superseded = {
             let mut logs = self.logs();
@@ -140,8 +142,11 @@ impl KeptRender {
         };
         self.session.write_render(|| {
             let path = self.folder.join(CHECKPOINT);
-            save_checkpoint(&path, description, checkpoint)
+            let saved = save_checkpoint(&path, description, checkpoint, cancel)
                 .map_err(|error| format!("{}: {error}", path.display()))?;
+            if saved.is_none() {
+                return Ok(());
+            }
             let files = self.log_files().into_iter();
             for (_, file) in files.filter(|(number, _)| superseded.contains(number)) {
                 // One that stays is of use to nobody, and goes with the folder.
@@ -220,30 +225,35 @@ impl KeptRender {
         save_scene(scene, &scene_of_render(&self.folder)).map_err(|error| error.to_string())
     }
 
-    /// The checkpoint that is here, of a render of that description; `None` where there is none. A file of more than `most_bytes` is
-    /// not one.
+    /// What is here of a render of that description: the checkpoint, where there is one, and the blocks. A checkpoint of more than `most_bytes`
+    /// is none. `None` when cancelled; `progress` advances by the bytes that are read and looked through, and knows how many there are.
     ///
     /// # Errors
-    /// Those of [`load_checkpoint`], in words.
-    pub fn checkpoint(
+    /// Those of [`load_checkpoint`](crate::io::load_checkpoint), in words.
+    pub fn read(
         &self,
         description: &str,
         most_bytes: u64,
-    ) -> Result<Option<Checkpoint>, String> {
-        let path = self.folder.join(CHECKPOINT);
-        if !path.is_file() {
-            return Ok(None);
-        }
-        let loaded = load_checkpoint(&path, description, most_bytes);
-        loaded.map(Some).map_err(|error| error.reason)
-    }
-
-    /// The blocks that are here, of a render of that description.
-    #[must_use]
-    pub fn blocks(&self, description: &str) -> LoggedBlocks {
+        cancel: &CancelToken,
+        progress: &Progress,
+    ) -> Result<Option<(Option<Checkpoint>, LoggedBlocks)>, String> {
+        let length = |path: &Path| fs::metadata(path).map_or(0, |file| file.len());
         let files = self.log_files().into_iter();
-        let paths: Vec<_> = files.map(|(_, path)| path).collect();
-        LoggedBlocks::read(&paths, description)
+        let logs: Vec<_> = files.map(|(_, path)| path).collect();
+        let path = self.folder.join(CHECKPOINT);
+        let in_logs: u64 = logs.iter().map(|log| length(log)).sum();
+        progress.set_total(2 * length(&path) + in_logs);
+        let checkpoint = if path.is_file() {
+            let loaded = load_checkpoint(&path, description, most_bytes, cancel, progress);
+            match loaded.map_err(|error| error.reason)? {
+                Some(checkpoint) => Some(checkpoint),
+                None => return Ok(None),
+            }
+        } else {
+            None
+        };
+        let blocks = LoggedBlocks::read_unless(&logs, description, cancel, progress);
+        Ok(blocks.map(|blocks| (checkpoint, blocks)))
     }
 
     fn log_file(&self, number: usize) -> PathBuf {
@@ -263,17 +273,24 @@ impl KeptRender {
 impl Drop for KeptRender {
     fn drop(&mut self) {
         self.logs().current = None;
+        if self.session.is_left() {
+            return;
+        }
         self.leave();
         // What stays goes with the session.
         let _ = fs::remove_dir_all(&self.folder);
     }
 }
 
+/// The folders of renders in that of a session, as they began.
+pub(super) fn renders_in(session: &Path) -> impl DoubleEndedIterator<Item = PathBuf> + use<> {
+    let folders = numbered(session, PREFIX).into_iter();
+    folders.map(|(_, folder)| folder)
+}
+
 /// The folder of the render in that of a session that began last and was kept.
 pub(super) fn newest_render(session: &Path) -> Option<PathBuf> {
-    let folders = numbered(session, PREFIX).into_iter();
-    let mut kept = folders.filter(|(_, folder)| scene_of_render(folder).is_file());
-    kept.next_back().map(|(_, folder)| folder)
+    renders_in(session).rfind(|folder| scene_of_render(folder).is_file())
 }
 
 /// What lies in `folder` under names that are `prefix` and a number, by number.
@@ -294,7 +311,6 @@ fn numbered(folder: &Path, prefix: &str) -> Vec<(usize, PathBuf)> {
 mod tests {
     use super::super::{Begun, begin};
     use super::*;
-    use crate::control::CancelToken;
     use crate::io::demo_scene;
     use crate::render::PreparedScene;
 
@@ -327,7 +343,9 @@ mod tests {
         let killed = session.place_render(about.clone());
         let keep = |kept: &KeptRender, needs_old| {
             kept.begin_log(&scene, "demo").unwrap();
-            kept.keep(&scene, "demo", &checkpoint, needs_old).unwrap();
+            let never = CancelToken::new();
+            kept.keep(&scene, "demo", &checkpoint, needs_old, &never)
+                .unwrap();
         };
         killed.log_block(b"before there is a log");
         killed.begin_log(&scene, "demo").unwrap();

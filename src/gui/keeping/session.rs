@@ -3,15 +3,15 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
-use super::render::{KeptRender, RenderAbout, newest_render};
+use super::render::{KeptRender, RenderAbout, newest_render, renders_in, scene_of_render};
 use super::{lock_shared, open_lock};
-use crate::io::{save_scene, write_atomically};
+use crate::io::{remove_unfinished, save_scene, write_atomically};
 use crate::scene::Scene;
 
 /// The scene as it was edited last: a scene file like any other.
@@ -48,7 +48,21 @@ impl Held {
         })
     }
 
+    /// Writes unsaved work, whole or not at all.
+    fn keep(&self, scene: &Scene, about: &About) -> Result<(), String> {
+        let folder = &self.folder;
+        let text = serde_json::to_string_pretty(about).map_err(|e| e.to_string())?;
+        write_atomically(&folder.join(ABOUT), |file| file.write_all(text.as_bytes()))
+            .map_err(|error| format!("{}: {error}", folder.display()))?;
+        save_scene(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
+    }
+
     fn remove(&mut self) {
+        // Where an open file keeps the rest, as on some systems, that is nothing to offer.
+        let _ = fs::remove_file(self.folder.join(SCENE));
+        for render in renders_in(&self.folder) {
+            let _ = fs::remove_file(scene_of_render(&render));
+        }
         // An open file keeps its folder on some systems.
         self.lock = None;
         // What stays is offered, or removed, at the next start.
@@ -65,25 +79,13 @@ pub struct Session {
     renders: AtomicUsize,
     /// Whether renders may not be kept any more. Whoever writes one holds it.
     is_over: Mutex<bool>,
+    /// Whether all of it is for the next window.
+    is_left: AtomicBool,
 }
 
 impl Session {
-    /// Writes unsaved work, whole or not at all.
-    ///
-    /// # Errors
-    /// In words.
-    pub fn keep(&self, scene: &Scene, name: String, path: Option<PathBuf>) -> Result<(), String> {
-        let held = self.held();
-        let folder = &held.folder;
-        let about = About { name, path };
-        let text = serde_json::to_string_pretty(&about).map_err(|e| e.to_string())?;
-        write_atomically(&folder.join(ABOUT), |file| file.write_all(text.as_bytes()))
-            .map_err(|error| format!("{}: {error}", folder.display()))?;
-        save_scene(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
-    }
-
     /// Removes what was kept: it is saved, or was given up.
-    pub fn clear(&self) {
+    fn clear(&self) {
         // What is not there needs no removing.
         let _ = fs::remove_file(self.held().folder.join(SCENE));
     }
@@ -93,6 +95,16 @@ impl Session {
     pub fn end(&self) {
         *self.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.held().remove();
+    }
+
+    /// From now on nothing of it is removed, so that the next window finds it: the user has not decided about the work.
+    pub fn leave(&self) {
+        self.is_left.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it is [left](Self::leave).
+    pub(super) fn is_left(&self) -> bool {
+        self.is_left.load(Ordering::Relaxed)
     }
 
     /// A place for the render of `about`, which has nothing yet.
@@ -149,6 +161,10 @@ pub struct Lost {
 impl Lost {
     /// What is left in the folder of `held`; gives that back where nothing is.
     fn of(held: Held) -> Result<Self, Held> {
+        // Nobody writes here any more.
+        for folder in renders_in(&held.folder).chain([held.folder.clone()]) {
+            remove_unfinished(&folder);
+        }
         let scene = Some(held.folder.join(SCENE)).filter(|scene| scene.is_file());
         let render = newest_render(&held.folder);
         let about = scene
@@ -211,8 +227,42 @@ impl Lost {
 
     /// Removes it for good.
     pub fn discard(self) {
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        held.remove();
+        self.held().remove();
+    }
+
+    fn held(&self) -> MutexGuard<'_, Held> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Where unsaved work is kept.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// With all else of the window.
+    Session(Arc<Session>),
+    /// Of restored work: where it was found.
+    Found(Lost),
+}
+
+impl Place {
+    /// Writes unsaved work there, whole or not at all.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn keep(&self, scene: &Scene, about: &About) -> Result<(), String> {
+        let held = match self {
+            Self::Session(session) => session.held(),
+            Self::Found(lost) => lost.held(),
+        };
+        held.keep(scene, about)
+    }
+
+    /// Removes what was kept there: it is saved, or was given up.
+    pub fn clear(self) {
+        match self {
+            Self::Session(session) => session.clear(),
+            Self::Found(lost) => lost.discard(),
+        }
     }
 }
 
@@ -260,6 +310,7 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
             held: Mutex::new(held),
             renders: AtomicUsize::new(0),
             is_over: Mutex::new(false),
+            is_left: AtomicBool::new(false),
         },
         lost,
     })
@@ -280,18 +331,23 @@ mod tests {
         let mut scene = demo_scene();
         scene.camera.eye.x += 1.0;
         let path = Some(PathBuf::from("/scenes/room.toml"));
-        session
-            .keep(&scene, "room".to_owned(), path.clone())
-            .unwrap();
+        let about = About {
+            name: "room".to_owned(),
+            path: path.clone(),
+        };
+        session.held().keep(&scene, &about).unwrap();
 
         // A window beside it leaves it alone, and a closed one leaves nothing.
         let beside = begin(&data).unwrap();
         assert!(beside.lost.is_empty());
         beside.session.end();
         // A process that ends gives back its locks.
+        let unfinished = session.folder.join(".raymini-abc.part");
+        fs::write(&unfinished, "half of it").unwrap();
         drop(session);
 
         let Begun { session, mut lost } = begin(&data).unwrap();
+        assert!(!unfinished.exists(), "it is of no use to anybody");
         assert_eq!(lost.len(), 1);
         let work = lost.pop().unwrap();
         assert_eq!(work.about.name, "room");
@@ -322,8 +378,11 @@ mod tests {
     fn saved_work_is_not_lost() {
         let folder = tempfile::tempdir().unwrap();
         let Begun { session, .. } = begin(folder.path()).unwrap();
-        let keep = |name: &str| session.keep(&demo_scene(), name.to_owned(), None);
-        keep("demo").unwrap();
+        let about = About {
+            name: "demo".to_owned(),
+            path: None,
+        };
+        session.held().keep(&demo_scene(), &about).unwrap();
         session.clear();
         drop(session);
         assert!(begin(folder.path()).unwrap().lost.is_empty());

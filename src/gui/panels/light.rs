@@ -7,6 +7,7 @@ use egui::Ui;
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::analysis::contributions::Contributor;
 use crate::gui::commands::Command;
+use crate::gui::edit;
 use crate::gui::orbit;
 use crate::gui::preview::uniforms::picture_size;
 use crate::gui::widgets::{
@@ -32,7 +33,7 @@ fn name_ui(ui: &mut Ui, scene: &mut Scene, index: usize) {
     let response = row_ui(ui, "Name", "What the light is called", |ui| {
         let field = egui::TextEdit::singleline(&mut name)
             .id(egui::Id::unique(NAME_FIELD))
-            .hint_text(format!("Light {}", index + 1));
+            .hint_text(edit::usual_light_name(index));
         ui.add(field.desired_width(f32::INFINITY))
     });
     if response.changed() {

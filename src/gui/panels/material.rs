@@ -5,7 +5,7 @@ use std::path::Path;
 
 use egui::{Event, Id, Key, RichText, Ui, Vec2};
 
-use super::presets::presets_ui;
+use super::presets::{NEW_MATERIAL, has_usual_name, presets_ui};
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::analysis::contributions::Contributor;
 use crate::gui::commands::{Command, TextureUse};
@@ -31,9 +31,14 @@ pub fn material_ui(ui: &mut Ui, state: &mut PanelState<'_>, name: &str) {
     let Some(material) = state.scene.materials.get_mut(name) else {
         return;
     };
-    presets_ui(ui, state.balls, name, material);
+    let taken = presets_ui(ui, state.balls, name, material);
     let asked = reflectance_ui(ui, material);
     state.commands.extend(asked);
+    if let Some(preset) = taken {
+        let name = take_preset_name(state.scene, name, preset);
+        *state.selection = Selection::Material(name);
+        return;
+    }
     let contributor = Contributor::Emitter(name.to_owned());
     let contributions = &mut *state.contributions;
     contributions.row_ui(ui, &contributor, None, "Of the light in the picture");
@@ -313,9 +318,20 @@ fn rename(scene: &mut Scene, from: &str, to: &str) {
     }
 }
 
+/// Calls the material `name` what the preset is called that it has become, unless somebody gave it that name; returns its name.
+pub fn take_preset_name(scene: &mut Scene, name: &str, preset: &str) -> String {
+    if !has_usual_name(name) {
+        return name.to_owned();
+    }
+    let is_taken = |other: &str| other != name && scene.materials.contains_key(other);
+    let new = free_name(preset, is_taken);
+    rename(scene, name, &new);
+    new
+}
+
 /// Adds a material, a copy of the one called `like` or the default one, and returns its name.
 pub fn new_material(scene: &mut Scene, like: Option<&str>) -> String {
-    let base = like.unwrap_or("material");
+    let base = like.unwrap_or(NEW_MATERIAL);
     let material = like
         .and_then(|name| scene.materials.get(name).cloned())
         .unwrap_or_default();
@@ -342,5 +358,23 @@ mod tests {
         assert!(scene.material_of(&scene.objects[0]).is_ok());
         assert!(!scene.materials.contains_key(&clay));
         assert_eq!(new_material(&mut scene, Some("terracotta")), "terracotta 2");
+    }
+
+    #[test]
+    fn a_preset_brings_its_name_unless_somebody_gave_one() {
+        let mut scene = Scene::default();
+        let new = new_material(&mut scene, None);
+        scene.objects.push(Object {
+            material: Some(new.clone()),
+            ..Object::default()
+        });
+        assert_eq!(take_preset_name(&mut scene, &new, "Gold"), "Gold");
+        assert_eq!(scene.objects[0].material.as_deref(), Some("Gold"));
+        assert_eq!(take_preset_name(&mut scene, "Gold", "Gold"), "Gold");
+        let second = new_material(&mut scene, None);
+        assert_eq!(take_preset_name(&mut scene, &second, "Gold"), "Gold 2");
+        scene.materials.insert("clear".into(), Material::glass());
+        assert_eq!(take_preset_name(&mut scene, "clear", "Gold"), "clear");
+        assert_eq!(scene.materials.len(), 3);
     }
 }

@@ -52,6 +52,8 @@ pub struct PanelState<'a> {
     pub layers: &'a [Layer],
     /// How bright the picture on the screen is.
     pub histogram: Option<&'a Histogram>,
+    /// A pixel of it that is to be looked at.
+    pub asked_pixel: &'a mut Option<[u32; 2]>,
     /// What rays look for triangles in, once it is there.
     pub structure: Option<StructureInUse>,
     /// What materials look like.
@@ -100,7 +102,7 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     section_ui(ui, "Plan", false, |ui| plan::plan_ui(ui, state));
     section_ui(ui, "Display", true, |ui| {
         if let Some(histogram) = state.histogram {
-            histogram.histogram_ui(ui);
+            *state.asked_pixel = histogram.histogram_ui(ui);
         }
         settings::layers_ui(ui, state);
         settings::channels_ui(ui, state.channels);

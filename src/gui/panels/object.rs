@@ -4,7 +4,7 @@ use std::path::Path;
 
 use egui::{RichText, Ui};
 
-use super::material::{new_material, reflectance_ui};
+use super::material::{new_material, reflectance_ui, take_preset_name};
 use super::presets::presets_ui;
 use super::{NAME_FIELD, PanelState, command_button_ui};
 use crate::gui::commands::Command;
@@ -27,9 +27,12 @@ pub fn object_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     if let Some(name) = object.material.clone()
         && let Some(material) = state.scene.materials.get_mut(&name)
     {
-        presets_ui(ui, state.balls, &name, material);
+        let taken = presets_ui(ui, state.balls, &name, material);
         let asked = reflectance_ui(ui, material);
         state.commands.extend(asked);
+        if let Some(preset) = taken {
+            take_preset_name(state.scene, &name, preset);
+        }
     }
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {

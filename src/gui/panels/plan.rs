@@ -9,8 +9,33 @@ use crate::gui::contributions::Contributions;
 use crate::gui::costs::CostState;
 use crate::gui::document::same_picture;
 use crate::gui::status_bar::progress_ui;
+use crate::gui::widgets::grouped;
 use crate::render::{Used, reasons};
 use crate::scene::Scene;
+
+/// What the keys of scene files in the plan's reasons are called in the window; the longer first, where one begins like another.
+const NAMES: [(&str, &str); 12] = [
+    ("camera.aperture_radius", "Lens radius"),
+    ("render.antialiasing", "Anti-aliasing"),
+    ("render.depth_of_field", "Depth of field"),
+    ("render.max_bounces ends", "the limit of Bounces ends"),
+    ("render.max_bounces", "Bounces"),
+    ("render.ambient_occlusion", "Occlusion"),
+    ("render.light_sampling is bsdf", "Light search is Meet"),
+    ("render.light_sampling is nee", "Light search is Aim"),
+    ("render.shadows is off", "Shadows is Off"),
+    ("render.shadows is hard", "Shadows is Hard"),
+    ("render.roulette", "Roulette"),
+    ("mode direct", "the mode Direct light"),
+];
+
+/// A reason of the plan in the words of the window.
+fn in_window_words(reason: &str) -> String {
+    let text = reason.to_owned();
+    NAMES
+        .iter()
+        .fold(text, |text, (key, name)| text.replace(key, name))
+}
 
 /// What a render of the scene does, what it leaves out and why, and what that costs and saves.
 pub fn plan_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
@@ -64,7 +89,10 @@ fn features_ui(ui: &mut Ui, scene: &Scene) {
         let name = feature.name();
         let text = match reason {
             None => RichText::new(format!("{name}: needed")),
-            Some(reason) => RichText::new(format!("{name}: left out: {reason}")).weak(),
+            Some(reason) => {
+                let reason = in_window_words(reason);
+                RichText::new(format!("{name}: left out, as {reason}")).weak()
+            }
         };
         // Wrapped, as the longest reason must not make the panel wider.
         ui.add(Label::new(text).wrap());
@@ -72,9 +100,47 @@ fn features_ui(ui: &mut Ui, scene: &Scene) {
 }
 
 fn used_ui(ui: &mut Ui, used: &Used) {
-    for fact in used.facts() {
-        ui.add(Label::new(fact).wrap());
+    let [facts, tooltips] = facts_of(used);
+    for (fact, tooltip) in facts.into_iter().zip(tooltips) {
+        ui.add(Label::new(fact).wrap()).on_hover_text(tooltip);
     }
+}
+
+/// What of the scene is used, and what that means.
+fn facts_of(used: &Used) -> [[String; 3]; 2] {
+    let [shining, lights] = used.lights;
+    let [worn, materials] = used.materials;
+    let names = used.lobes.iter().map(|lobe| match *lobe {
+        "diffuse" => "matt",
+        "specular" => "highlights",
+        "mirror" => "mirrors",
+        "glass" => "glass",
+        _ => "shining by themselves",
+    });
+    let names: Vec<_> = names.collect();
+    let kinds = if names.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", names.join(", "))
+    };
+    let structure = match used.structure {
+        "wide" => "the wide tree",
+        "kd-tree" => "the kd-tree",
+        _ => "a list of all",
+    };
+    let triangles = grouped(used.triangles);
+    [
+        [
+            format!("Lights: {shining} of {lights} shine"),
+            format!("Materials: {worn} of {materials} on objects{kinds}"),
+            format!("Rays look for {triangles} triangles in {structure}"),
+        ],
+        [
+            "Black lights cost nothing".to_owned(),
+            "Materials of no object cost nothing, nor does what none of the others do".to_owned(),
+            "Copies counted. What the structure is, the row Structure says".to_owned(),
+        ],
+    ]
 }
 
 /// What each effect and each light brings.
@@ -113,13 +179,84 @@ fn shares_ui(
     shares: impl Iterator<Item = (&'static str, Share)>,
 ) {
     ui.label(RichText::new(title).strong()).on_hover_text(hover);
-    let percent = |share: f64| format!("{:+.0}", 100.0 * share);
     Grid::new(title).num_columns(2).show(ui, |ui| {
         for (name, share) in shares {
-            let [low, high] = share.interval.map(percent);
-            ui.label(format!("{} %  ({low} to {high})", percent(share.value)));
+            let [text, meaning] = share_in_words(share);
+            ui.label(text).on_hover_text(meaning);
             ui.add(Label::new(name).wrap());
             ui.end_row();
         }
     });
+}
+
+/// A share of the time, and where it lies; a share that may as well be nothing is called that.
+fn share_in_words(share: Share) -> [String; 2] {
+    let percent = |share: f64| format!("{:+.0} %", 100.0 * share);
+    let [low, high] = share.interval;
+    let text = if low <= 0.0 && high >= 0.0 {
+        "no difference".to_owned()
+    } else {
+        percent(share.value)
+    };
+    let meaning = format!(
+        "Measured {} of the time, and with 95 % confidence between {} and {}",
+        percent(share.value),
+        percent(low),
+        percent(high)
+    );
+    [text, meaning]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every key that the plan names has a name of the window.
+    #[test]
+    fn reasons_are_in_the_words_of_the_window() {
+        let source = include_str!("../../render/plan.rs");
+        let quoted = source.split('"').skip(1).step_by(2);
+        let keys = quoted.filter(|text| text.contains("render.") || text.contains("camera."));
+        let keys: Vec<_> = keys.collect();
+        assert!(keys.len() > 8, "{keys:?}");
+        for reason in keys {
+            let words = in_window_words(reason);
+            let is_plain =
+                !words.contains('_') && !words.contains("render.") && !words.contains("camera.");
+            assert!(is_plain, "{reason}: {words}");
+        }
+        assert_eq!(
+            in_window_words("camera.aperture_radius is 0"),
+            "Lens radius is 0"
+        );
+    }
+
+    #[test]
+    fn shares_that_may_be_nothing_are_called_so() {
+        let share = |value, interval| share_in_words(Share { value, interval });
+        let [text, meaning] = share(-0.01, [-0.07, 0.06]);
+        assert_eq!(text, "no difference");
+        assert!(meaning.contains("between -7 % and +6 %"), "{meaning}");
+        assert_eq!(share(0.12, [0.1, 0.14])[0], "+12 %");
+    }
+
+    #[test]
+    fn what_is_used_is_told_without_keys() {
+        let used = Used {
+            lights: [1, 2],
+            materials: [2, 3],
+            lobes: ["diffuse", "specular"].into(),
+            structure: "wide",
+            triangles: 12_345,
+        };
+        let [facts, _] = facts_of(&used);
+        assert_eq!(
+            facts,
+            [
+                "Lights: 1 of 2 shine",
+                "Materials: 2 of 3 on objects (matt, highlights)",
+                "Rays look for 12,345 triangles in the wide tree",
+            ]
+        );
+    }
 }

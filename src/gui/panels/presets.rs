@@ -13,9 +13,17 @@ const SMALL: f32 = 40.0;
 /// Size of an entry of the menu, and entries beside each other.
 const ENTRY: Vec2 = vec2(104.0, 66.0);
 const COLUMNS: usize = 4;
+/// What a new material is called.
+pub const NEW_MATERIAL: &str = "material";
 
-/// What the material called `name` looks like, and others to take in its place.
-pub fn presets_ui(ui: &mut Ui, balls: &mut Balls, name: &str, material: &mut Material) {
+/// What the material called `name` looks like, and others to take in its place; returns what the one is called that was taken.
+pub fn presets_ui(
+    ui: &mut Ui,
+    balls: &mut Balls,
+    name: &str,
+    material: &mut Material,
+) -> Option<&'static str> {
+    let mut taken = None;
     ui.horizontal(|ui| {
         let (place, response) = ui.allocate_exact_size(Vec2::splat(LARGE), Sense::hover());
         ball_ui(ui, balls, place, Some(name), material);
@@ -34,6 +42,7 @@ pub fn presets_ui(ui: &mut Ui, balls: &mut Balls, name: &str, material: &mut Mat
                     for preset in row {
                         if preset_ui(ui, balls, preset) {
                             *material = Material::clone(&preset.material);
+                            taken = Some(preset.name);
                             ui.close();
                         }
                     }
@@ -41,12 +50,24 @@ pub fn presets_ui(ui: &mut Ui, balls: &mut Balls, name: &str, material: &mut Mat
                 }
             });
         });
-        let tooltip = "Make this material a common one; its name and its objects stay";
+        let tooltip = "Make this material a common one; its objects stay, and so does a name that you gave it";
         menu.response
             .accessible_name("Presets of materials")
             .on_hover_text(tooltip);
     });
     ui.add_space(3.0);
+    taken
+}
+
+/// Whether a material is called what nobody chose for it: as a new one or as one of the presets is, with a number or without.
+pub fn has_usual_name(name: &str) -> bool {
+    let base = match name.rsplit_once(' ') {
+        Some((base, number)) if number.parse::<u32>().is_ok() => base,
+        _ => name,
+    };
+    let presets = materials::all();
+    let mut usual = presets.iter().map(|preset| preset.name);
+    base == NEW_MATERIAL || usual.any(|usual| usual.eq_ignore_ascii_case(base))
 }
 
 /// An entry of the menu; returns whether it is chosen.
@@ -86,4 +107,19 @@ fn ball_ui(ui: &Ui, balls: &mut Balls, square: Rect, name: Option<&str>, materia
     let edge = ui.visuals().widgets.noninteractive.bg_stroke;
     ui.painter()
         .circle_stroke(square.center(), square.width() / 2.0, edge);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_that_somebody_gave_is_told_from_a_usual_one() {
+        for name in ["material", "material 2", "gold", "Brushed gold", "Water 12"] {
+            assert!(has_usual_name(name), "{name}");
+        }
+        for name in ["clear", "my gold", "material x", "12", "gold ring 2"] {
+            assert!(!has_usual_name(name), "{name}");
+        }
+    }
 }

@@ -172,7 +172,7 @@ fn structure_ui(ui: &mut Ui, settings: &mut RenderSettings, structure: Option<St
         ui,
         "Structure",
         "What rays look for triangles in; the picture does not depend on it. Auto takes the wide tree: on meshes about twice as fast as the \
-         kd-tree, on soups of thin triangles nearly as fast, in less memory, and sooner built",
+         kd-tree, in less memory, and sooner built. On soups, where very many triangles overlap, the kd-tree may be up to three times as fast",
         &mut settings.accelerator,
         &AcceleratorChoice::ALL
             .iter()
@@ -563,11 +563,17 @@ pub fn display_ui(ui: &mut Ui, scene: &mut Scene) {
     choice_row_ui(
         ui,
         "Tone curve",
-        "How values brighter than the screen are shown",
+        "What becomes of values brighter than the screen, before they are encoded as sRGB, which they always are",
         &mut scene.display.tone_curve,
         |curve| match curve {
-            ToneCurve::None => ("Clip", "Brighter values are white"),
-            ToneCurve::Aces => ("ACES", "Bright values roll off as in film"),
+            ToneCurve::None => (
+                "None",
+                "No curve: values are shown as they are, as sRGB; what is brighter than the screen is cut off at its white",
+            ),
+            ToneCurve::Aces => (
+                "ACES",
+                "A curve like that of the Academy Color Encoding System: bright values roll off as in film, dark ones get more contrast",
+            ),
         },
     );
     number_row_ui(

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use egui::{Align, Color32, Layout, Rangef, Rect, RichText, Ui, Vec2};
+use egui::{Align, Color32, Id, Layout, Rangef, Rect, RichText, Ui, Vec2};
 
 use super::PanelState;
 use super::light::new_light;
@@ -20,6 +20,10 @@ use crate::scene::{Background, Light, Material, NamedLight, Rgb, Scene};
 const MOST_HEIGHT: f32 = 320.0;
 /// Height of a row, in points.
 const ROW_HEIGHT: f32 = 22.0;
+/// How long the list keeps to a part that was added, in seconds.
+const REVEAL_SECS: f64 = 0.4;
+/// Names of more letters may not be seen whole.
+const LONG_NAME: usize = 20;
 /// Most rows of a group that are all laid out, in about half a millisecond of a frame: who hears the window rather than seeing it finds
 /// every part then, wherever the list is scrolled to. Of more, only those near the visible ones are there.
 const MOST_ROWS: usize = 200;
@@ -32,6 +36,7 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         .auto_shrink([false, true])
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
+            let added = Added::now(ui, state.selection);
             part_ui(ui, state, &Selection::Camera, Icon::Camera, "Camera", "");
             let background = background_icon(state.scene);
             part_ui(
@@ -43,13 +48,16 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 "",
             );
             let count = state.scene.objects.len();
-            if group_ui(ui, "Objects", count, true, "Add object", |ui| {
+            let new = added.then(|| state.selection.object()).flatten();
+            if group_ui(ui, ["Objects", "Add object"], count, (true, new), |ui| {
                 rows_ui(ui, count, |ui, rows| objects_ui(ui, state, rows));
             }) {
+                Added::expect(ui, state.selection);
                 state.commands.push(Command::AddMesh);
             }
             let count = state.scene.lights.len();
-            if group_ui(ui, "Lights", count, true, "Add light", |ui| {
+            let new = added.then(|| state.selection.light()).flatten();
+            if group_ui(ui, ["Lights", "Add light"], count, (true, new), |ui| {
                 if count > MAX_LIGHTS {
                     let note =
                         format!("The preview shows the first {MAX_LIGHTS}, the picture all.");
@@ -57,21 +65,83 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
                 }
                 rows_ui(ui, count, |ui, rows| lights_ui(ui, state, rows));
             }) {
+                Added::expect(ui, state.selection);
                 let light = new_light(state.scene);
-                let light = state.scene.add_light(NamedLight {
+                let named = NamedLight {
                     name: String::new(),
                     light,
-                });
+                };
+                let light = edit::add_light(state.scene, named);
                 *state.selection = Selection::Light(light);
             }
             let count = state.scene.materials.len();
-            if group_ui(ui, "Materials", count, false, "Add material", |ui| {
+            let new = added.then(|| place_of_material(state)).flatten();
+            let names = ["Materials", "Add material"];
+            if group_ui(ui, names, count, (false, new), |ui| {
                 rows_ui(ui, count, |ui, rows| materials_ui(ui, state, rows));
             }) {
+                Added::expect(ui, state.selection);
                 let name = new_material(state.scene, None);
                 *state.selection = Selection::Material(name);
             }
         });
+}
+
+/// That a part is being added by a button of the list: once it is selected, the list scrolls to it.
+#[derive(Clone, Debug)]
+struct Added {
+    /// What was selected when the button was pressed.
+    before: Selection,
+    /// Since when the new part is selected, in seconds.
+    since: Option<f64>,
+}
+
+impl Added {
+    fn id() -> Id {
+        Id::unique("part added by the list")
+    }
+
+    /// A button that adds a part was pressed.
+    fn expect(ui: &Ui, selection: &Selection) {
+        let added = Self {
+            before: selection.clone(),
+            since: None,
+        };
+        ui.data_mut(|data| data.insert_temp(Self::id(), added));
+    }
+
+    /// Whether the part that is selected was added just now.
+    fn now(ui: &Ui, selection: &Selection) -> bool {
+        let now = ui.input(|input| input.time);
+        let Some(mut added) = ui.data(|data| data.get_temp::<Self>(Self::id())) else {
+            return false;
+        };
+        if added.since.is_none() && added.before == *selection {
+            return false;
+        }
+        // As long as the group takes to unfold.
+        let is_done = now > *added.since.get_or_insert(now) + REVEAL_SECS;
+        ui.data_mut(|data| {
+            if is_done {
+                data.remove::<Self>(Self::id());
+            } else {
+                data.insert_temp(Self::id(), added);
+            }
+        });
+        if !is_done {
+            ui.request_repaint();
+        }
+        !is_done
+    }
+}
+
+/// The place of the selected material among all.
+fn place_of_material(state: &PanelState<'_>) -> Option<usize> {
+    let Selection::Material(selected) = &*state.selection else {
+        return None;
+    };
+    let mut names = state.scene.materials.keys();
+    names.position(|name| name == selected)
 }
 
 fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
@@ -86,7 +156,7 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
             object.name.clone()
         };
         let material = state.scene.material_of(object).unwrap_or_default();
-        let icon = Icon::Object(material_color(&material));
+        let icon = Icon::Object(material_color(state.scene, &material));
         let detail = format!("{} triangles", grouped(triangles));
         part_ui(ui, state, &Selection::Object(index), icon, &name, &detail);
     }
@@ -95,7 +165,7 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
 fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
     for index in rows {
         let name = match state.scene.light_name(index) {
-            "" => format!("Light {}", index + 1),
+            "" => edit::usual_light_name(index),
             name => name.to_owned(),
         };
         let light = state.scene.lights[index];
@@ -124,7 +194,7 @@ fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
         let ball = is_seen.then(|| state.balls.texture(Some(name), material));
         let icon = match ball.flatten() {
             Some(ball) => Icon::Ball(ball),
-            None => Icon::Material(material_color(material)),
+            None => Icon::Material(material_color(state.scene, material)),
         };
         let part = Selection::Material(name.clone());
         part_ui(ui, state, &part, icon, name, &detail);
@@ -178,19 +248,22 @@ fn rows_in(span: Rangef, top: f32, step: f32, count: usize) -> Range<usize> {
     first..rows_before(span.max, f32::ceil).max(first)
 }
 
-/// A group of parts that folds. `add`: what its button to add one is called. Returns whether one is to be added.
+/// A group of parts that folds, and what its button to add one is called. `new`: the place of one that was just added and is to be seen.
+/// Returns whether one is to be added.
 fn group_ui(
     ui: &mut Ui,
-    title: &str,
+    [title, add]: [&str; 2],
     count: usize,
-    open: bool,
-    add: &str,
+    (open, new): (bool, Option<usize>),
     parts: impl FnOnce(&mut Ui),
 ) -> bool {
     ui.add_space(3.0);
     let id = ui.make_persistent_id(("group", title));
-    let state =
+    let mut state =
         egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, open);
+    if new.is_some() {
+        state.set_open(true);
+    }
     let (_, header, _) = state
         .show_header(ui, |ui| {
             ui.label(RichText::new(format!("{title}  {count}")).weak());
@@ -202,7 +275,16 @@ fn group_ui(
             })
             .inner
         })
-        .body_unindented(parts);
+        .body_unindented(|ui| {
+            if let Some(place) = new {
+                // Twice as high, as a note may stand before the rows.
+                let step = ROW_HEIGHT + ui.spacing().item_spacing.y;
+                let top = ui.cursor().min + Vec2::new(0.0, place as f32 * step);
+                let row = Rect::from_min_size(top, Vec2::new(1.0, 2.0 * ROW_HEIGHT));
+                ui.scroll_to_rect(row, None);
+            }
+            parts(ui);
+        });
     header.inner
 }
 
@@ -219,11 +301,16 @@ fn part_ui(
     let width = ui.available_width();
     // Room for the icon, which is painted over it.
     let room = egui::AtomExt::atom_size("", Vec2::splat(icons::SIDE));
-    let button = egui::Button::selectable(is_selected, (room, name))
+    // Of both, the name gives way where the room ends.
+    let name_shown = egui::AtomExt::atom_shrink(name, true);
+    let button = egui::Button::selectable(is_selected, (room, name_shown))
         .right_text(faint_text(ui, detail, is_selected).small())
         .truncate()
         .min_size(Vec2::new(width, ROW_HEIGHT));
-    let response = ui.add(button).accessible_name(format!("Select {name}"));
+    let mut response = ui.add(button).accessible_name(format!("Select {name}"));
+    if name.chars().count() > LONG_NAME {
+        response = response.on_hover_text(name);
+    }
     let ink = ui.style().interact_selectable(&response, is_selected);
     let center = response.rect.left_center() + Vec2::new(8.0 + icons::SIDE / 2.0, 0.0);
     icon.paint(ui.painter(), center, ink.text_color());
@@ -259,8 +346,12 @@ fn part_menu_ui(ui: &mut Ui, state: &mut PanelState<'_>, part: &Selection) {
     }
 }
 
-fn material_color(material: &Material) -> Color32 {
-    color_of(material.color())
+/// One colour to know a material by: with an image on it, that of all of it.
+fn material_color(scene: &Scene, material: &Material) -> Color32 {
+    let name = material.textures().and_then(|t| t.diffuse_image.as_ref());
+    let image = name.and_then(|name| scene.textures.get(name));
+    let tint = image.map_or(Rgb::ONE, |image| image.mean_color());
+    color_of(material.color() * tint)
 }
 
 fn background_icon(scene: &Scene) -> Icon {

@@ -1,6 +1,7 @@
 //! How the texels of a picture are cut into cells, each of which is a texture on the screen, and a piece where the picture is encoded anew.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use egui::ColorImage;
 
@@ -107,7 +108,7 @@ fn part_in(piece: &EncodedTile, texels: &[Range<usize>; 2]) -> EncodedTile {
     }
     EncodedTile {
         position,
-        pixels: ColorImage::new(size, pixels),
+        pixels: Arc::new(ColorImage::new(size, pixels)),
     }
 }
 
@@ -165,7 +166,10 @@ mod tests {
             let count = u8::try_from(size[0] * size[1]).unwrap();
             EncodedTile {
                 position,
-                pixels: ColorImage::new(size, (0..count).map(Color32::from_gray).collect()),
+                pixels: Arc::new(ColorImage::new(
+                    size,
+                    (0..count).map(Color32::from_gray).collect(),
+                )),
             }
         };
         // Edge to edge of a cell.

@@ -5,27 +5,28 @@
 //!
 //! - `texels`: which pixel each texel on the screen shows
 //! - `grid`: how the texels are cut into textures
+//! - `encoding`: all of a picture in another look
 //! - `reading`: what is read from a picture beside its tiles
 
+mod encoding;
 mod grid;
 mod reading;
 mod texels;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ColorImage, Vec2};
 
 use super::error_colors::scale_of;
 use super::look::{Channels, Look};
 use super::part::Part;
-use crate::control::CancelToken;
 use crate::render::{CoarsePicture, Image, Layer, Region, TilePixels};
 use crate::scene::Display;
 
 pub use grid::Grid;
 use texels::Texels;
-pub use texels::{CoarseTexels, EncodedTile};
+pub use texels::{CoarseTexels, Encoded, EncodedTile};
 
 /// How many buffers there were.
 static BUFFERS: AtomicU64 = AtomicU64::new(0);
@@ -69,6 +70,8 @@ struct BufferState {
     channels: Channels,
     /// The error with the last colour, see [`super::error_colors`]; `None` while nothing is known of it.
     error_scale: Option<f32>,
+    /// How often what is on the screen, or how it is shown, has changed.
+    changes: u64,
 }
 
 impl BufferState {
@@ -127,6 +130,7 @@ impl PictureBuffer {
                 display,
                 channels: Channels::default(),
                 error_scale: None,
+                changes: 0,
             }),
         })
     }
@@ -134,12 +138,18 @@ impl PictureBuffer {
     /// A picture that is whole, without layers.
     #[must_use]
     pub fn of_image(image: Image, display: Display) -> Self {
-        Self::of_render(image, Vec::new(), display)
+        let part = Part::whole([image.width, image.height]);
+        Self::of_render(image, Vec::new(), part, display)
     }
 
-    /// A picture that is whole, with its layers, which are as large.
+    /// This part of a picture, finished, with its layers, which are as large.
     #[must_use]
-    pub fn of_render(image: Image, layers: Vec<(Layer, Image)>, display: Display) -> Self {
+    pub fn of_render(
+        image: Image,
+        layers: Vec<(Layer, Image)>,
+        part: Part,
+        display: Display,
+    ) -> Self {
         let size = [image.width, image.height];
         let errors = layers.iter().find(|(layer, _)| *layer == Layer::Error);
         let error_scale = errors.map(|(_, errors)| scale_of(errors));
@@ -147,7 +157,7 @@ impl PictureBuffer {
         let planes: Vec<Image> = std::iter::once(image).chain(images).collect();
         Self {
             id: PictureId::next(),
-            part: Part::whole(size),
+            part,
             width: size[0],
             height: size[1],
             texels: Texels::of(size),
@@ -161,6 +171,7 @@ impl PictureBuffer {
                 display,
                 channels: Channels::default(),
                 error_scale,
+                changes: 0,
             }),
         }
     }
@@ -190,7 +201,8 @@ impl PictureBuffer {
     /// Gives up the layers; the picture stays. Returns them, as giving back their memory may take its time.
     pub fn take_layers(&self) -> Vec<Image> {
         let mut state = self.lock();
-        state.shown = 0;
+        let shown = std::mem::take(&mut state.shown);
+        state.changes += u64::from(shown != 0);
         self.is_bare.store(true, Ordering::Relaxed);
         state.count = 1;
         if state.planes.is_empty() {
@@ -225,10 +237,13 @@ impl PictureBuffer {
         self.copy_of(0).expect("the picture is always kept")
     }
 
-    /// Its layers so far, like [`Self::image`]; without those that are given up meanwhile.
+    /// Its layers so far, like [`Self::image`]; without those that are given up meanwhile, and without that of the error where nothing is
+    /// known of it.
     #[must_use]
     pub fn layer_images(&self) -> Vec<(Layer, Image)> {
+        let knows_error = self.lock().error_scale.is_some();
         let layers = self.layers().iter().enumerate();
+        let layers = layers.filter(|&(_, &layer)| layer != Layer::Error || knows_error);
         let images = layers.filter_map(|(index, &layer)| Some((layer, self.copy_of(index + 1)?)));
         images.collect()
     }
@@ -264,23 +279,36 @@ impl PictureBuffer {
     /// kept shows the picture.
     pub fn set_shown(&self, layer: Option<Layer>) {
         let index = layer.and_then(|layer| self.layers().iter().position(|&kept| kept == layer));
-        self.lock().shown = index.map_or(0, |index| index + 1);
+        let shown = index.map_or(0, |index| index + 1);
+        self.change(|state| std::mem::replace(&mut state.shown, shown) != shown);
     }
 
     /// Shows the picture with `display` from now on; tiles already shown need [`PictureBuffer::encode_all`].
     pub fn set_display(&self, display: Display) {
-        self.lock().display = display;
+        self.change(|state| std::mem::replace(&mut state.display, display) != display);
     }
 
     /// Shows these channels from now on; what is already shown needs [`PictureBuffer::encode_all`].
     pub fn set_channels(&self, channels: Channels) {
-        self.lock().channels = channels;
+        self.change(|state| std::mem::replace(&mut state.channels, channels) != channels);
+    }
+
+    /// Has `change` done, which says whether the picture looks different from now on.
+    fn change(&self, change: impl FnOnce(&mut BufferState) -> bool) {
+        let mut state = self.lock();
+        state.changes += u64::from(change(&mut state));
+    }
+
+    /// The layer that is on the screen; `None` where that is the picture.
+    #[must_use]
+    pub fn shown_layer(&self) -> Option<Layer> {
+        self.layer(self.lock().shown)
     }
 
     /// Whether the layer of the error is on the screen.
     #[must_use]
     pub fn shows_error(&self) -> bool {
-        self.layer(self.lock().shown) == Some(Layer::Error)
+        self.shown_layer() == Some(Layer::Error)
     }
 
     /// The error that has the last colour, where the layer of the error is on the screen and known.
@@ -298,6 +326,7 @@ impl PictureBuffer {
             let mut state = self.lock();
             let before = std::mem::replace(&mut state.planes()[index + 1], errors);
             state.error_scale = Some(scale);
+            state.changes += u64::from(state.shown == index + 1);
             // To give back a large layer takes its time, for which nobody is to wait.
             drop(state);
             drop(before);
@@ -368,39 +397,10 @@ impl PictureBuffer {
         let share =
             |pixels: u32, blocks: usize| pixels as f32 / (blocks as f32 * coarse.side as f32);
         Some(CoarseTexels {
-            pixels: ColorImage::new(size, pixels),
+            pixels: Arc::new(ColorImage::new(size, pixels)),
             share: Vec2::new(share(self.width, size[0]), share(self.height, size[1])),
+            is_smooth: false,
         })
-    }
-
-    /// Encodes the whole picture anew, piece by piece.
-    pub fn encode_all(&self, cancel: &CancelToken, mut show: impl FnMut(EncodedTile)) {
-        for [columns, rows] in self.texels.pieces() {
-            if cancel.is_cancelled() {
-                return;
-            }
-            let (width, step) = (columns.len(), self.step());
-            let (piece, look) = {
-                let mut state = self.lock();
-                let shown = state.shown;
-                let pixels = &state.planes()[shown].pixels;
-                let shown_rows = rows.clone().step_by(step as usize);
-                let mut piece = Vec::with_capacity(width * shown_rows.len());
-                for y in shown_rows {
-                    let first = y as usize * self.width as usize + columns.start as usize;
-                    piece.extend_from_slice(&pixels[first..first + width]);
-                }
-                (piece, state.look_on_screen(self.layer(shown)))
-            };
-            let encode = |x: u32, y: u32| {
-                let row = ((y - rows.start) / step) as usize;
-                look.color(piece[row * width + (x - columns.start) as usize])
-            };
-            let tile = self.texels.encode(columns.clone(), rows.clone(), encode);
-            if let Some(tile) = tile {
-                show(tile);
-            }
-        }
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BufferState> {
@@ -412,6 +412,7 @@ impl PictureBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::CancelToken;
     use egui::Color32;
 
     fn buffer(width: u32, height: u32) -> Option<PictureBuffer> {
@@ -506,62 +507,6 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_wider_than_a_texture_is_encoded_pixel_by_pixel() {
-        let size = [5000, 70];
-        let buffer = buffer(size[0], size[1]).unwrap();
-        assert_eq!(buffer.step(), 1);
-        assert_eq!(buffer.size_in_texels(), [5000, 70]);
-        let region = Region::full(size[0], size[1]);
-        let rgb: Vec<_> = (0..region.pixel_count())
-            .map(|index| [(index % 251) as f32 / 251.0; 3])
-            .collect();
-        let whole = TilePixels {
-            region,
-            rgb: &rgb,
-            layers: &[],
-        };
-        let accepted = buffer.accept(&whole).unwrap().pixels;
-        let mut shown = ColorImage::filled([5000, 70], Color32::TRANSPARENT);
-        let mut pieces = 0;
-        buffer.encode_all(&CancelToken::new(), |piece| {
-            let [left, top] = piece.position;
-            for row in 0..piece.pixels.height() {
-                for column in 0..piece.pixels.width() {
-                    shown[(left + column, top + row)] = piece.pixels[(column, row)];
-                }
-            }
-            pieces += 1;
-        });
-        assert_eq!(pieces, 4);
-        assert!(shown.pixels == accepted.pixels);
-        assert_ne!(shown[(0, 0)], shown[(1, 0)]);
-    }
-
-    #[test]
-    fn encoding_anew_shows_the_new_exposure_everywhere() {
-        let buffer = buffer(33, 150).unwrap();
-        let (region, rgb) = tile(Region::full(33, 150), 0.25);
-        let before = buffer
-            .accept(&TilePixels {
-                region,
-                rgb: &rgb,
-                layers: &[],
-            })
-            .unwrap();
-        buffer.set_display(Display {
-            exposure: 2.0,
-            ..Display::default()
-        });
-        let mut rows = 0;
-        buffer.encode_all(&CancelToken::new(), |piece| {
-            rows += piece.pixels.height();
-            assert!(piece.pixels.pixels.iter().all(|&p| p == Color32::WHITE));
-        });
-        assert_eq!(rows, 150);
-        assert_ne!(before.pixels.pixels[0], Color32::WHITE);
-    }
-
-    #[test]
     fn layers_are_shown_in_place_of_the_picture() {
         let layers = vec![Layer::Emission, Layer::Shadow];
         let buffer = PictureBuffer::new(Part::whole([16, 16]), layers, Display::default()).unwrap();
@@ -602,6 +547,8 @@ mod tests {
         buffer.set_shown(Some(Layer::Error));
         assert!(buffer.shows_error());
         assert_eq!(buffer.shown_error_scale(), None);
+        let kept = |buffer: &PictureBuffer| buffer.layer_images().into_iter().map(|it| it.0);
+        assert!(kept(&buffer).eq([Layer::Shadow]), "no error is known yet");
         let mut errors = Image {
             width: 16,
             height: 16,
@@ -609,9 +556,14 @@ mod tests {
         };
         errors.pixels[0] = [0.0; 3];
         buffer.set_error(errors);
+        assert!(kept(&buffer).eq([Layer::Shadow, Layer::Error]));
         assert_eq!(buffer.shown_error_scale(), Some(0.001));
         let mut shown = Vec::new();
-        buffer.encode_all(&CancelToken::new(), |piece| shown.push(piece));
+        buffer.encode_all(&CancelToken::new(), |encoded| {
+            if let Encoded::Tile(piece) = encoded {
+                shown.push(piece);
+            }
+        });
         let colors = &shown[0].pixels.pixels;
         assert_eq!(colors[0], crate::gui::error_colors::color([0.0; 3], 1.0));
         assert_eq!(colors[1], crate::gui::error_colors::color([1.0; 3], 1.0));
@@ -635,7 +587,7 @@ mod tests {
         let layers = vec![Layer::Emission, Layer::Error];
         let buffer = PictureBuffer::new(Part::whole([16, 16]), layers, Display::default()).unwrap();
         buffer.set_shown(Some(Layer::Error));
-        assert_eq!(buffer.layer_images().len(), 2);
+        assert_eq!(buffer.layer_images().len(), 1);
         let bytes = buffer.bytes();
         assert_eq!(buffer.take_layers().len(), 2);
         assert_eq!(buffer.bytes(), bytes / 3);

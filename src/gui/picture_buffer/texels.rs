@@ -4,6 +4,7 @@
 //! fraction of its size, one pixel of every block; nothing but the showing is reduced.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Vec2};
 
@@ -17,17 +18,28 @@ const MOST_SHOWN: u64 = 1 << 26;
 pub struct EncodedTile {
     /// Left and top edge.
     pub position: [usize; 2],
-    /// Size and colours.
-    pub pixels: ColorImage,
+    /// Size and colours. Shared, for whoever is last to have them to decide where their memory goes.
+    pub pixels: Arc<ColorImage>,
 }
 
 /// A coarse picture as the screen shows it.
 #[derive(Clone, Debug)]
 pub struct CoarseTexels {
     /// A texel for each block of pixels.
-    pub pixels: ColorImage,
+    pub pixels: Arc<ColorImage>,
     /// What of their width and height the picture takes: blocks at its edges are cut off.
     pub share: Vec2,
+    /// Whether they blend into each other where they are enlarged, as the picture is sharp in a moment.
+    pub is_smooth: bool,
+}
+
+/// What is encoded of a picture for the screen.
+#[derive(Clone, Debug)]
+pub enum Encoded {
+    /// All of it, coarse: what shows of it from now on may look different.
+    Coarse(CoarseTexels),
+    /// A piece of it, which looks as what is there.
+    Tile(EncodedTile),
 }
 
 impl CoarseTexels {
@@ -44,8 +56,9 @@ impl CoarseTexels {
         let texels = rows.flat_map(|row| row.iter().copied().step_by(step));
         let taken = |before: usize, after: usize| before as f32 / (after * step) as f32;
         Self {
-            pixels: ColorImage::new(size, texels.collect()),
+            pixels: Arc::new(ColorImage::new(size, texels.collect())),
             share: self.share * Vec2::new(taken(width, size[0]), taken(height, size[1])),
+            is_smooth: self.is_smooth,
         }
     }
 }
@@ -120,7 +133,7 @@ impl Texels {
             .collect();
         Some(EncodedTile {
             position,
-            pixels: ColorImage::new(size, pixels),
+            pixels: Arc::new(ColorImage::new(size, pixels)),
         })
     }
 }
@@ -200,8 +213,12 @@ mod tests {
     #[test]
     fn a_coarse_picture_fits_on_a_texture_and_stays_where_it_was() {
         let coarse = CoarseTexels {
-            pixels: ColorImage::new([10, 2], (0..20).map(Color32::from_gray).collect()),
+            pixels: Arc::new(ColorImage::new(
+                [10, 2],
+                (0..20).map(Color32::from_gray).collect(),
+            )),
             share: Vec2::new(0.95, 0.5),
+            is_smooth: true,
         };
         let same = coarse.clone().within(10);
         assert_eq!(

@@ -50,6 +50,7 @@ struct View {
     // The axes times the half extent; `ray_right.w`: factor of the exposure, `ray_up.w`: one over gamma.
     ray_right: vec4f,
     ray_up: vec4f,
+    // `zenith.w`: 1 where highlights mirror the background too, as in paths.
     zenith: vec4f,
     horizon: vec4f,
     ground: vec4f,
@@ -166,6 +167,12 @@ fn background_light(n: vec3f) -> vec3f {
         + (view.ground.rgb - view.horizon.rgb) * mean_towards(-c);
 }
 
+// About what a highlight that sharp shows of the background around a unit direction: between all of a hemisphere and one point.
+fn background_blurred(direction: vec3f, shininess: f32) -> vec3f {
+    let sharpness = shininess / (shininess + 30.0);
+    return mix(background_light(direction), background(direction), sharpness);
+}
+
 // The shading normal `n`, tilted as far as needed for `wo` to be reflected away from the surface, as the renderer does.
 fn reflecting_outwards(n: vec3f, geometric: vec3f, wo: vec3f) -> vec3f {
     let least = min(0.9 * dot(geometric, wo), 0.01);
@@ -183,6 +190,9 @@ fn direct(in: Fragment, n: vec3f, geometric: vec3f, wo: vec3f, diffuse: vec3f) -
     let shininess = object.specular.w;
     let mirrored = reflect(-wo, reflecting_outwards(n, geometric, wo));
     var radiance = background_light(n) * diffuse;
+    if view.zenith.w > 0.5 {
+        radiance += object.specular.rgb * background_blurred(mirrored, shininess);
+    }
     for (var i = 0u; i < min(view.choices.w, MAX_LIGHTS); i++) {
         let to_light = view.lights[i].position.xyz - in.position;
         let squared = dot(to_light, to_light);

@@ -59,35 +59,13 @@ impl ViewUniform {
         let near = near_distance(eye, bounds, target_distance);
 
         let mut lights = [[[0.0; 4]; 3]; MAX_LIGHTS];
-        for (slot, light) in lights.iter_mut().zip(&scene.lights) {
-            let position = frame.prepared_from_world(light.position()) - eye;
-            // Irradiance is intensity per squared distance, and distances shrink by the frame's scale.
-            let squared_scale = frame.scale() * frame.scale();
-            let (intensity, normal, is_flat) = match *light {
-                Light::Point { intensity, .. } => (intensity, DVec3::ZERO, 0.0),
-                // All of the disk as a point at its centre.
-                Light::Disk {
-                    center,
-                    facing,
-                    radius,
-                    radiance,
-                    ..
-                } => {
-                    let area = std::f64::consts::PI * radius * radius;
-                    (
-                        radiance * area,
-                        facing.normal(center).unwrap_or_default(),
-                        1.0,
-                    )
-                }
-            };
-            *slot = [
-                vec4(position, 0.0),
-                vec4(intensity * squared_scale, 0.0),
-                vec4(normal, is_flat),
-            ];
+        let shown = scene.lights.iter();
+        let shown = shown.filter_map(|light| light_seen_from(light, frame, eye));
+        let mut light_count = 0;
+        for (slot, light) in lights.iter_mut().zip(shown) {
+            *slot = light;
+            light_count += 1;
         }
-        let light_count = scene.lights.len().min(MAX_LIGHTS);
         let (zenith, horizon, ground, sky_up) = sky(&scene.background);
 
         Some(Self {
@@ -98,7 +76,7 @@ impl ViewUniform {
             eye_low: vec4(eye_low, 0.0),
             ray_right: vec4(axes.right * half_width, scene.display.exposure.exp2()),
             ray_up: vec4(axes.up * half_height, 1.0 / scene.display.gamma),
-            zenith: vec4(zenith, 0.0),
+            zenith: vec4(zenith, f64::from(scene.render.mode == Mode::Path)),
             horizon: vec4(horizon, 0.0),
             ground: vec4(ground, 0.0),
             sky_up: vec4(sky_up, 0.0),
@@ -112,12 +90,49 @@ impl ViewUniform {
                     PhongModel::Modified => 0,
                     PhongModel::Classic => 1,
                 },
-                u32::try_from(light_count).unwrap_or(0),
+                light_count,
             ],
             focus: focus(scene, frame, aid),
             lights,
         })
     }
+}
+
+/// Numbers of lights beyond are as good as infinite, and those below as nothing: products and quotients of them stay finite in `f32`.
+const MOST_OF_LIGHT: f64 = 1e15;
+
+/// The shader's `Light`, with `eye` in prepared units; `None` where nothing of it arrives that can be told from none, or where it is too far
+/// for its place to be told.
+fn light_seen_from(light: &Light, frame: &SceneFrame, eye: DVec3) -> Option<[[f32; 4]; 3]> {
+    let position = frame.prepared_from_world(light.position()) - eye;
+    // Irradiance is intensity per squared distance, and distances shrink by the frame's scale.
+    let squared_scale = frame.scale() * frame.scale();
+    let (intensity, normal, is_flat) = match *light {
+        Light::Point { intensity, .. } => (intensity, DVec3::ZERO, 0.0),
+        // All of the disk as a point at its centre.
+        Light::Disk {
+            center,
+            facing,
+            radius,
+            radiance,
+            ..
+        } => {
+            let area = std::f64::consts::PI * radius * radius;
+            let normal = facing.normal(center).unwrap_or_default();
+            (radiance * area, normal, 1.0)
+        }
+    };
+    let intensity = intensity * squared_scale;
+    let is_told = position.abs().max_element() <= MOST_OF_LIGHT && normal.is_finite();
+    let is_bright = intensity.max_element() >= MOST_OF_LIGHT.recip();
+    let intensity = intensity.clamp(DVec3::ZERO, DVec3::splat(MOST_OF_LIGHT));
+    (is_told && is_bright && !intensity.is_nan()).then(|| {
+        [
+            vec4(position, 0.0),
+            vec4(intensity, 0.0),
+            vec4(normal, is_flat),
+        ]
+    })
 }
 
 /// What the shader shows of the focus: 0 nothing, 1 the plane, 2 the blur too; its diameter in pixels per difference of reciprocal
@@ -306,5 +321,70 @@ fn take_mean_color(scene: &Scene, object: &Object, material: &mut Material) {
         && let Some(image) = scene.textures.get(image)
     {
         *diffuse *= image.mean_color();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DBounds, Vec3};
+    use crate::scene::Rgb;
+
+    /// Numbers that `f32` does not hold would be infinite or none in the shader, and everything black that they are added to.
+    #[test]
+    fn lights_out_of_all_measure_leave_the_others_their_light() {
+        let frame = SceneFrame::around(&DBounds {
+            min: DVec3::splat(-1.0),
+            max: DVec3::splat(1.0),
+        });
+        let light = |place: f64, intensity: f64| Light::Point {
+            position: DVec3::splat(place),
+            intensity: Rgb::splat(intensity),
+        };
+        let eye = DVec3::new(0.0, -5.0, 0.0);
+        let seen = |light: &Light| light_seen_from(light, &frame, eye);
+        for (place, intensity) in [
+            (2.0, 1e40),
+            (2.0, f64::MAX),
+            (2.0, 1e-30),
+            (1e300, 1e-30),
+            (1e300, 1e40),
+            (1e20, 1.0),
+        ] {
+            let Some([position, intensity, _]) = seen(&light(place, intensity)) else {
+                continue;
+            };
+            // What the shader does at the farthest and the nearest point.
+            let squared: f32 = position[..3].iter().map(|x| x * x).sum();
+            for squared in [squared, 1e-12] {
+                let irradiance = intensity[0] / squared * 1e4;
+                assert!(
+                    irradiance.is_finite() && irradiance * squared.sqrt() > 0.0,
+                    "{irradiance}"
+                );
+            }
+        }
+        assert_eq!(seen(&light(1e300, 1e-30)), None);
+        let usual = seen(&light(2.0, 3.0)).unwrap();
+        let scale = frame.scale();
+        let expected = 3.0 * scale * scale;
+        assert!((f64::from(usual[1][0]) - expected).abs() < 1e-6 * expected);
+        let mut scene = Scene {
+            lights: vec![light(1e300, 1e-30), light(2.0, 3.0)],
+            ..Scene::default()
+        };
+        let bounds = Bounds {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        };
+        scene.camera.eye = eye;
+        let uniform = ViewUniform::new(&scene, &frame, &bounds, FocusAid::Off).unwrap();
+        assert_eq!(uniform.choices[3], 1, "the other one is there");
+        assert_eq!(uniform.lights[0], usual_from(&scene, &frame));
+    }
+
+    fn usual_from(scene: &Scene, frame: &SceneFrame) -> [[f32; 4]; 3] {
+        let eye = frame.prepared_from_world(scene.camera.eye);
+        light_seen_from(&scene.lights[1], frame, eye).unwrap()
     }
 }

@@ -220,12 +220,24 @@ impl Renders {
     /// Returns what is to be given back of memory, which may take longer than a frame.
     pub fn keep(&mut self, mut picture: Picture, present: &Scene) -> Vec<Freed> {
         picture.hide();
-        self.entries.push(Entry {
+        // One that ran beside others may be older than what came meanwhile.
+        let place = self
+            .entries
+            .partition_point(|entry| entry.facts.number < picture.number);
+        let entry = Entry {
             facts: Facts::of(&picture),
             scene: picture.scene.clone(),
             picture: Some(picture),
-        });
+        };
+        self.entries.insert(place, entry);
         self.trim(present, BUDGET_BYTES)
+    }
+
+    /// Removes what is on disk of them: another render takes its place.
+    pub fn forget_kept(&mut self) {
+        let pictures = self.entries.iter_mut();
+        let pictures = pictures.filter_map(|entry| entry.picture.as_mut());
+        pictures.for_each(Picture::forget_kept);
     }
 
     /// Forgets render `number`.
@@ -365,9 +377,10 @@ pub struct Freed(
 );
 
 impl Freed {
-    /// The pixels of `picture`; what of it is on the screen goes at once.
+    /// The pixels of `picture`; what of it is on the screen goes at once, and what is on disk soon.
     #[must_use]
-    pub fn of(picture: Picture) -> Self {
+    pub fn of(mut picture: Picture) -> Self {
+        picture.forget_kept();
         Self(Some(picture.buffer), Vec::new())
     }
 }

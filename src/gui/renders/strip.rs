@@ -1,6 +1,9 @@
 //! The strip of renders: small pictures from left to right, newest first, and what there is to say about the one that shows.
 
-use egui::{Button, Color32, CornerRadius, Rect, RichText, Sense, Stroke, StrokeKind, Ui, Vec2};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{
+    Button, Color32, CornerRadius, FontId, Rect, RichText, Sense, Stroke, StrokeKind, Ui, Vec2,
+};
 
 use super::{Facts, Renders};
 use crate::gui::commands::Command;
@@ -15,8 +18,11 @@ pub const LEAST_HEIGHT: f32 = 128.0;
 const WORDS_WIDTH: f32 = 268.0;
 /// Room around a small picture for its outline, in points.
 const OUTLINE: Vec2 = Vec2::new(0.0, 2.0);
-/// Room below a small picture for its line, in points.
+/// Room below a small picture for its line, and the most that this takes, in points.
 const LINE_HEIGHT: f32 = 18.0;
+const MOST_LINE_WIDTH: f32 = 180.0;
+/// Height of the strip from which on there is room for a second line of settings, in points.
+const TWO_LINES_HEIGHT: f32 = 140.0;
 
 /// What the strip draws.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +95,14 @@ impl Renders {
     /// A small picture with a line below it: a click shows its render.
     fn card_ui(&self, ui: &mut Ui, state: &StripState<'_>, facts: &Facts) -> Option<Asked> {
         let height = (ui.available_height() - LINE_HEIGHT - 18.0).max(40.0);
+        let color = ui.visuals().text_color();
+        let line = format!("{}  {}", facts.number, facts.result());
+        let mut line = LayoutJob::simple_singleline(line, FontId::proportional(11.0), color);
+        line.wrap = TextWrapping::truncate_at_width(MOST_LINE_WIDTH);
+        let line = ui.painter().layout_job(line);
+        // What is under a narrow picture is to be read too.
         let width = (height * ratio_of(facts)).clamp(64.0, 260.0);
+        let width = width.max(line.size().x + 2.0);
         let size = Vec2::new(width, height + LINE_HEIGHT);
         let (rect, response) = ui.allocate_exact_size(size + OUTLINE * 2.0, Sense::click());
         let rect = rect.shrink2(OUTLINE);
@@ -111,15 +124,9 @@ impl Renders {
             };
             ui.painter()
                 .rect_stroke(frame, CornerRadius::same(2), edge, StrokeKind::Outside);
-            let words = ui.painter().layout(
-                format!("{}  {}", facts.number, facts.result()),
-                egui::FontId::proportional(11.0),
-                visuals.text_color(),
-                f32::INFINITY,
-            );
             let place = frame.left_bottom() + Vec2::new(1.0, 4.0);
             let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-            painter.galley(place, words, visuals.text_color());
+            painter.galley(place, line, color);
         }
         let tooltip = format!("{}\n{}\n{}", facts.name, facts.settings(), facts.result());
         let response = response.on_hover_text(tooltip);
@@ -151,7 +158,7 @@ impl Renders {
     fn menu_ui(&self, ui: &mut Ui, state: &StripState<'_>, facts: &Facts) -> Option<Asked> {
         let number = facts.number;
         let mut asked = None;
-        let is_past = self.entry(number).is_some();
+        let can_forget = self.can_forget(state, number);
         for (name, tooltip, is_possible, meaning) in [
             (
                 "Restore settings",
@@ -165,7 +172,7 @@ impl Renders {
                 self.can_compare(state, number),
                 Asked::Compare(number),
             ),
-            ("Forget", FORGET_TOOLTIP, is_past, Asked::Forget(number)),
+            ("Forget", FORGET_TOOLTIP, can_forget, Asked::Forget(number)),
         ] {
             let response = ui.add_enabled(is_possible, Button::new(name));
             if response.on_hover_text(tooltip).clicked() {
@@ -174,6 +181,12 @@ impl Renders {
             }
         }
         asked
+    }
+
+    /// Whether render `number` can be forgotten: whether it has ended.
+    fn can_forget(&self, state: &StripState<'_>, number: usize) -> bool {
+        let present = state.present.filter(|picture| !picture.is_running());
+        present.is_some_and(|picture| picture.number == number) || self.entry(number).is_some()
     }
 
     /// Whether the shown picture can be compared with that of render `number`.
@@ -194,7 +207,7 @@ impl Renders {
                 let others = all.iter().rev();
                 let others = others.filter(|facts| self.can_compare(state, facts.number));
                 for facts in others.take(MOST) {
-                    let name = format!("{}  {}", facts.number, facts.name);
+                    let name = format!("{}  {}  ·  {}", facts.number, facts.name, facts.result());
                     if ui.button(name).on_hover_text(facts.settings()).clicked() {
                         asked = Some(Asked::Compare(facts.number));
                         ui.close();
@@ -223,9 +236,15 @@ impl Renders {
         let line = |ui: &mut Ui, text: RichText| {
             ui.add(egui::Label::new(text).truncate());
         };
+        let has_room = ui.available_height() >= TWO_LINES_HEIGHT;
         let title = format!("{}  {}", facts.number, facts.name);
         line(ui, RichText::new(title).strong());
-        line(ui, RichText::new(facts.settings()).size(12.0));
+        let settings = RichText::new(facts.settings()).size(12.0);
+        if has_room {
+            ui.add(egui::Label::new(settings).wrap());
+        } else {
+            line(ui, settings);
+        }
         line(ui, RichText::new(facts.result()).size(12.0));
         let entry = self.entry(facts.number);
         let note = match (facts.hash(), entry) {
@@ -252,9 +271,9 @@ impl Renders {
                 asked = Some(Asked::Command(Command::SavePicture));
             }
             let forget = ui
-                .add_enabled(entry.is_some(), Button::new("Forget"))
+                .add_enabled(self.can_forget(state, facts.number), Button::new("Forget"))
                 .on_hover_text(FORGET_TOOLTIP)
-                .on_disabled_hover_text("The last render stays");
+                .on_disabled_hover_text("It still runs");
             if forget.clicked() {
                 asked = Some(Asked::Forget(facts.number));
             }

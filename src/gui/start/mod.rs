@@ -2,8 +2,10 @@
 //!
 //! - `guard`: faults while a window draws, which end that window and not the program
 //! - `reopening`: a new window when the graphics device of one is lost
+//! - `message_box`: the words, where no terminal shows them
 
 mod guard;
+mod message_box;
 mod reopening;
 
 use std::path::PathBuf;
@@ -12,6 +14,7 @@ use eframe::wgpu;
 
 use super::app::{App, AppOptions, FileDialogs};
 use super::keeping::{LEAST_WINDOW, Layout};
+pub use message_box::show_on_desktop;
 pub(super) use reopening::{Survivor, open};
 
 /// What the window opens.

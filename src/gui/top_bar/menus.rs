@@ -11,6 +11,8 @@ use crate::gui::widgets::faint_text;
 
 /// Height of the window that a menu leaves, in points.
 const ROOM_AROUND: f32 = 60.0;
+/// Room for the mark before what is on, in points.
+const MARK_WIDTH: f32 = 14.0;
 
 /// All of them.
 pub(super) fn menus_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Asked) {
@@ -150,18 +152,18 @@ fn view_menu_ui(ui: &mut Ui, state: TopBarState<'_>, asked: &mut Vec<Command>) {
 }
 
 fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &mut Vec<Command>) {
-    let shown = match command {
-        Command::ShowPreview => state.view == View::Preview,
-        Command::ShowPicture => state.view == View::Picture,
-        Command::TogglePanel => state.panel_open,
-        Command::ToggleErrorPlot => state.error_plot_open,
-        Command::ToggleRenders => state.renders_open,
-        Command::ToggleTiles => state.are_tiles_outlined,
-        Command::ToggleLive => state.is_live,
-        Command::ToggleOwnAxes => state.has_own_axes,
-        Command::DrawRegion => state.is_drawing_region,
-        Command::Compare => state.is_comparing,
-        tool => Tool::chosen_by(tool) == Some(state.tool),
+    let is_on = match command {
+        Command::ShowPreview => Some(state.view == View::Preview),
+        Command::ShowPicture => Some(state.view == View::Picture),
+        Command::TogglePanel => Some(state.panel_open),
+        Command::ToggleErrorPlot => Some(state.error_plot_open),
+        Command::ToggleRenders => Some(state.renders_open),
+        Command::ToggleTiles => Some(state.are_tiles_outlined),
+        Command::ToggleLive => Some(state.is_live),
+        Command::ToggleOwnAxes => Some(state.has_own_axes),
+        Command::DrawRegion => Some(state.is_drawing_region),
+        Command::Compare => Some(state.is_comparing),
+        other => Tool::chosen_by(other).map(|tool| tool == state.tool),
     };
     let label = match (command, state.edit) {
         (
@@ -181,14 +183,22 @@ fn menu_item_ui(ui: &mut Ui, state: TopBarState<'_>, command: Command, asked: &m
         (Command::TogglePause, _) => state.pause_label().to_owned(),
         _ => command.label().to_owned(),
     };
-    let button = Button::new(&label)
-        .right_text(faint_text(ui, command.shortcut_text(ui.ctx()), shown))
-        .selected(shown);
+    // What is on has a check mark; all names begin below each other.
+    let mark = RichText::new(if is_on == Some(true) { "✔" } else { "" });
+    let mark = egui::AtomExt::atom_size(mark, Vec2::new(MARK_WIDTH, 0.0));
+    let button = Button::new((mark, &*label))
+        .wrap_mode(egui::TextWrapMode::Extend)
+        .right_text(faint_text(ui, command.shortcut_text(ui.ctx()), false));
     let response = ui
         .add_enabled(state.allows(command), button)
-        .accessible_name(label)
+        .accessible_name(&*label)
         .on_hover_text(command.description())
         .on_disabled_hover_text(state.why_not(command));
+    if let Some(is_on) = is_on {
+        response.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::Button, response.enabled(), is_on, &label)
+        });
+    }
     if response.clicked() {
         asked.push(command);
         ui.close();

@@ -265,11 +265,29 @@ pub fn top_bar_ui(ui: &mut Ui, state: TopBarState<'_>, name: &str) -> Asked {
 
 /// What the scene is called, and whether it has unsaved changes.
 fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
-    ui.spacing_mut().item_spacing.x = 6.0;
-    ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+    const GAP: f32 = 6.0;
+    const LEAST_WIDTH: f32 = 48.0;
+    let room = ui.available_width();
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width = |text: &str| {
+        let painter = ui.painter();
+        let galley = painter.layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::WHITE);
+        galley.size().x + GAP
+    };
+    // The words give way before the name does.
+    let marks = ["• not saved", "•"].map(|mark| (mark, width(mark)));
+    let fitting = marks.iter().find(|(_, width)| room - width >= LEAST_WIDTH);
+    let (mark, mark_width) = *fitting.unwrap_or(&marks[1]);
+    ui.spacing_mut().item_spacing.x = GAP;
+    let reserved = if modified { mark_width } else { 0.0 };
+    ui.scope(|ui| {
+        ui.set_max_width((room - reserved).max(0.0));
+        ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+    });
     if modified {
-        ui.label(RichText::new("• not saved").weak())
-            .on_hover_text("The scene has changed since it was opened or saved");
+        ui.label(RichText::new(mark).weak())
+            .accessible_name("• not saved")
+            .on_hover_text("Not saved: the scene has changed since it was opened or saved");
     }
 }
 

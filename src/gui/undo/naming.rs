@@ -31,6 +31,11 @@ fn added_or_removed(before: &Scene, after: &Scene) -> Option<String> {
         names.find(|name| !b.materials.contains_key(*name)).cloned()
     };
     match (only_in(before, after), only_in(after, before)) {
+        // One that has become a preset has taken its name.
+        (Some(old), Some(new)) if before.materials[&old] != after.materials[&new] => {
+            let [a, b] = [&before.materials[&old], &after.materials[&new]];
+            Some(change_of_material(&old, a, b))
+        }
         (Some(old), Some(_)) => Some(format!("renaming material {old}")),
         (Some(old), None) => Some(format!("removing material {old}")),
         (None, Some(new)) => Some(format!("adding material {new}")),
@@ -109,12 +114,16 @@ fn light_change(before: &Scene, after: &Scene) -> Option<String> {
 fn material_change(before: &Scene, after: &Scene) -> Option<String> {
     let mut pairs = before.materials.iter().zip(&after.materials);
     let ((name, a), (_, b)) = pairs.find(|(a, b)| a != b)?;
+    Some(change_of_material(name, a, b))
+}
+
+fn change_of_material(name: &str, before: &Material, after: &Material) -> String {
     let kind = std::mem::discriminant::<Material>;
-    Some(if kind(a) == kind(b) {
+    if kind(before) == kind(after) {
         format!("changing material {name}")
     } else {
         format!("changing the kind of material {name}")
-    })
+    }
 }
 
 /// Everything that there is one of.

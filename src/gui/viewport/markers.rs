@@ -1,4 +1,4 @@
-//! The markers of lights in the preview: where they are, what the mouse does with them.
+//! The markers of lights in the preview, where they are and what the mouse does with them, and the box around the selected object.
 
 use egui::{Color32, Pos2, Rect, Stroke, Ui, Vec2};
 
@@ -167,6 +167,23 @@ fn rim_ui(painter: &egui::Painter, frame: Rect, scene: &Scene, light: &Light, is
     for index in 0..CORNERS {
         if let (Some(a), Some(b)) = (corner(index), corner(index + 1)) {
             painter.line_segment([a, b], Stroke::new(1.4, color));
+        }
+    }
+}
+
+/// Draws the edges of a box in the world, the selected object's. Bit `n` of a corner's number says which end of axis `n` it is at.
+pub fn box_ui(ui: &Ui, frame: Rect, scene: &Scene, corners: &[DVec3; 8]) {
+    let painter = ui.painter().with_clip_rect(frame);
+    let corners = corners.map(|corner| on_screen(scene, frame, corner));
+    let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.9));
+    for from in 0..8_usize {
+        for axis in 0..3 {
+            let to = from | 1 << axis;
+            if to != from
+                && let (Some(a), Some(b)) = (corners[from], corners[to])
+            {
+                painter.line_segment([a, b], stroke);
+            }
         }
     }
 }

@@ -21,8 +21,8 @@ use super::zoom::Zoom;
 use crate::math::{DBounds, DVec2, DVec3};
 use crate::render::PreparedGeometry;
 use crate::scene::{Camera, Light, RenderSettings, Scene};
-pub use markers::markers_ui;
 use markers::{Mark, marker_at, move_light};
+pub use markers::{box_ui, markers_ui};
 
 /// Room around the frame, in points.
 const MARGIN: f32 = 14.0;
@@ -48,7 +48,7 @@ enum Drag {
     },
     /// The handle in [`Viewport::held`].
     Handle,
-    /// The picture that is looked at.
+    /// The picture that is looked at, where it is enlarged. Else nothing moves: a slip is no edit of the scene.
     Picture,
 }
 
@@ -136,8 +136,7 @@ pub fn backdrop_ui(ui: &Ui, area: Rect, frame: Rect, covers: bool) {
 
 impl Viewport {
     /// Lets the mouse move camera and lights and select things. Returns whether the camera moved. `visible`: what of the frame is
-    /// seen; `zoom`: that of the picture, where one is looked at in place of the preview: the wheel and the buttons that pan are for it,
-    /// and every drag while it is enlarged.
+    /// seen; `zoom`: that of the picture, where one is looked at in place of the preview: the wheel and every drag are for it.
     pub fn interact_ui(
         &mut self,
         ui: &Ui,
@@ -199,6 +198,12 @@ impl Viewport {
     /// Where the rays of a pixel were asked for since the last call, as shares of the frame's width and height.
     pub fn take_asked_ray(&mut self) -> Option<DVec2> {
         self.asked_ray.take()
+    }
+
+    /// Whether somebody drags over a picture that is looked at.
+    #[must_use]
+    pub fn drags_picture(&self) -> bool {
+        self.drag == Drag::Picture
     }
 
     /// Whether a handle is held.
@@ -374,7 +379,6 @@ impl Viewport {
         {
             let shift = ui.input(|input| input.modifiers.shift);
             let primary = response.drag_started_by(PointerButton::Primary);
-            let is_for_picture = |zoom: &Zoom| zoom.is_enlarged() || !primary || shift;
             let can_hold = primary && !shift && zoom.is_none();
             self.held = can_hold
                 .then(|| self.hold_handle(frame, start, view))
@@ -382,7 +386,7 @@ impl Viewport {
             let marker = marker_at(view.scene, view.selection, frame, start);
             let marker = marker.filter(|_| can_hold);
             self.drag = match marker {
-                _ if zoom.as_deref().is_some_and(is_for_picture) => Drag::Picture,
+                _ if zoom.is_some() => Drag::Picture,
                 _ if self.held.is_some() => Drag::Handle,
                 Some((mark, depth)) => {
                     self.point_at(mark, view.selection);
@@ -441,7 +445,7 @@ impl Viewport {
         self.aimed = mark.is_target.then_some(mark.light);
     }
 
-    /// A click selects what is under it; a double click makes it the point to orbit about.
+    /// A click selects what is under it; a double click makes it the point to orbit about, in the preview.
     fn click(&mut self, response: &Response, frame: Rect, view: &mut ViewportScene<'_>) {
         if !response.clicked() && !response.double_clicked() {
             return;
@@ -449,15 +453,18 @@ impl Viewport {
         let Some(position) = response.interact_pointer_pos() else {
             return;
         };
-        if let Some((mark, _)) = marker_at(view.scene, view.selection, frame, position) {
+        // A picture has no markers, and its camera is not that of the scene.
+        let is_preview = view.picture.is_none();
+        let marker = marker_at(view.scene, view.selection, frame, position);
+        if let Some((mark, _)) = marker.filter(|_| is_preview) {
             self.point_at(mark, view.selection);
             return;
         }
-        let Some(picked) = picked_at(view, picture_size(frame), in_frame(frame, position)) else {
+        let Some(picked) = seen_at(view, picture_size(frame), in_frame(frame, position)) else {
             return;
         };
         self.aimed = None;
-        if response.double_clicked() {
+        if response.double_clicked() && is_preview {
             view.scene.camera = orbit::look_at(&view.scene.camera, picked.point);
         } else {
             *view.selection = Selection::Object(picked.object).within(view.scene);
@@ -534,42 +541,6 @@ fn on_screen(scene: &Scene, frame: Rect, point: DVec3) -> Option<Pos2> {
     let (position, _) = orbit::project(&scene.camera, picture_size(frame), point)?;
     #[expect(clippy::cast_possible_truncation, reason = "screen positions are f32")]
     Some(frame.min + Vec2::new(position.x as f32, position.y as f32))
-}
-
-/// Draws the edges of a box in the world, the selected object's, whose corners have been moved by `moved` since.
-pub fn box_ui(
-    ui: &Ui,
-    frame: Rect,
-    scene: &Scene,
-    bounds: &DBounds,
-    moved: impl Fn(DVec3) -> DVec3,
-) {
-    if bounds.is_empty() {
-        return;
-    }
-    let painter = ui.painter().with_clip_rect(frame);
-    let corner = |bits: usize| {
-        let pick = |axis: usize| {
-            if bits >> axis & 1 == 1 {
-                bounds.max[axis]
-            } else {
-                bounds.min[axis]
-            }
-        };
-        DVec3::new(pick(0), pick(1), pick(2))
-    };
-    let on_screen = |bits: usize| on_screen(scene, frame, moved(corner(bits)));
-    let stroke = Stroke::new(1.0, theme::ACCENT.gamma_multiply(0.9));
-    for from in 0..8_usize {
-        for axis in 0..3 {
-            let to = from | 1 << axis;
-            if to != from
-                && let (Some(a), Some(b)) = (on_screen(from), on_screen(to))
-            {
-                painter.line_segment([a, b], stroke);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ pub fn load_contents(
     }
     let textures = scene.texture_names();
     let textures = textures.iter().map(|image| work_of(image));
-    progress.set_total(work + textures.sum::<u64>());
+    progress.add_to_total(work + textures.sum::<u64>());
     if load_meshes(&mut scene, file, folder, warnings, cancel, progress)?.is_none() {
         return Ok(None);
     }

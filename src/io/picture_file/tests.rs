@@ -23,8 +23,7 @@ const LINEAR_128: f32 = 0.215_860_5;
 const LINEAR_188: f32 = 0.502_886_5;
 
 fn parse(bytes: &[u8]) -> Result<PictureFile, String> {
-    let parsed = super::parse(bytes, &CancelToken::new(), &Progress::new());
-    parsed.map(|file| file.expect("nobody cancels"))
+    parse_image("a", bytes).map_err(|error| error.reason)
 }
 
 fn assert_near(file: &PictureFile, expected: &[[f32; 3]]) {
@@ -269,10 +268,11 @@ fn layers_are_read_as_they_were_written() {
     };
     let read = |path: &Path, cancel: &CancelToken| {
         let progress = Progress::new();
-        let layers = read_layers(path, cancel, &progress).expect("is right");
+        let render = read_render(path, cancel, &progress).expect("is right")?;
         let length = std::fs::metadata(path).expect("exists").len();
-        assert!(layers.is_none() || progress.done() >= length);
-        layers
+        assert_eq!(progress.done(), 2 * length, "read once, understood once");
+        assert_eq!(read_image(path).expect("is right"), render.picture);
+        Some(render.layers.expect("there is room"))
     };
     let layers = [
         (Layer::Refraction, numbered(1)),
@@ -295,7 +295,7 @@ fn layers_are_read_as_they_were_written() {
         read_image_unless(&path, &cancelled, &Progress::new()),
         Ok(None)
     );
-    let missing = read_layers(Path::new("/nowhere/a.exr"), &cancelled, &Progress::new());
+    let missing = read_render(Path::new("/nowhere/a.exr"), &cancelled, &Progress::new());
     assert_eq!(
         missing.expect_err("is not there").to_string(),
         "/nowhere/a.exr: there is no such file"
@@ -305,16 +305,13 @@ fn layers_are_read_as_they_were_written() {
 /// Channels of another program that are called like a layer but are no colours.
 #[test]
 fn what_is_called_like_a_layer_and_has_no_three_colors_is_none() {
-    let names = ["emission.B", "emission.G", "emission.X"];
-    let bytes = plain_exr(names);
-    let names = ["shadow", "emission"];
-    let read = |bytes: &[u8]| {
-        let read = read_named_values(bytes, &names, &CancelToken::new(), &Progress::new());
-        read.expect("is right").expect("nobody cancels")
+    let read = |names: [&str; 3]| {
+        let render = parse_render("a", &plain_exr(names)).expect("is right");
+        render.layers.expect("there is room")
     };
-    assert!(read(&bytes).is_empty());
-    let whole = read(&plain_exr(["emission.B", "emission.G", "emission.R"]));
-    let [(1, image)] = &whole[..] else {
+    assert!(read(["G", "emission.B", "emission.G"]).is_empty());
+    let whole = read(["emission.B", "emission.G", "emission.R"]);
+    let [(Layer::Emission, image)] = &whole[..] else {
         panic!("{whole:?}");
     };
     assert_eq!(image.pixels[0], [-0.25, 7.0, 1.0]);

@@ -15,7 +15,7 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
-use super::{RawImage, Reading, black, refuse_size, too_short};
+use super::{Named, RawImage, Reading, black, refuse_size, too_short};
 use crate::control::{CancelToken, Progress};
 use crate::io::shorten::shortened;
 
@@ -27,30 +27,34 @@ const MOST_BLOCK_BYTES: u64 = 1 << 30;
 const LOOSE_TILE_BYTES: u64 = 16 << 20;
 const LOOSENESS: u64 = 16;
 
-/// Reads `bytes`; `progress` advances by as many, block by block. Alpha and other channels are not looked at.
-pub fn read(bytes: &[u8], cancel: &CancelToken, progress: &Progress) -> Reading<RawImage> {
-    let file = File::open(bytes)?;
-    let headers = file.reader.headers();
-    let color = find_color(headers).ok_or_else(|| no_color(headers))?;
-    let images = file.read_images(vec![color], cancel, progress)?;
-    Ok(images.and_then(|mut images| images.pop()))
-}
-
-/// Reads the images whose three channels are called by one of `names`, a dot and the colour; each comes with the place of its name. Names
-/// that are not there are passed over. `progress` advances like that of [`read`].
-pub fn read_named(
+/// Reads `bytes`; `progress` advances by as many, block by block. Beside the main image come those whose three channels are called by one of
+/// `names`, a dot and the colour. Names that are not there are passed over, as are alpha and other channels.
+pub fn read(
     bytes: &[u8],
     names: &[&str],
     cancel: &CancelToken,
     progress: &Progress,
-) -> Reading<Vec<(usize, RawImage)>> {
+) -> Reading<(RawImage, Named)> {
     let file = File::open(bytes)?;
     let headers = file.reader.headers();
+    let color = find_color(headers).ok_or_else(|| no_color(headers))?;
     let found = (0..).zip(names);
     let found = found.filter_map(|(place, name)| Some((place, find_named(headers, name)?)));
     let (places, colors): (Vec<usize>, Vec<Color>) = found.unzip();
-    let images = file.read_images(colors, cancel, progress)?;
-    Ok(images.map(|images| places.into_iter().zip(images).collect()))
+    let main = file.room_for(color)?;
+    let named = colors.into_iter().map(|color| file.room_for(color));
+    let (named, no_room) = match named.collect::<Result<Vec<Room>, String>>() {
+        Ok(named) => (named, None),
+        Err(reason) => (Vec::new(), Some(reason)),
+    };
+    let rooms = std::iter::once(main).chain(named).collect();
+    let images = file.read_images(rooms, cancel, progress)?;
+    Ok(images.map(|images| {
+        let mut images = images.into_iter();
+        let main = images.next().expect("there is room for it");
+        let named = places.into_iter().zip(images).collect();
+        (main, no_room.map_or(Ok(named), Err))
+    }))
 }
 
 /// A file whose headers claim nothing that its length rules out.
@@ -68,33 +72,39 @@ impl<'a> File<'a> {
         Ok(Self { bytes, reader })
     }
 
-    /// The images of these colours, in one go.
+    /// Room for the image of these colours.
+    fn room_for(&self, color: Color) -> Result<Room, String> {
+        let Color {
+            layer,
+            roles,
+            warnings,
+        } = color;
+        let size = self.reader.headers()[layer].layer_size;
+        let length = self.bytes.len() as u64;
+        let (width, height) = refuse_size(size.x() as u64, size.y() as u64, length)?;
+        let image = RawImage {
+            width,
+            height,
+            pixels: black(width, height)?,
+            warnings,
+        };
+        Ok(Room {
+            layer,
+            roles,
+            image,
+        })
+    }
+
+    /// The images that there is room for, in one go.
     fn read_images(
         self,
-        colors: Vec<Color>,
+        mut rooms: Vec<Room>,
         cancel: &CancelToken,
         progress: &Progress,
     ) -> Reading<Vec<RawImage>> {
         let length = self.bytes.len() as u64;
         let meta = self.reader.meta_data().clone();
-        let mut images = Vec::new();
-        for Color {
-            layer,
-            roles,
-            warnings,
-        } in colors
-        {
-            let size = meta.headers[layer].layer_size;
-            let (width, height) = refuse_size(size.x() as u64, size.y() as u64, length)?;
-            let image = RawImage {
-                width,
-                height,
-                pixels: black(width, height)?,
-                warnings,
-            };
-            images.push((layer, roles, image));
-        }
-        let is_wanted = |layer: usize| images.iter().any(|&(of, ..)| of == layer);
+        let is_wanted = |layer: usize| rooms.iter().any(|room| room.layer == layer);
         let chunks = self
             .reader
             .filter_chunks(false, |_, _, index| {
@@ -112,16 +122,14 @@ impl<'a> File<'a> {
             check_counters(&chunk, header).map_err(in_words)?;
             let block =
                 UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(in_words)?;
-            for (of, roles, image) in &mut images {
-                if *of == layer {
-                    take_block(&block, &header.channels, roles, image)?;
-                }
+            for room in rooms.iter_mut().filter(|room| room.layer == layer) {
+                take_block(&block, &header.channels, &room.roles, &mut room.image)?;
             }
             let share = length * done / count;
             progress.advance(share - advanced);
             advanced = share;
         }
-        Ok(Some(images.into_iter().map(|(.., image)| image).collect()))
+        Ok(Some(rooms.into_iter().map(|room| room.image).collect()))
     }
 }
 
@@ -138,6 +146,13 @@ struct Color {
     layer: usize,
     roles: Roles,
     warnings: Vec<String>,
+}
+
+/// An image that is black until it is read.
+struct Room {
+    layer: usize,
+    roles: Roles,
+    image: RawImage,
 }
 
 /// The first flat layer with colours of plain names; else the picture that is most likely the main one of those whose channels

@@ -59,6 +59,20 @@ pub struct RawImage<T = f32> {
 /// What a reader of one format returns: `None` when cancelled, errors as sentences.
 pub type Reading<T> = Result<Option<T>, String>;
 
+/// Images beside the main one that were asked for by name, each with the place of its name; or why there is no room for them, in a sentence.
+pub type Named = Result<Vec<(usize, RawImage)>, String>;
+
+/// What is in a file, as it stands there.
+#[derive(Debug)]
+pub struct RawFile {
+    /// Short name of the format, as people write it.
+    pub format: &'static str,
+    /// The main image.
+    pub image: RawImage,
+    /// Those beside it.
+    pub named: Named,
+}
+
 /// Loads the image at `path`.
 ///
 /// `progress` advances by bytes, each once when it is read and once when it is understood; setting its total is the
@@ -112,8 +126,8 @@ pub fn parse_values(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Reading<RadianceFile> {
-    let values = read_values(bytes, expected, cancel, progress)?;
-    let Some((format, raw)) = values else {
+    let values = read_values(bytes, &[], expected, cancel, progress)?;
+    let Some(RawFile { format, image, .. }) = values else {
         return Ok(None);
     };
     let RawImage {
@@ -121,7 +135,7 @@ pub fn parse_values(
         height,
         pixels,
         mut warnings,
-    } = raw;
+    } = image;
     let (map, cleaned) = RadianceMap::cleaned(width, height, pixels);
     if cleaned > 0 {
         warnings.push(format!(
@@ -137,34 +151,29 @@ pub fn parse_values(
     }))
 }
 
-/// The format of the file whose bytes these are, and its values as they stand there.
+/// What is in the file whose bytes these are, as it stands there: the main image, and those called by one of `names`, as
+/// [`write_image`](super::write_image) calls layers. Formats but OpenEXR have none of these.
 ///
 /// `expected`: the formats that would do, for the message about another one.
 pub fn read_values(
     bytes: &[u8],
+    names: &[&str],
     expected: &str,
     cancel: &CancelToken,
     progress: &Progress,
-) -> Reading<(&'static str, RawImage)> {
-    let (format, raw) = match recognise(bytes, expected)? {
-        Format::Exr => ("OpenEXR", exr::read(bytes, cancel, progress)?),
-        Format::Hdr => ("Radiance HDR", hdr::read(bytes, cancel, progress)?),
+) -> Reading<RawFile> {
+    let (format, read) = match recognise(bytes, expected)? {
+        Format::Exr => ("OpenEXR", exr::read(bytes, names, cancel, progress)?),
+        Format::Hdr => {
+            let image = hdr::read(bytes, cancel, progress)?;
+            ("Radiance HDR", image.map(|image| (image, Ok(Vec::new()))))
+        }
     };
-    Ok(raw.map(|raw| (format, raw)))
-}
-
-/// Of the file whose bytes these are, the images called by one of `names` beside the main one, each with the place of its name, as
-/// [`write_image`](super::write_image) calls layers. Formats but OpenEXR have none.
-pub fn read_named_values(
-    bytes: &[u8],
-    names: &[&str],
-    cancel: &CancelToken,
-    progress: &Progress,
-) -> Reading<Vec<(usize, RawImage)>> {
-    match recognise(bytes, RADIANCE_FORMATS)? {
-        Format::Exr => exr::read_named(bytes, names, cancel, progress),
-        Format::Hdr => Ok(Some(Vec::new())),
-    }
+    Ok(read.map(|(image, named)| RawFile {
+        format,
+        image,
+        named,
+    }))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,6 +13,7 @@ use crate::render::plan::Feature;
 use crate::render::prepare::PreparedScene;
 use crate::render::sampler::{Decision, Dimension, Sampler, Turns};
 use crate::render::sky_light;
+use crate::render::stops::Stops;
 use crate::render::surface::SurfacePoint;
 use crate::render::tally::Tally;
 use std::hint::black_box;
@@ -26,7 +27,7 @@ const CHOSEN_PER_SHADOW_SAMPLE: u32 = 8;
 /// Fewer shadow rays to a light than this are traced one by one.
 const FEWEST_TOGETHER: u32 = 3;
 
-/// A surface point to be shaded.
+/// A surface point to be shaded. What it reflects is not all there when stopped.
 pub struct Shading<'a, K: Kernel> {
     pub scene: &'a PreparedScene,
     pub phong: &'a Phong,
@@ -38,6 +39,7 @@ pub struct Shading<'a, K: Kernel> {
     pub sampler: Sampler,
     /// Scattering events before this one.
     pub bounce: u32,
+    pub stops: &'a Stops<'a>,
     /// Takes note of shadow and occlusion.
     pub parts: &'a mut K::Parts,
     pub tally: &'a mut K::Tally,
@@ -73,12 +75,15 @@ impl<K: Kernel> Shading<'_, K> {
         let (scene, background) = (self.scene, self.scene.background());
         if let Some(image) = background.image() {
             let numbers = (self.sampler, self.bounce);
-            return sky_light::mean_over_hemisphere(scene, image, self.point, numbers, self.tally);
+            let (point, stops) = (self.point, self.stops);
+            return sky_light::mean_over_hemisphere(
+                scene, image, point, numbers, stops, self.tally,
+            );
         }
         let samples = scene.settings().ambient_occlusion.samples;
         let turns = self.turns(Decision::AmbientOcclusion, 0, samples);
         let radiance = |wi| background.radiance(wi);
-        ambient_occlusion(scene, self.point, &turns, self.tally, radiance)
+        ambient_occlusion(scene, self.point, &turns, self.stops, self.tally, radiance)
     }
 
     /// Reflected light of all lights and emitting objects.
@@ -90,8 +95,16 @@ impl<K: Kernel> Shading<'_, K> {
             return sum;
         }
         if !scene.emitters().holds_lights() {
+            let mut turns = 0;
             for (index, light) in (0..).zip(scene.lights()) {
                 sum += self.light_from(index, light);
+                turns += scene.settings().shadow_samples;
+                if turns >= Stops::TURNS {
+                    if self.stops.is_asked() {
+                        return sum;
+                    }
+                    turns = 0;
+                }
             }
         }
         sum += self.chosen_light();
@@ -119,7 +132,9 @@ impl<K: Kernel> Shading<'_, K> {
             .then(|| LightNumbers::new(self, 0, count));
         let number = |turn| choices.next_2d(turn);
         self.tally.note_draws(Decision::LightChoice, count);
-        emitters.choose_each(&at, (0..count).map(number), |turn, chosen| {
+        let stops = self.stops;
+        let turns = (0..count).take_while(|&turn| turn == 0 || stops.lets_go_on(turn));
+        emitters.choose_each(&at, turns.map(number), |turn, chosen| {
             if let Some(index) = chosen.light() {
                 let light = &lights[index as usize];
                 for ray in self
@@ -168,11 +183,13 @@ impl<K: Kernel> Shading<'_, K> {
             }
         } else {
             let mut shadow_rays = ShadowRays::new();
-            for turn in 0..count {
-                if shadow_rays.is_full() {
-                    sum += self.light_along_all(&mut shadow_rays, light_number);
+            for turns in self.stops.parts(count) {
+                for turn in turns {
+                    if shadow_rays.is_full() {
+                        sum += self.light_along_all(&mut shadow_rays, light_number);
+                    }
+                    shadow_rays.extend(self.aim(light, numbers.as_ref(), turn));
                 }
-                shadow_rays.extend(self.aim(light, numbers.as_ref(), turn));
             }
             sum += self.light_along_all(&mut shadow_rays, light_number);
         }

@@ -125,6 +125,7 @@ impl<K: Kernel> Shading<'_, K> {
         let target = ray.at(1.0);
         let mut passed = Vec3::ONE;
         let mut media = *self.media;
+        let mut faces = 0;
         loop {
             if self.scene.disk_occludes(&ray, 1.0, light) {
                 return Vec3::ZERO;
@@ -142,7 +143,8 @@ impl<K: Kernel> Shading<'_, K> {
             passed *= 1.0 - fresnel(point.shading_normal.dot(point.wo), ior).reflectance;
             passed *= media.transmittance_from(self.scene, &point, 0.0);
             media.cross(&point);
-            if passed == Vec3::ZERO {
+            faces += 1;
+            if passed == Vec3::ZERO || !self.stops.lets_go_on(faces) {
                 return passed;
             }
             ray = point.ray_through_to(target);

@@ -13,7 +13,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Decay, ErrorEstimator};
-use crate::render::film::Film;
+use crate::control::CancelToken;
+use crate::render::film::{CHUNK, Film};
 
 /// Bits of an `f32` that tell a cell: the exponent's and three more, so eight cells to an octave.
 const CELL_BITS: u32 = 11;
@@ -91,8 +92,8 @@ impl Forecast {
 }
 
 impl Allotment {
-    /// Judges the pixels of `film`. Uses the threads of the current pool.
-    pub fn new(film: &Film, estimator: &ErrorEstimator) -> Self {
+    /// Judges the pixels of `film`. Uses the threads of the current pool. `None` when cancelled.
+    pub fn new(film: &Film, estimator: &ErrorEstimator, cancel: &CancelToken) -> Option<Self> {
         let region = film.region();
         let (width, height) = (region.width as usize, region.height as usize);
         let decay = estimator.decay();
@@ -102,6 +103,9 @@ impl Allotment {
         let own: Vec<Judgement> = (0..region.pixel_count())
             .into_par_iter()
             .map(|index| {
+                if cancel.is_cancelled() {
+                    return Judgement::default();
+                }
                 let samples = film.samples(index);
                 let scale = estimator.variance_over_fall(samples) / decay.variance(samples);
                 let rays = f64::from(film.rays(index)) / f64::from(samples);
@@ -118,6 +122,9 @@ impl Allotment {
 
         let mut rows: Vec<(u32, Vec<PixelSums>)> = Vec::new();
         for (index, pixel) in judged.iter().enumerate() {
+            if index % CHUNK == 0 && cancel.is_cancelled() {
+                return None;
+            }
             let samples = film.samples(index);
             let known = rows.iter().position(|(known, _)| *known == samples);
             let row = known.unwrap_or_else(|| {
@@ -141,11 +148,11 @@ impl Allotment {
                 sums,
             })
         });
-        Self {
+        Some(Self {
             decay,
             cells: cells.collect(),
             worth: judged.iter().map(|pixel| pixel.worth()).collect(),
-        }
+        })
     }
 
     /// Whether it is one over a film of `pixels` pixels, which is not certain where it was read from a file.
@@ -215,13 +222,14 @@ impl Allotment {
     }
 
     /// The pixels whose samples are to be doubled next on the way to `forecast`, or as far as `budget` more samples of mean price allow.
-    /// None gets more than `most` samples; `None` when all have them.
+    /// None gets more than `most` samples; `None` when all have them, and when cancelled.
     pub fn select(
         &self,
         film: &Film,
         forecast: Forecast,
         budget: f64,
         most: u32,
+        cancel: &CancelToken,
     ) -> Option<Vec<bool>> {
         let total = self.sum(|cell| cell.sums.price * f64::from(cell.samples));
         let next = |threshold: f64| self.price_of_doubling(threshold, most);
@@ -229,9 +237,12 @@ impl Allotment {
         let worthwhile = bisect(|threshold| next(threshold) >= total * LEAST_SHARE);
         let threshold = forecast.threshold.max(affordable).min(worthwhile);
         let is_selected = |(index, &worth): (usize, &f32)| {
-            self.gain(place_of(worth), film.samples(index), most) > threshold
+            let is_cancelled = index % CHUNK == 0 && cancel.is_cancelled();
+            let gain = || self.gain(place_of(worth), film.samples(index), most);
+            (!is_cancelled).then(|| gain() > threshold)
         };
-        let selected: Vec<bool> = self.worth.iter().enumerate().map(is_selected).collect();
+        let selected = self.worth.iter().enumerate().map(is_selected);
+        let selected: Vec<bool> = selected.collect::<Option<_>>()?;
         selected.contains(&true).then_some(selected)
     }
 
@@ -366,8 +377,11 @@ mod tests {
         for (price, expected) in [(1, 1.0), (16, 4.0), (64, 8.0)] {
             let film = film(price);
             let mut estimator = ErrorEstimator::new(film.pixels());
-            estimator.update(&film, None);
-            let allotment = Allotment::new(&film, &estimator);
+            let never = CancelToken::new();
+            estimator
+                .update(&film, None, &never)
+                .expect("nobody cancels");
+            let allotment = Allotment::new(&film, &estimator, &never).expect("nobody cancels");
             let most = 1 << 20;
             let forecast = allotment.for_variance(1.0 / 64.0, [1, most]);
             assert!(forecast.is_reached);

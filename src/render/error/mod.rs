@@ -21,7 +21,8 @@ pub use decay::Decay;
 pub use outlook::Outlook;
 
 use super::Image;
-use super::film::{Film, each};
+use super::film::{CHUNK, Film, each};
+use crate::control::CancelToken;
 use measures::{Measure, Measures};
 use survey::{Drops, Group, RowSums, Sums, Survey};
 
@@ -145,21 +146,29 @@ impl ErrorEstimator {
     }
 
     /// Takes in `film`, whose pixels (those `selected`, or all) have just reached another power of two of samples, or the most
-    /// they may get. Uses the threads of the current pool; the result does not depend on their number.
-    pub fn update(&mut self, film: &Film, selected: Option<&[bool]>) {
-        let survey = Survey::of(film);
+    /// they may get. Uses the threads of the current pool; the result does not depend on their number. `None` when cancelled: it is of no
+    /// use any more then.
+    pub fn update(
+        &mut self,
+        film: &Film,
+        selected: Option<&[bool]>,
+        cancel: &CancelToken,
+    ) -> Option<()> {
+        let survey = Survey::of(film, cancel)?;
         let width = film.region().width as usize;
-        let rows: Vec<RowSums> = self
+        let rows: Vec<Option<RowSums>> = self
             .falls
             .par_chunks_mut(width)
             .enumerate()
-            .map(|(y, falls)| survey.row(film, y, falls, selected))
+            .map(|(y, falls)| {
+                (!cancel.is_cancelled()).then(|| survey.row(film, y, falls, selected))
+            })
             .collect();
 
         self.groups.clear();
         self.unmeasured = 0;
         for row in rows {
-            self.take_in(row);
+            self.take_in(row?);
         }
         self.groups.sort_by_key(|group| group.samples);
         let mut levels: Vec<u32> = self.groups.iter().map(Group::level).collect();
@@ -169,7 +178,8 @@ impl ErrorEstimator {
             let decay = |&level: &u32| (level, Decay::at(level, &links));
             levels.iter().map(decay).collect()
         });
-        self.percentile_999 = self.percentile(film, &survey);
+        self.percentile_999 = self.percentile(film, &survey, cancel)?;
+        Some(())
     }
 
     fn take_in(&mut self, row: RowSums) {
@@ -232,11 +242,11 @@ impl ErrorEstimator {
     }
 
     /// The error of each pixel and channel of `film`, whose state was taken in last: the root of its mean square over the
-    /// 3 × 3 pixels around it, as a single one's says little.
+    /// 3 × 3 pixels around it, as a single one's says little. Not a number where it is measured in none of them. `None` when cancelled.
     #[must_use]
-    pub fn image(&self, film: &Film) -> Image {
+    pub fn image(&self, film: &Film, cancel: &CancelToken) -> Option<Image> {
         let region = film.region();
-        let survey = Survey::of(film);
+        let survey = Survey::of(film, cancel)?;
         let pixel = |index: usize| {
             let (x, y) = (index % survey.width, index / survey.width);
             let (mut sum, mut count) = ([0.0; 3], 0.0_f64);
@@ -252,16 +262,19 @@ impl ErrorEstimator {
                 }
             }
             #[expect(clippy::cast_possible_truncation, reason = "pictures are f32")]
-            sum.map(|sum: f64| (sum / count.max(1.0)).sqrt() as f32)
+            sum.map(|sum: f64| (sum / count).sqrt() as f32)
         };
-        Image {
-            width: region.width,
-            height: region.height,
-            pixels: (0..region.pixel_count())
-                .into_par_iter()
-                .map(pixel)
-                .collect(),
-        }
+        let mut image = Image::black(region.width, region.height);
+        let parts = image.pixels.par_chunks_mut(CHUNK).enumerate();
+        parts.for_each(|(part, pixels)| {
+            if cancel.is_cancelled() {
+                return;
+            }
+            for (index, value) in (part * CHUNK..).zip(pixels) {
+                *value = pixel(index);
+            }
+        });
+        (!cancel.is_cancelled()).then_some(image)
     }
 
     /// The decay of the relative error where most of it is.
@@ -358,7 +371,8 @@ impl ErrorEstimator {
 
     /// What one pixel of a thousand exceeds. Its interval has two parts: which pixels those are is chance, in what is seen as in the truth, so
     /// that the value might as well be one of those some ranks above or below; and what turns moves into errors is in doubt.
-    fn percentile(&self, film: &Film, survey: &Survey) -> Interval {
+    /// `None` when cancelled.
+    fn percentile(&self, film: &Film, survey: &Survey, cancel: &CancelToken) -> Option<Interval> {
         // The move at one doubling is spread as errors are; moves over several are more even.
         let factor = |group: &Group| {
             let link = self.decay_at(Measure::Absolute, group.level()).link();
@@ -366,9 +380,9 @@ impl ErrorEstimator {
             (group.samples, over_drop.sqrt())
         };
         let factors: Vec<(u32, f64)> = self.groups.iter().map(factor).collect();
-        let mut errors: Vec<f64> = (0..self.falls.len())
+        let errors: Vec<f64> = (0..self.falls.len())
             .into_par_iter()
-            .filter(|&index| survey.is_measured(index))
+            .filter(|&index| !cancel.is_cancelled() && survey.is_measured(index))
             .filter_map(|index| {
                 let samples = film.samples(index);
                 let (_, factor) = factors.iter().find(|(count, _)| *count == samples)?;
@@ -377,12 +391,14 @@ impl ErrorEstimator {
             })
             .collect();
         let Some(last) = errors.len().checked_sub(1) else {
-            return Interval::ZERO;
+            return Some(Interval::ZERO);
         };
         let beyond = errors.len() / 1000;
         let ranks = ranks_of_chance(beyond);
         let lowest = last.saturating_sub(beyond + ranks);
-        let (_, &mut low, above) = errors.select_nth_unstable_by(lowest, f64::total_cmp);
+        let low = number_of_rank(&errors, lowest, cancel)?;
+        let above = errors.iter().copied().filter(|&error| error > low);
+        let mut above: Vec<f64> = above.collect();
         above.sort_unstable_by(f64::total_cmp);
         let from_top = |rank: usize| match above.len().checked_sub(rank + 1) {
             Some(place) => above[place],
@@ -390,7 +406,7 @@ impl ErrorEstimator {
         };
         let value = from_top(beyond);
         if value <= 0.0 {
-            return Interval::ZERO;
+            return Some(Interval::ZERO);
         }
         let below = value / low.max(value * f64::MIN_POSITIVE);
         let above = from_top(beyond.saturating_sub(ranks)) / value;
@@ -405,11 +421,11 @@ impl ErrorEstimator {
             .map_or(0, Group::level);
         let doubt = self.decay_at(Measure::Absolute, noisiest).doubt() / 2.0;
         let width = |ratio: f64| libm::exp(libm::log(ratio).hypot(doubt * NORMAL_95));
-        Interval {
+        Some(Interval {
             value,
             low: value / width(below),
             high: value * width(above),
-        }
+        })
     }
 }
 
@@ -423,8 +439,98 @@ fn ranks_of_chance(beyond: usize) -> usize {
     (NORMAL_95 * (2.0 * (beyond as f64 + 1.0)).sqrt()).ceil() as usize
 }
 
+/// The one of `numbers`, none below 0, that `rank` of them come before where they are sorted; `None` when cancelled.
+///
+/// # Panics
+/// When there are no more than `rank`.
+fn number_of_rank(numbers: &[f64], rank: usize, cancel: &CancelToken) -> Option<f64> {
+    /// Sixteen cells to an octave: those of one are few among many.
+    const CELLS: usize = 1 << 16;
+    // Bits of such numbers are in their order.
+    let cell_of = |number: f64| (number.to_bits() >> 48) as usize;
+    let mut counts = vec![0; CELLS];
+    for numbers in numbers.chunks(CHUNK) {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        for &number in numbers {
+            counts[cell_of(number)] += 1;
+        }
+    }
+    let (mut cell, mut before) = (0, 0);
+    while before + counts[cell] <= rank {
+        before += counts[cell];
+        cell += 1;
+    }
+    let in_cell = numbers.iter().copied().filter(|&n| cell_of(n) == cell);
+    let mut in_cell: Vec<f64> = in_cell.collect();
+    Some(
+        *in_cell
+            .select_nth_unstable_by(rank - before, f64::total_cmp)
+            .1,
+    )
+}
+
 /// The drop at each level from 2 over that at the level before.
 fn links(history: &[Drops]) -> Vec<f64> {
     let links = history.iter().skip(2);
     links.map(|drops| drops.at / (drops.below / 2.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes::Random;
+    use crate::math::Vec3;
+    use crate::render::film::{TileSums, block_after};
+    use crate::render::layers::{Gathered, NoParts};
+    use crate::render::tiles::Region;
+
+    #[test]
+    fn the_number_of_a_rank_is_the_one_of_sorted_numbers() {
+        let (never, mut random) = (CancelToken::new(), Random::new(5));
+        for count in [1, 2, 1000, 30_000] {
+            // Of all sizes, and some of them often.
+            let number = |turn: u32| match turn % 3 {
+                0 => 0.25,
+                1 => random.unit(),
+                _ => random.unit().powi(40),
+            };
+            let numbers: Vec<f64> = (0..count).map(number).collect();
+            let mut sorted = numbers.clone();
+            sorted.sort_by(f64::total_cmp);
+            for rank in [0, sorted.len() / 3, sorted.len() / 2, sorted.len() - 1] {
+                let found = number_of_rank(&numbers, rank, &never);
+                assert_eq!(found, Some(sorted[rank]), "{rank} of {count}");
+            }
+        }
+        never.cancel();
+        assert_eq!(number_of_rank(&[1.0], 0, &never), None);
+    }
+
+    /// A row whose first two pixels are not finite: the second has a neighbour that is measured.
+    #[test]
+    fn an_error_that_is_measured_nowhere_near_is_not_zero() {
+        let region = Region::full(4, 1);
+        let mut film = Film::new(region, &[], true);
+        while film.samples(0) < 4 {
+            let mut sums = TileSums::default();
+            sums.reset(&[], region.pixel_count());
+            for index in 0..region.pixel_count() {
+                for _ in 0..block_after(film.samples(0)) {
+                    let value = if index < 2 { f32::INFINITY } else { 0.5 };
+                    let seen = Gathered::<NoParts>::seen(Vec3::splat(value));
+                    sums.add(index, &[], &seen, 1);
+                }
+            }
+            film.add(region, &sums);
+        }
+        let mut estimator = ErrorEstimator::new(film.pixels());
+        let never = CancelToken::new();
+        estimator.update(&film, None, &never);
+        let errors = estimator.image(&film, &never);
+        let errors = errors.expect("nobody cancels");
+        assert!(errors.pixel(0, 0).iter().all(|error| error.is_nan()));
+        assert_eq!(errors.pixels[1..], [[0.0; 3]; 3], "the others are even");
+    }
 }

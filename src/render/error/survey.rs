@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::RELATIVE_FLOOR;
 use super::measures::Measures;
-use crate::render::film::{Film, Halves, each};
+use crate::control::CancelToken;
+use crate::render::film::{CHUNK, Film, Halves, each};
 
 /// What is added up over pixels with the same number of samples.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -56,6 +57,20 @@ impl Drops {
     }
 }
 
+/// The mean of a pixel and by how much it moved, see [`Survey`].
+fn mean_and_moves(film: &Film, index: usize) -> ([f32; 3], [f32; 3]) {
+    let mean = film.mean_at(index);
+    let moved = film.halves(index).map(|halves| {
+        #[expect(clippy::cast_possible_truncation, reason = "of means that are f32")]
+        squared_fall(&halves).map(|square| square.sqrt() as f32)
+    });
+    match moved {
+        Some(moved) if is_finite(mean) && is_finite(moved) => (mean, moved),
+        // Looks black to its neighbours.
+        _ => ([0.0; 3], [f32::NAN; 3]),
+    }
+}
+
 /// What the pixels of a film say, before it is added up.
 pub struct Survey {
     pub width: usize,
@@ -82,27 +97,27 @@ fn squared_fall(halves: &Halves) -> [f64; 3] {
 }
 
 impl Survey {
-    pub fn of(film: &Film) -> Self {
+    /// Of all pixels; `None` when cancelled.
+    pub fn of(film: &Film, cancel: &CancelToken) -> Option<Self> {
         let region = film.region();
-        let values = (0..region.pixel_count()).into_par_iter().map(|index| {
-            let mean = film.mean_at(index);
-            let moved = film.halves(index).map(|halves| {
-                #[expect(clippy::cast_possible_truncation, reason = "of means that are f32")]
-                squared_fall(&halves).map(|square| square.sqrt() as f32)
-            });
-            match moved {
-                Some(moved) if is_finite(mean) && is_finite(moved) => (mean, moved),
-                // Looks black to its neighbours.
-                _ => ([0.0; 3], [f32::NAN; 3]),
+        let black = vec![[0.0; 3]; region.pixel_count()];
+        let (mut means, mut moves) = (black.clone(), black);
+        let parts = means.par_chunks_mut(CHUNK).zip(moves.par_chunks_mut(CHUNK));
+        parts.enumerate().for_each(|(part, (means, moves))| {
+            if cancel.is_cancelled() {
+                return;
+            }
+            let pixels = means.iter_mut().zip(moves);
+            for (index, (mean, moved)) in (part * CHUNK..).zip(pixels) {
+                (*mean, *moved) = mean_and_moves(film, index);
             }
         });
-        let (means, moves) = values.unzip();
-        Self {
+        (!cancel.is_cancelled()).then_some(Self {
             width: region.width as usize,
             height: region.height as usize,
             means,
             moves,
-        }
+        })
     }
 
     pub fn is_measured(&self, index: usize) -> bool {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::control::CancelToken;
 use crate::geometry::{CornerNormals, Triangle, face_normal};
 use crate::math::{DVec3, Vec3};
 
@@ -78,17 +79,22 @@ impl SmoothNormals {
 
 impl TrueNormals {
     /// Looks through `rounded`, the prepared triangles of one copy or several, `per_copy` each. `exact`: the corners of a
-    /// triangle of a copy before they were rounded, in the same order and orientation, of any scale. `None` where all normals are
-    /// as they should be.
+    /// triangle of a copy before they were rounded, in the same order and orientation, of any scale. None where all normals are
+    /// as they should be; `None` when cancelled.
+    #[expect(
+        clippy::option_option,
+        reason = "there may be none, and it may be cancelled"
+    )]
     pub fn of_copies(
         rounded: &[Triangle],
         per_copy: usize,
         exact: impl Fn(usize) -> [DVec3; 3] + Sync,
-    ) -> Option<Self> {
+        cancel: &CancelToken,
+    ) -> Option<Option<Self>> {
         let mut found: Vec<(u32, Vec3)> = rounded
             .par_iter()
             .enumerate()
-            .filter(|(_, triangle)| may_be_turned(triangle))
+            .filter(|(_, triangle)| !cancel.is_cancelled() && may_be_turned(triangle))
             .filter_map(|(index, triangle)| {
                 let index = index % per_copy;
                 let normal = face_normal(exact(index))?;
@@ -97,10 +103,13 @@ impl TrueNormals {
                 is_turned.then(|| (index, normal.as_vec3()))
             })
             .collect();
+        if cancel.is_cancelled() {
+            return None;
+        }
         found.par_sort_unstable_by_key(|(index, _)| *index);
         found.dedup_by_key(|(index, _)| *index);
         let (triangles, normals): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        (!triangles.is_empty()).then_some(Self { triangles, normals })
+        Some((!triangles.is_empty()).then_some(Self { triangles, normals }))
     }
 }
 
@@ -148,8 +157,10 @@ mod tests {
                     corners: corners.map(DVec3::as_vec3),
                 })
                 .collect();
-            let found = TrueNormals::of_copies(&rounded, rounded.len(), |index| exact[index]);
-            let found = found.map(ShadingNormals::Flat);
+            let exact_of = |index: usize| exact[index];
+            let never = CancelToken::new();
+            let found = TrueNormals::of_copies(&rounded, rounded.len(), exact_of, &never);
+            let found = found.expect("nobody cancels").map(ShadingNormals::Flat);
             for (number, triangle) in (0..).zip(&rounded) {
                 let [a, b, c] = exact[number as usize];
                 let normal = (b - a).cross(c - a).normalize();

@@ -69,7 +69,7 @@ impl SharedMeshes {
                     None => SharedMesh::build(mesh, origin.structure, cancel, progress)?,
                 })
             };
-            shared.meshes[index].add_normals(shape.smooth);
+            shared.meshes[index].add_normals(shape.smooth, cancel)?;
         }
         Some(shared)
     }
@@ -207,21 +207,23 @@ impl SharedMesh {
         })
     }
 
-    fn add_normals(&mut self, smooth: Option<Degrees>) {
+    /// Adds what is not there yet; `None` when cancelled.
+    fn add_normals(&mut self, smooth: Option<Degrees>, cancel: &CancelToken) -> Option<()> {
         if self.normals.iter().any(|(known, _)| *known == smooth) {
-            return;
+            return Some(());
         }
         let mesh = &self.mesh.0;
         let normals = if let Some(crease) = smooth {
-            let normals = corner_normals(mesh, crease);
+            let normals = corner_normals(mesh, crease, cancel)?;
             let normals = SmoothNormals::new(normals, |normal| normal, |corners| corners);
             Some(ShadingNormals::Smooth(normals))
         } else {
             let rounded: Vec<_> = self.structure.triangles().collect();
-            let found =
-                TrueNormals::of_copies(&rounded, rounded.len(), |index| mesh.corners(index));
+            let exact = |index| mesh.corners(index);
+            let found = TrueNormals::of_copies(&rounded, rounded.len(), exact, cancel)?;
             found.map(ShadingNormals::Flat)
         };
         self.normals.push((smooth, normals.map(Arc::new)));
+        Some(())
     }
 }

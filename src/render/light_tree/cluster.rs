@@ -1,7 +1,8 @@
 //! What bounds the things below a node, and what that says they may give a point.
 
 use super::cut::Tally;
-use super::{Item, Luminary, Receiver, Shines};
+use super::{CHUNK, Item, Luminary, Receiver, Shines};
+use crate::control::CancelToken;
 use crate::math::{Bounds, DVec3, Vec3};
 
 /// Cosines nearer to 0 than this, about a quarter of a degree from edge-on, count as this. It is far more than the rounding,
@@ -23,9 +24,14 @@ pub struct Cluster {
 }
 
 impl Cluster {
-    pub fn around(items: &[Item]) -> Self {
+    /// What bounds `items`. Not meaningful when cancelled.
+    pub fn around(items: &[Item], cancel: &CancelToken) -> Self {
+        let items = || {
+            let chunks = items.chunks(CHUNK);
+            chunks.take_while(|_| !cancel.is_cancelled()).flatten()
+        };
         let mut tally = Tally::EMPTY;
-        for (_, luminary) in items {
+        for (_, luminary) in items() {
             tally = tally.with(&Tally::of(luminary));
         }
         let axis = tally.normals.as_dvec3().normalize_or(DVec3::Z);
@@ -42,7 +48,7 @@ impl Cluster {
         };
         // Wider by what the narrowing of axis and normals may have moved them.
         let rounding = 4.0 * f64::from(f32::EPSILON);
-        let cosines = items.iter().map(|(_, luminary)| cosine_to_axis(luminary));
+        let cosines = items().map(|(_, luminary)| cosine_to_axis(luminary));
         let cosine = cosines.fold(1.0, f64::min) - rounding;
         let cosine = cosine.max(-1.0);
         let sine = (1.0 - cosine * cosine).sqrt();

@@ -1,6 +1,7 @@
 //! Where to cut a set of things that shine into two.
 
-use super::{Item, Luminary, Shines};
+use super::{CHUNK, Item, Luminary, Shines};
+use crate::control::CancelToken;
 use crate::math::{Bounds, Vec3};
 
 /// Cells per axis between which a node may be cut, as in the sources.
@@ -70,8 +71,8 @@ impl Tally {
 }
 
 /// Reorders at least two `items` and returns where to cut: between cells along one axis where the cost of both sides is least,
-/// or in the middle.
-pub fn cut(items: &mut [Item], halve: bool) -> usize {
+/// or in the middle. Not meaningful when cancelled.
+pub fn cut(items: &mut [Item], halve: bool, cancel: &CancelToken) -> usize {
     let middle = items.len() / 2;
     if halve || items.len() == 2 {
         return middle;
@@ -91,7 +92,8 @@ pub fn cut(items: &mut [Item], halve: bool) -> usize {
         (along as usize).min(buckets - 1)
     };
     let mut tallies = [[Tally::EMPTY; BUCKETS]; 3];
-    for item in &*items {
+    let chunks = items.chunks(CHUNK);
+    for item in chunks.take_while(|_| !cancel.is_cancelled()).flatten() {
         let tally = Tally::of(&item.1);
         for axis in 0..3 {
             let cell = &mut tallies[axis][bucket(item, axis)];
@@ -121,7 +123,7 @@ pub fn cut(items: &mut [Item], halve: bool) -> usize {
         }
     }
     let (cost, axis, first) = best;
-    if cost == f64::INFINITY {
+    if cost == f64::INFINITY || cancel.is_cancelled() {
         return middle;
     }
     let mut left = 0;

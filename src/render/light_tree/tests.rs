@@ -2,6 +2,10 @@ use super::*;
 use crate::geometry::shapes::Random;
 use crate::math::DVec3;
 
+fn built(luminaries: &[Luminary]) -> LightTree {
+    LightTree::build(luminaries, &CancelToken::new()).expect("nobody cancels")
+}
+
 fn flat(center: DVec3, reach: f64, shines: Shines, intensity: f64) -> Luminary {
     let (center, reach) = (center.as_vec3(), DVec3::splat(reach).as_vec3());
     Luminary {
@@ -53,7 +57,7 @@ fn unit_square(random: &mut Random) -> Vec2 {
 #[test]
 fn lights_are_chosen_as_often_as_stated() {
     let luminaries = luminaries(500, Random::unit);
-    let tree = LightTree::build(&luminaries);
+    let tree = built(&luminaries);
     let mut random = Random::new(77);
     for _ in 0..10 {
         let at = receiver(&mut random);
@@ -96,7 +100,7 @@ fn lights_are_chosen_as_often_as_stated() {
 
 #[test]
 fn draws_together_choose_what_each_does_alone() {
-    let tree = LightTree::build(&luminaries(500, Random::unit));
+    let tree = built(&luminaries(500, Random::unit));
     let mut random = Random::new(23);
     for count in [1, 8, 64, 65, 200] {
         let at = receiver(&mut random);
@@ -132,7 +136,7 @@ fn probabilities_sum_to_one_and_are_finite() {
     }
     let mut random = Random::new(5);
     for (lights, all_count) in [(&powers, false), (&over_floor, true)] {
-        let tree = LightTree::build(lights);
+        let tree = built(lights);
         for turn in 0..30_usize {
             let mut at = receiver(&mut random);
             if turn % 3 == 0 {
@@ -157,7 +161,7 @@ fn probabilities_sum_to_one_and_are_finite() {
 #[test]
 fn only_lights_that_give_nothing_are_never_chosen() {
     let luminaries = luminaries(400, |_| 1.0);
-    let tree = LightTree::build(&luminaries);
+    let tree = built(&luminaries);
     let mut random = Random::new(13);
     let (mut dark, mut never) = (0, 0);
     for turn in 0..1000_usize {
@@ -192,7 +196,7 @@ fn near_lights_are_chosen_more_often_than_their_share_of_the_power() {
     let row: Vec<_> = (0..1000)
         .map(|i| flat(DVec3::X * f64::from(i), 0.0, Shines::Everywhere, 1.0))
         .collect();
-    let tree = LightTree::build(&row);
+    let tree = built(&row);
     let at = Receiver {
         position: Vec3::new(500.0, 0.0, -1.0),
         normal: Vec3::Z,
@@ -208,12 +212,12 @@ fn what_does_not_shine_is_not_in_the_tree() {
     for light in &mut lights[10..] {
         light.intensity = 0.0;
     }
-    let tree = LightTree::build(&lights);
+    let tree = built(&lights);
     assert_eq!(tree.nodes.len(), 19);
     let at = receiver(&mut Random::new(1));
     assert!((10..60).all(|item| tree.probability(item, &at) == 0.0));
-    assert!(LightTree::build(&lights[10..]).is_empty());
-    assert!(LightTree::build(&[]).choose(&at, Vec2::ZERO).is_none());
+    assert!(built(&lights[10..]).is_empty());
+    assert!(built(&[]).choose(&at, Vec2::ZERO).is_none());
 }
 
 /// Very many lights at one place, and as many on a line at distances that double.
@@ -229,9 +233,16 @@ fn no_arrangement_of_lights_makes_a_deep_tree() {
         .map(|i| point((f32::from(i16::try_from(i % 240).expect("small")) - 120.0).exp2()))
         .collect();
     for lights in [one_place, doubling] {
-        let tree = LightTree::build(&lights);
+        let tree = built(&lights);
         assert_eq!(tree.nodes.len(), 2 * lights.len() - 1);
         let deepest = tree.trails.iter().map(|trail| 63 - trail.leading_zeros());
         assert!(deepest.max() < Some(HALVED_FROM + 18));
     }
+}
+
+#[test]
+fn no_tree_is_built_when_cancelled() {
+    let cancel = CancelToken::new();
+    cancel.cancel();
+    assert!(LightTree::build(&luminaries(100, Random::unit), &cancel).is_none());
 }

@@ -89,20 +89,22 @@ impl Renderer<'_> {
         if let Some(store) = self.watch.blocks {
             store.begin_anew();
         }
-        (keeper.keep)(self.checkpoint());
+        if let Some(checkpoint) = self.checkpoint() {
+            (keeper.keep)(checkpoint);
+        }
     }
 
-    /// The render as it is now.
-    fn checkpoint(&self) -> Checkpoint {
-        let shared = self.lock().clone();
-        Checkpoint {
+    /// The render as it is now; `None` when cancelled.
+    fn checkpoint(&self) -> Option<Checkpoint> {
+        let shared = self.lock().copy_unless(&self.run.cancel)?;
+        Some(Checkpoint {
             shared,
             course: self.course.clone(),
             seconds: self.clock.seconds(),
             cpu_seconds: self.clock.cpu_seconds(),
             errors: self.progress.errors_from(0),
             expected_samples: self.progress.samples.total(),
-        }
+        })
     }
 }
 

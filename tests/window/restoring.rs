@@ -1,0 +1,121 @@
+//! How windows end, and what the next one brings back beside what is edited in it.
+
+use std::path::Path;
+
+use crate::driver::{Files, SCENE, Window, set_samples};
+use crate::keeping::{asks, copy_folder, edit_and_die, open, render_until_kept};
+use eframe::App as _;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use raymini::gui::App;
+use raymini::gui::dialogs::Dialog;
+use raymini::gui::jobs::Lane;
+use raymini::gui::keeping::begin;
+use raymini::gui::picture::Picture;
+
+/// Who closes the window and gives up a render is not asked about it again.
+#[test]
+fn closing_the_window_in_a_render_leaves_nothing_behind() {
+    let files = Files::new();
+    let text = SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 100_000");
+    let data = files.path("data");
+    let mut window = open(&files.write("room.toml", &text), &data);
+    render_until_kept(&mut window, &data);
+    window.ask_to_close();
+    window.click("Give up and close");
+    window.harness.state_mut().on_exit();
+    let sessions = std::fs::read_dir(data.join("sessions")).unwrap();
+    assert_eq!(sessions.count(), 0);
+}
+
+/// A desktop whose session ends may end the program without a question: all is there again, whatever came last.
+#[test]
+fn an_end_that_nobody_was_asked_about_loses_nothing() {
+    let files = Files::new();
+    let data = files.path("data");
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 100_000);
+    render_until_kept(&mut window, &data);
+    window.click("Add light");
+    window.harness.state_mut().on_exit();
+    drop(window);
+    // Threads of this process hold locks for a moment.
+    let left = files.path("left");
+    copy_folder(&data, &left);
+
+    let mut window = open(&files.path("pyramid.off"), &left);
+    asks(&mut window);
+    assert!(window.says("A render was not saved, and goes on where it was."));
+    window.click("Restore");
+    window.until("the render goes on", |app| {
+        app.picture().and_then(Picture::goes_on_from).is_some()
+    });
+    assert_eq!(window.scene().lights.len(), 2);
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+}
+
+/// Opens a window on a mesh, has what is lost in `data` restored, and edits before it is read: by then it is asked about that.
+fn edit_while_lost_work_is_read(files: &Files, data: &Path) -> Window {
+    let mut window = open(&files.path("pyramid.off"), data);
+    asks(&mut window);
+    window.harness.get_by_label("Restore").click();
+    window.just_until("it is being read", |app| app.works_in(Lane::Load));
+    window.harness.state_mut().document_mut().scene.lights.pop();
+    window.until("the edit is asked about", |app| {
+        matches!(app.dialog(), Some(Dialog::Unsaved(_)))
+    });
+    assert!(window.has("Save the changes to pyramid?"));
+    assert!(window.says("What is restored takes its place. Undo brings this one back."));
+    window.until("the edit is kept", App::is_work_kept);
+    window
+}
+
+/// The names of the work that a window finds which begins when one that keeps its work in `data` is killed.
+fn found_after_kill(files: &Files, data: &Path, copy: &str) -> Vec<String> {
+    let copy = files.path(copy);
+    copy_folder(data, &copy);
+    let lost = begin(&copy).unwrap().lost.into_iter();
+    let mut names: Vec<_> = lost.map(|lost| lost.about.name).collect();
+    names.sort();
+    names
+}
+
+/// What is edited while lost work is read is work too.
+#[test]
+fn edits_made_while_lost_work_is_read_are_not_lost() {
+    let files = Files::new();
+    let [data, again] = ["data", "again"].map(|name| files.path(name));
+    edit_and_die(&files, &data);
+    copy_folder(&data, &again);
+    let both = ["pyramid", "room"];
+
+    let mut window = edit_while_lost_work_is_read(&files, &data);
+    let edited = window.scene().clone();
+    assert_eq!(found_after_kill(&files, &data, "asked"), both);
+    window.click("Cancel");
+    assert!(window.says("What was restored of room is offered again at the next start"));
+    assert_eq!(window.scene(), &edited);
+    assert_eq!(found_after_kill(&files, &data, "cancelled"), both);
+    drop(window);
+
+    let mut window = edit_while_lost_work_is_read(&files, &again);
+    window.click("Replace");
+    assert_eq!(window.app().document().name(), "room");
+    assert_eq!(window.scene().lights.len(), 3);
+    window.settle();
+    assert!(window.says("Restored what was not saved. Undo brings pyramid back"));
+    window.until("it is kept", App::is_work_kept);
+    assert_eq!(found_after_kill(&files, &again, "replaced"), both);
+    // One step back is all that was there, and what was restored stays.
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().document().name(), "pyramid");
+    assert_eq!(window.scene(), &edited);
+    window.until("it is kept", App::is_work_kept);
+    assert_eq!(found_after_kill(&files, &again, "undone"), both);
+    window.ask_to_close();
+    window.click("Discard");
+    window.harness.state_mut().on_exit();
+    drop(window);
+    assert_eq!(found_after_kill(&files, &again, "closed"), ["room"]);
+}
