@@ -153,6 +153,20 @@ struct Counts {
 struct Known {
     fraction: f64,
     done: u64,
+    /// Whether the total is an estimate.
+    is_estimate: bool,
+}
+
+/// From this part of an estimated amount of work on, it is no longer believed that no more comes.
+const BELIEVED: f64 = 0.9;
+
+/// The done part where `share` is done of what was estimated: always less than 1, and ever slower from [`BELIEVED`] on.
+fn cautious(share: f64) -> f64 {
+    if share < BELIEVED {
+        return share;
+    }
+    let rest = 1.0 - BELIEVED;
+    1.0 - rest * libm::exp((BELIEVED - share) / rest)
 }
 
 impl Progress {
@@ -175,11 +189,22 @@ impl Progress {
     /// Says how much there is left to do, where that is learnt on the way. The fraction does not jump: it goes on from where it
     /// is, at another speed.
     pub fn set_remaining(&self, remaining: u64) {
+        self.learn(remaining, false);
+    }
+
+    /// The same where it is a guess: the fraction comes near to 1 and does not reach it before the work is known to be done, however much
+    /// there is.
+    pub fn estimate_remaining(&self, remaining: u64) {
+        self.learn(remaining, true);
+    }
+
+    fn learn(&self, remaining: u64, is_estimate: bool) {
         let fraction = self.fraction();
         let mut known = self.known();
         *known = Known {
             fraction,
             done: self.done(),
+            is_estimate,
         };
         self.set_total(known.done + remaining);
     }
@@ -219,8 +244,17 @@ impl Progress {
         let done = self.done().saturating_sub(known.done);
         match left {
             0 if self.total() == 0 => 0.0,
+            0 if known.is_estimate => known.fraction,
             0 => 1.0,
-            _ => known.fraction + (1.0 - known.fraction) * (done as f64 / left as f64).min(1.0),
+            _ => {
+                let share = done as f64 / left as f64;
+                let share = if known.is_estimate {
+                    cautious(share)
+                } else {
+                    share.min(1.0)
+                };
+                known.fraction + (1.0 - known.fraction) * share
+            }
         }
     }
 }
@@ -283,6 +317,27 @@ mod tests {
         assert!(paused >= 2 * pause);
         assert!(throttle.time_since(started) >= 2 * pause);
         assert!(throttle.time_since(started) + paused <= started.elapsed());
+    }
+
+    #[test]
+    fn what_is_estimated_is_never_done() {
+        let progress = Progress::new();
+        progress.estimate_remaining(100);
+        progress.advance(90);
+        assert!((progress.fraction() - 0.9).abs() < 1e-12);
+        let mut last = progress.fraction();
+        for _ in 0..10 {
+            progress.advance(5);
+            let fraction = progress.fraction();
+            assert!(fraction > last && fraction < 1.0, "{fraction}");
+            last = fraction;
+        }
+        for estimate in [0, 100] {
+            progress.estimate_remaining(estimate);
+            assert_eq!(progress.fraction(), last);
+        }
+        progress.set_remaining(0);
+        assert_eq!(progress.fraction(), 1.0);
     }
 
     #[test]

@@ -140,13 +140,11 @@ impl Metrics {
             if finite != (true, true) {
                 continue;
             }
-            let mut difference = 0.0_f64;
             for channel in 0..3 {
-                let (a, b) = (f64::from(a[channel]), f64::from(b[channel]));
-                sum_a[channel].add(a);
-                sum_b[channel].add(b);
-                difference = difference.max((a - b).abs());
+                sum_a[channel].add(f64::from(a[channel]));
+                sum_b[channel].add(f64::from(b[channel]));
             }
+            let difference = largest_difference(a, b);
             if largest.is_none_or(|(value, _)| difference > value) {
                 largest = Some((difference, index));
             }
@@ -224,6 +222,27 @@ pub(super) fn is_finite(pixel: [f32; 3]) -> bool {
 fn differ_visibly(a: [f32; 3], b: [f32; 3]) -> bool {
     let [a, b] = [a, b].map(|pixel| encode(pixel, &Display::default()));
     a.iter().zip(b).any(|(a, b)| (a - b).abs() > VISIBLE)
+}
+
+/// The largest difference of a channel.
+fn largest_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
+    let differences = a
+        .into_iter()
+        .zip(b)
+        .map(|(a, b)| f64::from(a) - f64::from(b));
+    differences.map(f64::abs).fold(0.0, f64::max)
+}
+
+/// [`Metrics::percentile_999`] of `a` against the reference `b`, alone.
+///
+/// # Errors
+/// When the sizes differ.
+pub fn percentile_999_between(a: &Image, b: &Image) -> Result<f64, SizesDiffer> {
+    check_sizes(a, b)?;
+    let pairs = a.pixels.iter().zip(&b.pixels);
+    let finite = pairs.filter(|(a, b)| is_finite(**a) && is_finite(**b));
+    let mut differences: Vec<f64> = finite.map(|(a, b)| largest_difference(*a, *b)).collect();
+    Ok(percentile_999(&mut differences))
 }
 
 /// Puts `values` in another order.

@@ -15,4 +15,4 @@ pub mod report;
 
 pub use difference::{scaled_difference, signed_difference};
 pub use flip::{mean_flip, mean_flip_unless};
-pub use metrics::{LocatedDifference, Metrics, SizesDiffer, SquaredErrors};
+pub use metrics::{LocatedDifference, Metrics, SizesDiffer, SquaredErrors, percentile_999_between};

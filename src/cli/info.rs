@@ -505,7 +505,11 @@ fn describe_picture(picture: &PictureFacts, lines: &mut Lines) {
     lines.add("format", picture.format);
     lines.add("size", format!("{}×{}", picture.width, picture.height));
     let hash = picture.image_hash.as_deref();
-    lines.add("hash", hash.unwrap_or("unknown: not a picture by RayMini"));
+    let unknown = match picture.format {
+        "PNG" => "unknown: not a picture by RayMini",
+        _ => "unknown: it has values that are infinite, negative or not a number",
+    };
+    lines.add("hash", hash.unwrap_or(unknown));
     if let Some(error) = &picture.error {
         lines.add(
             "error",

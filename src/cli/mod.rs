@@ -19,6 +19,7 @@ mod report;
 mod scene_arguments;
 mod signals;
 mod stats;
+mod time_left;
 mod trace;
 mod values;
 

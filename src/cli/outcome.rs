@@ -101,12 +101,14 @@ fn describe_samples(stats: &RenderStats) -> String {
 fn describe_error(error: &ErrorEstimate) -> String {
     let noise = error.noise();
     format!(
-        "estimated noise {} ({} to {}), rmse {:.3e}, 99.9 % of pixels within {:.3e}",
+        "estimated noise {} ({} to {}), rmse {:.3e}, 99.9 % of pixels within {:.3e} ({:.3e} to {:.3e})",
         percent(noise.value),
         percent(noise.low),
         percent(noise.high),
         error.rmse.value,
-        error.percentile_999
+        error.percentile_999.value,
+        error.percentile_999.low,
+        error.percentile_999.high
     )
 }
 

@@ -11,10 +11,12 @@ use clap::Args;
 
 use super::checkpoint::{CheckpointArguments, CheckpointFile, is_same_file};
 use super::costs::MeasuredCosts;
+use super::progress_bar::HowFar;
 use super::scene_arguments::{SceneArguments, assigned};
 use super::stats::{self, Stats};
+use super::time_left::Left;
 use super::trace::TraceArguments;
-use super::{Signals, outcome, progress_bar, values};
+use super::{Signals, outcome, progress_bar, time_left, values};
 use crate::analysis::cost::Trial;
 use crate::analysis::pilot;
 use crate::control::{CancelToken, Progress};
@@ -254,10 +256,18 @@ fn render_scene(
     let RenderOutcome { image, stats, .. } = &rendered;
     let hash = image.hash();
     let plan = (super::plan::facts(scene)?, Used::of(scene));
-    let mut facts = Stats::new(stats, &prepared, [load_seconds, build_seconds], &hash, plan);
+    let known = (stats, rendered.errors.as_slice());
+    let mut facts = Stats::new(known, &prepared, [load_seconds, build_seconds], &hash, plan);
     let stats_path = arguments.stats.as_deref();
     let mut recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
     outcome::say(&place, image, &hash, stats, settings)?;
+    let levels = rendered.errors.last().map(time_left::to_levels);
+    if let Some(levels) = levels.filter(|levels| !levels.is_empty()) {
+        super::say(&format!(
+            "foreseen, with more samples: noise of {}",
+            levels.join(", ")
+        ))?;
+    }
     if is_interrupted {
         kept.iter().for_each(CheckpointFile::say_how_to_go_on);
     } else if let Some(pairs) = arguments.costs {
@@ -357,12 +367,27 @@ fn render_with_progress(
 ) -> Option<RenderOutcome> {
     let progress = RenderProgress::default();
     let started = Instant::now();
+    let seconds_before = start.as_ref().map_or(0.0, Checkpoint::seconds);
+    let stop = &prepared.settings().stop;
     let how_far = || {
-        let rate = progress.rays() as f64 / started.elapsed().as_secs_f64() / 1e6;
-        let noise = progress.latest_error().map_or_else(String::new, |point| {
-            format!(", noise {}", outcome::percent(point.error.noise().value))
+        let seconds = started.elapsed().as_secs_f64();
+        let rate = progress.rays() as f64 / seconds / 1e6;
+        let point = progress.latest_error();
+        let noise = point.map_or_else(String::new, |point| {
+            let noise = outcome::percent(point.error.noise().value);
+            let level = time_left::to_next_level(&point).filter(|_| stop.noise.is_none());
+            let level = level.map_or_else(String::new, |level| format!(", {level}"));
+            format!(", noise {noise}{level}")
         });
-        (progress.share(), format!("{rate:.1} Mrays/s{noise}"))
+        HowFar {
+            fraction: progress.share(),
+            left: match time_left::left(point.as_ref(), stop, seconds_before + seconds) {
+                Left::Foreseen(seconds) => Some(time_left::in_words(seconds)),
+                Left::AtThisPace => None,
+                Left::Unknown => Some("?".to_owned()),
+            },
+            message: format!("{rate:.1} Mrays/s{noise}"),
+        }
     };
     let keep = |checkpoint| {
         if let Some(file) = kept {

@@ -128,9 +128,9 @@ fn describe(study: &Study, folder: &Path) -> Result<()> {
                 .noise_slope
                 .map_or_else(String::new, |slope| format!(", slope {slope:.2}"));
             super::say(&format!(
-                "{}: noise {}{estimated} after {} s{slope}",
+                "{}: {}{estimated} after {} s{slope}",
                 variant.name,
-                percent(last.true_noise().median),
+                last.noise_in_words(),
                 three_digits(last.seconds.median)
             ))?;
         }
@@ -155,6 +155,12 @@ fn describe(study: &Study, folder: &Path) -> Result<()> {
             super::warn(&format!(
                 "{}: {} samples were infinite or not a number",
                 variant.name, summary.non_finite_samples
+            ));
+        }
+        if summary.negative_samples > 0 {
+            super::warn(&format!(
+                "{}: {} samples had less than no light",
+                variant.name, summary.negative_samples
             ));
         }
     }

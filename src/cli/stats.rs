@@ -1,5 +1,6 @@
 //! The stats file of a render: times, counts and the picture's hash, for programs.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -10,7 +11,8 @@ use super::plan::PlannedFeature;
 use crate::io;
 use crate::memory;
 use crate::render::{
-    Clamped, Ending, ErrorEstimate, Interval, PreparedScene, RayCounts, RenderStats, Used,
+    Clamped, Ending, ErrorEstimate, ErrorPoint, Interval, NOISE_TARGETS, PreparedScene, RayCounts,
+    RenderStats, Used,
 };
 
 /// The stats file.
@@ -37,6 +39,8 @@ pub(super) struct Stats {
     ending: Ending,
     rays: RayCounts,
     error: Option<ErrorFacts>,
+    /// When noise is down to 10, 3 and 1 %; null where that is not foreseen, or never.
+    time_to: BTreeMap<String, Option<LevelFacts>>,
     non_finite_samples: u64,
     negative_samples: u64,
     depth_limited_samples: u64,
@@ -50,9 +54,9 @@ pub(super) struct Stats {
 }
 
 impl Stats {
-    /// What `stats` says of a render of `scene`; seconds to load and to build; what it was planned to do and to use.
+    /// What `stats` and `errors`, the error on its way, say of a render of `scene`; seconds to load and to build; what it was planned to do and to use.
     pub fn new(
-        stats: &RenderStats,
+        (stats, errors): (&RenderStats, &[ErrorPoint]),
         scene: &PreparedScene,
         [load_seconds, build_seconds]: [f64; 2],
         hash: &str,
@@ -76,6 +80,7 @@ impl Stats {
             ending: stats.ending,
             rays: stats.rays,
             error: stats.error.as_ref().map(ErrorFacts::from),
+            time_to: LevelFacts::of(errors),
             non_finite_samples: stats.non_finite_samples,
             negative_samples: stats.negative_samples,
             depth_limited_samples: stats.depth_limited_samples,
@@ -115,6 +120,41 @@ fn whole_if_possible<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok
     }
 }
 
+/// When noise is down to a level, in seconds of rendering.
+#[derive(Debug, PartialEq, Serialize)]
+struct LevelFacts {
+    seconds: f64,
+    /// Of what is foreseen; null where it was seen, at that time or before.
+    interval: Option<[f64; 2]>,
+}
+
+impl LevelFacts {
+    fn of(errors: &[ErrorPoint]) -> BTreeMap<String, Option<Self>> {
+        let levels = NOISE_TARGETS.iter().enumerate();
+        let facts = levels.map(|(number, &noise)| {
+            let reached = errors.iter().find(|p| p.error.noise().value <= noise);
+            let is_still = errors
+                .last()
+                .is_some_and(|last| last.error.noise().value <= noise);
+            let facts = match reached.filter(|_| is_still) {
+                Some(point) => Some(Self {
+                    seconds: point.seconds,
+                    interval: None,
+                }),
+                None => errors.last().and_then(|last| {
+                    let time = last.time_to[number]?;
+                    Some(Self {
+                        seconds: time.value,
+                        interval: Some([time.low, time.high]),
+                    })
+                }),
+            };
+            (format!("{noise:.2}"), facts)
+        });
+        facts.collect()
+    }
+}
+
 /// The error of a picture as it is written for programs.
 #[derive(Debug, Serialize)]
 struct ErrorFacts {
@@ -126,6 +166,7 @@ struct ErrorFacts {
     noise: f64,
     noise_interval: [f64; 2],
     percentile_999: f64,
+    percentile_999_interval: [f64; 2],
     unmeasured_pixels: u64,
     method: &'static str,
 }
@@ -140,9 +181,59 @@ impl From<&ErrorEstimate> for ErrorFacts {
             relmse_interval: ends(error.relmse),
             noise: error.noise().value,
             noise_interval: ends(error.noise()),
-            percentile_999: error.percentile_999,
+            percentile_999: error.percentile_999.value,
+            percentile_999_interval: ends(error.percentile_999),
             unmeasured_pixels: error.unmeasured_pixels,
             method: "halves of each pixel's sequence, extrapolated by the measured decay; 95 % intervals",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_seen_or_foreseen() {
+        let exactly = |value: f64| Interval {
+            value,
+            low: value,
+            high: value,
+        };
+        let ahead = Interval {
+            value: 80.0,
+            low: 60.0,
+            high: 99.0,
+        };
+        let point = |seconds: f64, noise: f64, time_to| ErrorPoint {
+            seconds,
+            cpu_seconds: seconds,
+            error: ErrorEstimate {
+                samples_per_pixel: 4.0,
+                rmse: exactly(noise),
+                relmse: exactly(noise * noise),
+                percentile_999: exactly(noise),
+                unmeasured_pixels: 0,
+            },
+            time_to,
+            time_to_stop: None,
+        };
+        assert!(LevelFacts::of(&[]).values().all(Option::is_none));
+        let facts = LevelFacts::of(&[
+            point(1.0, 0.2, [Some(ahead); 3]),
+            point(2.0, 0.09, [None, Some(ahead), None]),
+            point(4.0, 0.05, [None, Some(ahead), None]),
+        ]);
+        let seen = LevelFacts {
+            seconds: 2.0,
+            interval: None,
+        };
+        assert_eq!(facts["0.10"], Some(seen));
+        let foreseen = LevelFacts {
+            seconds: 80.0,
+            interval: Some([60.0, 99.0]),
+        };
+        assert_eq!(facts["0.03"], Some(foreseen));
+        assert_eq!(facts["0.01"], None);
     }
 }

@@ -746,7 +746,7 @@ mod tests {
                 samples_per_pixel: 2.0,
                 rmse: exactly(0.1),
                 relmse: exactly(0.1),
-                percentile_999: 0.2,
+                percentile_999: exactly(0.2),
                 unmeasured_pixels: 0,
             },
             time_to: [None; NOISE_TARGETS.len()],

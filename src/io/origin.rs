@@ -270,7 +270,7 @@ mod tests {
             samples_per_pixel: 7.5,
             rmse: interval(0.25),
             relmse: interval(0.125),
-            percentile_999: 0.0,
+            percentile_999: interval(0.0),
             unmeasured_pixels: 0,
         };
         let origin = Origin {

@@ -118,7 +118,7 @@ struct Merged {
 struct ErrorSums {
     mse: [f64; 3],
     relmse: [f64; 3],
-    percentile_999: f64,
+    percentile_999: [f64; 3],
     unmeasured_pixels: u64,
 }
 
@@ -193,7 +193,7 @@ impl Merged {
             samples_per_pixel: stats.samples_per_pixel,
             rmse: mean(sums.mse, self.pixels).sqrt(),
             relmse: mean(sums.relmse, self.pixels),
-            percentile_999: sums.percentile_999,
+            percentile_999: mean(sums.percentile_999, 1.0),
             unmeasured_pixels: sums.unmeasured_pixels,
         });
         stats
@@ -208,10 +208,15 @@ impl ErrorSums {
         Self {
             mse: add(self.mse, squares),
             relmse: add(self.relmse, ends(error.relmse)),
-            percentile_999: self.percentile_999.max(error.percentile_999),
+            percentile_999: worst(self.percentile_999, ends(error.percentile_999)),
             unmeasured_pixels: self.unmeasured_pixels + error.unmeasured_pixels,
         }
     }
+}
+
+/// The larger of each.
+fn worst(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i].max(b[i]))
 }
 
 fn mean(sums: [f64; 3], pixels: f64) -> Interval {

@@ -163,7 +163,8 @@ impl RenderProgress {
         } else if how_far.sight != Sight::Known {
             how_far.sight = Sight::Guess;
             let done = self.samples.done();
-            self.samples.set_remaining(samples.saturating_sub(done));
+            self.samples
+                .estimate_remaining(samples.saturating_sub(done));
         }
     }
 
@@ -191,9 +192,13 @@ impl RenderProgress {
         }
     }
 
-    /// The render says how many samples are left.
-    pub(super) fn foresee(&self, remaining: u64) {
-        self.samples.set_remaining(remaining);
+    /// The render says how many samples are left; `is_estimate`: as far as it can tell.
+    pub(super) fn foresee(&self, remaining: u64, is_estimate: bool) {
+        if is_estimate {
+            self.samples.estimate_remaining(remaining);
+        } else {
+            self.samples.set_remaining(remaining);
+        }
         self.how_far().sight = Sight::Known;
     }
 

@@ -22,7 +22,7 @@ use super::checkpoint::{Checkpoint, Course, Pass, Shared};
 use super::clock::Clock;
 use super::coarse::{self, CoarsePicture};
 use super::crew::{Crew, Cut};
-use super::error::{Allotment, ErrorEstimator, Forecast};
+use super::error::{Allotment, ErrorEstimator, Forecast, Outlook, ROUND_SHARE};
 use super::film::block_after;
 use super::kernel::{Layered, Plain};
 use super::layers::Layer;
@@ -58,12 +58,26 @@ pub fn even_passes(samples: u32) -> u32 {
     passes
 }
 
+/// The first number of samples, from `samples` on, at which a pass over all pixels ends, where none may get more than `most`.
+fn end_of_even_pass(samples: f64, most: u32) -> u32 {
+    let mut taken = 0;
+    while f64::from(taken) < samples && taken < most {
+        taken = (taken + block_after(taken).min(MOST_SAMPLES_PER_PASS)).min(most);
+    }
+    taken
+}
+
 /// What every pixel gets before a render stops for its noise, or gives some pixels more than others: from fewer, what is rare
 /// would be taken for absent.
 const LEAST_SAMPLES: u32 = 16;
 
-/// The share of the samples so far that are handed out before it is decided again where they belong.
-const ROUND_SHARE: f64 = 0.5;
+/// Pixels get different numbers of samples only where that is foreseen to take at most so many times the samples still to come as if all got
+/// the same. It is foreseen with caution, as if judgements never got better: where noise is even it is several times as much, where it is
+/// uneven hardly ever more.
+const MOST_PRICE_OF_CHOICE: f64 = 1.25;
+
+/// What is aimed at where no noise is: a quarter of the variance, half the noise.
+const USUAL_SHARE: f64 = 0.25;
 
 /// How far beyond its time a render may go to end with a whole pass, as a share of the time.
 const MOST_DELAY: f64 = 0.25;
@@ -93,12 +107,14 @@ pub fn leads_elsewhere(
     even_samples: u32,
     has_chosen: bool,
 ) -> bool {
+    let choice = |rules: &StopRules| (rules.samples_per_pixel, rules.stop.noise);
     let chooses = chooses_pixels(settings, after);
+    // Whether pixels are chosen, and when from, depends on what is asked for.
+    let would_choose_alike = chooses_pixels(settings, before) && choice(before) == choice(after);
     if has_chosen {
-        let choice = |rules: &StopRules| (rules.samples_per_pixel, rules.stop.noise);
-        !chooses || choice(before) != choice(after)
+        !chooses || !would_choose_alike
     } else {
-        chooses && !chooses_pixels(settings, before) && even_samples > LEAST_SAMPLES
+        chooses && !would_choose_alike && even_samples > LEAST_SAMPLES
     }
 }
 
@@ -342,15 +358,23 @@ impl<'a> Renderer<'a> {
     /// Gives all pixels the same number of samples: all they may get, unless the time is up or the noise low enough before, or
     /// from some number on the error decides who gets more.
     fn render_evenly(&mut self) -> Result<Next, Cut> {
+        let mut is_shown = true;
+        // What was decided by other rules, when it went on from a checkpoint.
+        let mut is_changed = true;
         loop {
-            self.look_at_rules();
+            is_changed |= self.look_at_rules();
             let (samples, most) = (self.course.even_samples, self.rules.samples_per_pixel);
             if self.course.pass.is_none() {
                 if samples >= most {
                     return Ok(Next::End(Ending::Samples));
                 }
                 if samples.is_power_of_two() && samples >= LEAST_SAMPLES && self.is_adaptive() {
-                    return Ok(Next::ChoosePixels);
+                    if is_changed && self.course.allotment.is_none() {
+                        self.allot()?;
+                    }
+                    if self.course.allotment.is_some() {
+                        return Ok(Next::ChoosePixels);
+                    }
                 }
             }
             let whole = block_after(samples).min(MOST_SAMPLES_PER_PASS);
@@ -362,6 +386,9 @@ impl<'a> Renderer<'a> {
                     _ => whole_below(self.time_left() / self.course.seconds_per_sample).min(block),
                 };
                 if taken == 0 {
+                    if !is_shown {
+                        self.show_round();
+                    }
                     return Ok(Next::End(Ending::Time));
                 }
                 if !is_end_of_a_pass(samples) {
@@ -383,7 +410,7 @@ impl<'a> Renderer<'a> {
                 started,
                 ..
             } = self.finish_pass()?;
-            let is_changed = self.look_at_rules();
+            is_changed = self.look_at_rules();
             let samples = samples + taken;
             let most = self.rules.samples_per_pixel;
             let goes_on = is_changed && samples < most && self.time_left() > 0.0;
@@ -400,17 +427,19 @@ impl<'a> Renderer<'a> {
                 estimator.advance(samples);
             }
             self.tell(is_round);
-            if is_round || samples >= most {
+            let ending = if samples >= LEAST_SAMPLES && self.is_quiet() {
+                Some(Ending::Noise)
+            } else if taken < block && !goes_on {
+                Some(Ending::Time)
+            } else {
+                self.has_all_passes().then_some(Ending::Samples)
+            };
+            is_shown = is_round || samples >= most || ending.is_some();
+            if is_shown {
                 self.show_round();
             }
-            if samples >= LEAST_SAMPLES && self.is_quiet() {
-                return Ok(Next::End(Ending::Noise));
-            }
-            if taken < block && !goes_on {
-                return Ok(Next::End(Ending::Time));
-            }
-            if self.has_all_passes() {
-                return Ok(Next::End(Ending::Samples));
+            if let Some(ending) = ending {
+                return Ok(Next::End(ending));
             }
         }
     }
@@ -499,6 +528,25 @@ impl<'a> Renderer<'a> {
         }
     }
 
+    /// Whether it saves enough to give some pixels more samples than others, as `allotment` would.
+    fn is_choice_worthwhile(&self, allotment: &Allotment) -> bool {
+        let Some(estimator) = &self.course.estimator else {
+            return false;
+        };
+        let goal = self.settings.stop.noise.zip(estimator.estimate());
+        let share = goal.map_or(USUAL_SHARE, |(noise, error)| {
+            (noise * noise / error.relmse.value).min(1.0)
+        });
+        let outlook = Outlook {
+            estimator,
+            allotment: Some(allotment),
+            samples: self.lock().film.total_samples() as f64,
+            seconds: self.clock.seconds(),
+        };
+        let limits = [LEAST_SAMPLES, self.settings.samples_per_pixel];
+        outlook.price_of_choice(share, limits) <= MOST_PRICE_OF_CHOICE
+    }
+
     /// The pixels that get samples next; `None` when none can get more, and when cancelled.
     fn select(&self) -> Option<Vec<bool>> {
         let (allotment, estimator) = self
@@ -510,11 +558,11 @@ impl<'a> Renderer<'a> {
         let film = &self.lock().film;
         let forecast = match (self.rules.stop.noise, estimator.estimate()) {
             (Some(noise), Some(error)) => {
-                allotment.for_variance((noise * noise / error.relmse.value).min(1.0), most)
+                allotment.for_variance((noise * noise / error.relmse.value).min(1.0), [1, most])
             }
             _ => Forecast::ALL,
         };
-        let budget = (film.total_samples() as f64 * ROUND_SHARE).min(forecast.samples / 2.0);
+        let budget = (film.total_samples() as f64 * ROUND_SHARE).min(forecast.price / 2.0);
         allotment.select(film, forecast, budget, most, &self.run.cancel)
     }
 
@@ -656,7 +704,10 @@ impl<'a> Renderer<'a> {
                 Some(None)
             }
         });
-        self.course.allotment = updated.ok_or(Cut::Cancelled)?;
+        // Once pixels differ, it goes on.
+        self.course.allotment = updated
+            .ok_or(Cut::Cancelled)?
+            .filter(|allotment| selected.is_some() || self.is_choice_worthwhile(allotment));
         self.crew
             .pool()
             .broadcast(|thread| self.clock.note(thread.index()));
@@ -664,18 +715,21 @@ impl<'a> Renderer<'a> {
         Ok(())
     }
 
-    /// Finds out where samples belong, by the estimate as it is.
+    /// Finds out where samples belong, by the estimate as it is; as long as all pixels have the same, only where it is worth its price.
     fn allot(&mut self) -> Result<(), Cut> {
         let film = &self.shared.get_mut().expect("no thread panicked").film;
         let estimator = self.course.estimator.as_ref();
         let (pool, cancel) = (self.crew.pool(), &self.run.cancel);
-        self.course.allotment = match estimator {
+        let allotment = match estimator {
             Some(estimator) => {
                 let allotment = pool.install(|| Allotment::new(film, estimator, cancel));
                 Some(allotment.ok_or(Cut::Cancelled)?)
             }
             None => None,
         };
+        let is_choosing = self.is_choosing;
+        self.course.allotment =
+            allotment.filter(|allotment| is_choosing || self.is_choice_worthwhile(allotment));
         Ok(())
     }
 }

@@ -177,10 +177,10 @@ pub struct Clamped {
 /// Who is shown each tile as it is done, from any thread.
 pub type OnTile<'a> = &'a (dyn Fn(&TilePixels<'_>) + Sync);
 
-/// Who is shown the film whenever the samples of its pixels have doubled, or those of the ones that needed it.
+/// Who is shown the film whenever the samples of its pixels have doubled, or those of the ones that needed it, and at the end.
 pub type OnRound<'a> = &'a (dyn Fn(&Round<'_>) + Sync);
 
-/// A moment at which every pixel has a power of two of samples, or the most it may get.
+/// A moment at which every pixel has a power of two of samples, or the most it may get, or the end.
 #[derive(Clone, Copy, Debug)]
 pub struct Round<'a> {
     /// Wall time since the start; that of the watch does not count.

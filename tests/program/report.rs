@@ -407,3 +407,49 @@ fn mistakes_are_told_with_exit_codes_1_and_2() {
         "{complaint}"
     );
 }
+
+#[test]
+fn renders_that_stop_have_their_end_in_the_report() {
+    let folder = folder();
+    let run = |stop: &str| {
+        let even = "render.adaptive=false";
+        succeed(
+            folder.path(),
+            &[
+                "furnace.toml",
+                "--seeds",
+                "2",
+                "--exact",
+                "1,1,1",
+                "--set",
+                stop,
+                "--set",
+                even,
+            ],
+        )
+    };
+    let samples = |facts: &Value| -> Vec<f64> {
+        let points = facts["points"].as_array().expect("a list");
+        points
+            .iter()
+            .map(|point| number(&point["samples_per_pixel"]))
+            .collect()
+    };
+    // Passes end at 1, 2, 3, 4, 6, 8, 12, 16 and 24 samples.
+    let facts = run("render.stop.passes=9");
+    assert_eq!(samples(&facts), [1.0, 2.0, 4.0, 8.0, 16.0, 24.0]);
+    assert_eq!(facts["target"], Value::Null);
+
+    let facts = run("render.stop.noise=10");
+    assert_eq!(samples(&facts), [1.0, 2.0, 4.0, 8.0, 16.0]);
+    let target = &facts["target"];
+    assert_eq!(
+        (&target["reached"], &target["renders"]),
+        (&json!(2), &json!(2))
+    );
+    assert_eq!(number(&target["took"]["samples_per_pixel"]), 16.0);
+    let last = &facts["points"][4];
+    assert!(number(&target["took"]["seconds"]) >= number(&last["seconds"]));
+    let page = text(folder.path(), "report.md");
+    assert!(page.contains("| 1000 % | 2 of 2 | 16 |"), "{page}");
+}

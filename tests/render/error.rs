@@ -433,7 +433,7 @@ fn pictures_without_chance_have_no_error() {
     scene.render.mode = Mode::Normals;
     scene.render.antialiasing = false;
     let error = run(&scene).stats.error.expect("is estimated");
-    assert_eq!((error.rmse.value, error.percentile_999), (0.0, 0.0));
+    assert_eq!((error.rmse.value, error.percentile_999.high), (0.0, 0.0));
     let outcome = run(&with_noise_stop(scene, 1e-6, 4096));
     assert_eq!(outcome.stats.ending, Ending::Noise);
     assert_eq!(outcome.stats.sample_range, [16, 16]);
@@ -451,4 +451,61 @@ fn estimates_can_be_left_out() {
     let error = PreparedScene::prepare(&scene, None, &CancelToken::new());
     let message = error.expect_err("cannot stop by it").to_string();
     assert!(message.contains("render.error_estimate"), "{message}");
+}
+
+/// The bar of a render that stops at a noise, told whenever a tile is done: it never goes back, never jumps by more than 5 % beyond three times the tile's share,
+/// never says that all is done, is within 30 % of the share of samples that was taken, and is at 85 % or more when the end comes.
+#[test]
+fn the_bar_of_a_render_that_stops_at_a_noise_is_true() {
+    let mut demo = raymini::io::demo_scene();
+    [demo.render.width, demo.render.height] = [96, 54];
+    let (penumbra, _) = lit_floor(true, [64, 48]);
+    let (open, _) = lit_floor(false, [64, 48]);
+    for (what, scene, target) in [
+        ("demo, coarse", &demo, 0.02),
+        ("demo, fine", &demo, 0.006),
+        ("penumbra", &penumbra, 0.003),
+        ("disk", &open, 0.0005),
+        ("room", &room(), 0.02),
+        ("by chance", &lit_by_chance(), 0.1),
+    ] {
+        for is_adaptive in [true, false] {
+            let mut scene = with_noise_stop(scene.clone(), target, 1 << 14);
+            scene.render.adaptive = is_adaptive;
+            let prepared = PreparedScene::prepare(&scene, None, &CancelToken::new());
+            let prepared = prepared.expect("can be rendered").expect("nobody cancels");
+            let progress = RenderProgress::default();
+            let seen = Mutex::new(Vec::new());
+            let on_tile = |_: &raymini::render::TilePixels<'_>| {
+                let bar = progress.samples.fraction();
+                let done = progress.samples.done();
+                seen.lock().expect("no thread panicked").push((done, bar));
+            };
+            let watch = Watch {
+                on_tile: Some(&on_tile),
+                ..Watch::default()
+            };
+            let run = RunConfig {
+                threads: 1,
+                ..RunConfig::default()
+            };
+            let outcome = render_watched(&prepared, None, &run, &progress, watch);
+            let stats = outcome.expect("nobody cancels").stats;
+            assert_eq!(stats.ending, Ending::Noise, "{what}, {is_adaptive}");
+            let seen = seen.into_inner().expect("no thread panicked");
+            let needed = stats.samples as f64;
+            for pair in seen.windows(2) {
+                let [(before, low), (done, bar)] = [pair[0], pair[1]];
+                let share = done as f64 / needed;
+                let step = (done - before) as f64 / needed;
+                let place = format!("{what}, {is_adaptive}: {bar} at {share} of the samples");
+                assert!(bar >= low && bar < 1.0, "{place}");
+                assert!(bar - low <= 0.05 + 3.0 * step, "{place}, from {low}");
+                assert!((bar - share).abs() < 0.3, "{place}");
+            }
+            let (_, last) = seen[seen.len() - 1];
+            assert!(last > 0.85, "{what}, {is_adaptive}: {last} at the end");
+            assert_eq!(progress.samples.fraction(), 1.0, "{what}, {is_adaptive}");
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::study::Study;
 use crate::render::{ErrorEstimate, Interval};
 
-const COLUMNS: [&str; 18] = [
+const COLUMNS: [&str; 22] = [
     "variant",
     "seed",
     "samples_per_pixel",
@@ -19,10 +19,14 @@ const COLUMNS: [&str; 18] = [
     "estimated_relmse_low",
     "estimated_relmse_high",
     "estimated_percentile_999",
+    "estimated_percentile_999_low",
+    "estimated_percentile_999_high",
     "measured_rmse",
     "measured_relmse",
     "true_rmse",
     "true_relmse",
+    "measured_percentile_999",
+    "true_percentile_999",
     "measured_pixels",
 ];
 
@@ -46,6 +50,8 @@ pub fn to_csv(study: &Study) -> String {
                     measurement.measured.relmse,
                     truth.mse.sqrt(),
                     truth.relmse,
+                    measurement.measured_percentile_999,
+                    truth.percentile_999,
                 ]);
                 let numbers: Vec<String> = numbers.into_iter().map(field).collect();
                 let _ = writeln!(
@@ -62,11 +68,12 @@ pub fn to_csv(study: &Study) -> String {
     text
 }
 
-fn estimates(estimate: Option<&ErrorEstimate>) -> [f64; 7] {
-    estimate.map_or([f64::NAN; 7], |estimate| {
+fn estimates(estimate: Option<&ErrorEstimate>) -> [f64; 9] {
+    estimate.map_or([f64::NAN; 9], |estimate| {
         let three = |Interval { value, low, high }| [value, low, high];
         let ([a, b, c], [d, e, f]) = (three(estimate.rmse), three(estimate.relmse));
-        [a, b, c, d, e, f, estimate.percentile_999]
+        let [g, h, i] = three(estimate.percentile_999);
+        [a, b, c, d, e, f, g, h, i]
     })
 }
 
@@ -101,7 +108,7 @@ mod tests {
         assert_eq!(lines.len(), 1 + 2 * 3 * 4);
         assert_eq!(
             lines[1],
-            "as the scene says,7,1.0,1.0,2.0,0.5,,,,,,,,0.2,0.16000000000000003,0.2,0.16000000000000003,2"
+            "as the scene says,7,1.0,1.0,2.0,0.5,,,,,,,,,,0.2,0.16000000000000003,0.2,0.16000000000000003,0.625,0.625,2"
         );
         assert!(lines[4].starts_with("as the scene says,7,8.0,8.0,16.0,0.5,0.025,"));
         assert!(lines[13].starts_with("\"render.a=1, \"\"b\"\"\",7,1.0,"));

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::fit::TimeTo;
 use super::reference::{Origin, Reference};
 use super::study::{Machine, Study, Variant};
-use super::summary::{Efficiency, Honesty, Summary, SummaryPoint};
+use super::summary::{Efficiency, Honesty, Summary, SummaryPoint, Target};
 use crate::analysis::bench::Spread;
 use crate::render::{Clamped, Interval, NOISE_TARGETS};
 use crate::scene::Choice;
@@ -60,6 +60,8 @@ struct VariantFacts<'a> {
     reference_outweighs_from: Option<f64>,
     efficiency: Efficiency,
     time_to: BTreeMap<String, Option<TimeTo>>,
+    /// What it took to the noise at which the renders stop; null where they stop at none.
+    target: Option<Target>,
     non_finite_samples: u64,
     negative_samples: u64,
     clamped: Clamped,
@@ -82,10 +84,15 @@ struct PointFacts {
     estimated_relmse: Option<f64>,
     estimated_relmse_range: Option<[f64; 2]>,
     estimated_relmse_interval: Option<[f64; 2]>,
+    estimated_percentile_999: Option<f64>,
+    estimated_percentile_999_range: Option<[f64; 2]>,
+    estimated_percentile_999_interval: Option<[f64; 2]>,
     true_rmse: f64,
     true_rmse_range: [f64; 2],
     true_relmse: f64,
     true_relmse_range: [f64; 2],
+    true_percentile_999: f64,
+    true_percentile_999_range: [f64; 2],
     /// With the reference's own error in it.
     measured_rmse: f64,
     measured_rmse_range: [f64; 2],
@@ -137,7 +144,7 @@ impl<'a> ReferenceFacts<'a> {
         };
         match &reference.origin {
             Origin::Exact { radiance } => facts.radiance = Some(*radiance),
-            Origin::File { name, error: _ } => {
+            Origin::File { name, .. } => {
                 facts.kind = "file";
                 facts.file = Some(name);
             }
@@ -180,6 +187,7 @@ impl<'a> VariantFacts<'a> {
             time_to: times
                 .map(|(noise, time)| (format!("{noise:.2}"), time))
                 .collect(),
+            target: summary.target,
             non_finite_samples: summary.non_finite_samples,
             negative_samples: summary.negative_samples,
             clamped: summary.clamped,
@@ -205,10 +213,15 @@ impl From<&SummaryPoint> for PointFacts {
             estimated_relmse: estimated.map(|e| e.relmse.median),
             estimated_relmse_range: estimated.map(|e| range(e.relmse)),
             estimated_relmse_interval: estimated.map(|e| e.relmse_interval),
+            estimated_percentile_999: estimated.map(|e| e.percentile_999.median),
+            estimated_percentile_999_range: estimated.map(|e| range(e.percentile_999)),
+            estimated_percentile_999_interval: estimated.map(|e| e.percentile_999_interval),
             true_rmse: point.true_rmse.median,
             true_rmse_range: range(point.true_rmse),
             true_relmse: point.true_relmse.median,
             true_relmse_range: range(point.true_relmse),
+            true_percentile_999: point.true_percentile_999.median,
+            true_percentile_999_range: range(point.true_percentile_999),
             measured_rmse: point.measured_rmse.median,
             measured_rmse_range: range(point.measured_rmse),
             measured_relmse: point.measured_relmse.median,
@@ -239,6 +252,9 @@ mod tests {
         assert_eq!(report["reference"]["rmse"], 0.0);
         assert_eq!(report["points"][0]["estimated_rmse"], Value::Null);
         assert_eq!(report["points"][3]["seconds_with_build"], 8.5);
+        assert_eq!(report["points"][3]["true_percentile_999"], 0.625);
+        let interval = &report["points"][3]["estimated_percentile_999_interval"];
+        assert_eq!(*interval, json!([0.4, 0.625]));
         assert_eq!(report["reference_outweighs_from"], Value::Null);
         assert_eq!(report["time_to"]["0.10"]["predicted"], false);
         assert_eq!(report["time_to"]["0.03"]["predicted"], true);

@@ -2,9 +2,9 @@
 
 use super::digits::samples;
 use super::fit::TimeTo;
-use super::reference::Origin;
+use super::reference::{Origin, ROUNDED};
 use super::study::{Study, Variant};
-use super::summary::{Honesty, Summary, SummaryPoint};
+use super::summary::{Honesty, Summary, SummaryPoint, Target};
 use super::svg::{correction, seeds_in_words, settings, signed};
 use crate::analysis::bench::Spread;
 use crate::math::{percent, three_digits};
@@ -35,6 +35,7 @@ pub fn to_markdown(study: &Study) -> String {
     parts.push(how_to_read(study));
     parts.push("## Summary".to_owned());
     parts.push(summaries(&variants));
+    parts.extend(targets(&variants));
     parts.push("## Points".to_owned());
     for (variant, summary) in &variants {
         if variants.len() > 1 {
@@ -75,10 +76,10 @@ fn in_short(study: &Study, variant: &Variant, summary: &Summary) -> String {
         ""
     };
     format!(
-        "With {} samples per pixel and after {} s of rendering the picture has **{} noise** (median of {seeds}){estimated}.{slope}{unfinished}",
+        "With {} samples per pixel and after {} s of rendering the picture has **{}** (median of {seeds}){estimated}.{slope}{unfinished}",
         samples(last.samples_per_pixel),
         three_digits(last.seconds.median),
-        percent(last.true_noise().median),
+        last.noise_in_words(),
     )
 }
 
@@ -167,6 +168,45 @@ fn summaries(variants: &[(&Variant, Summary)]) -> String {
         the first point is below."
 }
 
+/// What it took to the noise at which renders stop, where any stops at one.
+fn targets(variants: &[(&Variant, Summary)]) -> Option<String> {
+    let row = |variant: &Variant, target: Target| {
+        let took = target.took.map_or_else(
+            || [NONE; 3].map(str::to_owned),
+            |took| {
+                let with_range = |value: f64, [least, most]: [f64; 2]| {
+                    let [value, least, most] = [value, least, most].map(three_digits);
+                    format!("{value} ({least} – {most})")
+                };
+                [
+                    samples(took.samples_per_pixel),
+                    with_range(took.seconds, took.seconds_range),
+                    with_range(took.cpu_seconds, took.cpu_seconds_range),
+                ]
+            },
+        );
+        let reached = format!("{} of {}", target.reached, target.renders);
+        let start = [code(variant, variants), percent(target.noise), reached];
+        start.into_iter().chain(took).collect()
+    };
+    let rows: Vec<Vec<String>> = variants
+        .iter()
+        .filter_map(|(variant, summary)| Some(row(variant, summary.target?)))
+        .collect();
+    let head = [
+        "variant",
+        "stops at noise",
+        "renders there",
+        "samples per pixel",
+        "seconds (range)",
+        "CPU seconds (range)",
+    ];
+    (!rows.is_empty()).then(|| {
+        table(&head, &rows)
+            + "\n\nWhat it took the renders to the noise at which they stop, by their own estimate: medians of those that are there."
+    })
+}
+
 fn honesty(honesty: Honesty) -> [String; 2] {
     let [least, most] = honesty.estimated_over_true;
     let ratios = if least.is_finite() && most.is_finite() {
@@ -220,10 +260,15 @@ fn points(summary: &Summary) -> String {
                     NONE.to_owned()
                 },
                 three_digits(estimated.rmse.median),
+                {
+                    let [low, high] = estimated.percentile_999_interval.map(three_digits);
+                    let median = three_digits(estimated.percentile_999.median);
+                    format!("{median} ({low} – {high})")
+                },
             ]
         });
-        let [estimated_noise, ratio, estimated_rmse] =
-            estimated.unwrap_or_else(|| [NONE; 3].map(str::to_owned));
+        let [estimated_noise, ratio, estimated_rmse, estimated_percentile] =
+            estimated.unwrap_or_else(|| [NONE; 4].map(str::to_owned));
         vec![
             samples(point.samples_per_pixel),
             with_range(point.seconds, three_digits),
@@ -233,6 +278,8 @@ fn points(summary: &Summary) -> String {
             ratio,
             three_digits(point.true_rmse.median),
             estimated_rmse,
+            three_digits(point.true_percentile_999.median),
+            estimated_percentile,
         ]
     };
     table(
@@ -245,9 +292,11 @@ fn points(summary: &Summary) -> String {
             "estimated / true",
             "true RMSE",
             "estimated RMSE",
+            "true 99.9 %",
+            "estimated 99.9 % (95 % interval)",
         ],
         &summary.points.iter().map(row).collect::<Vec<_>>(),
-    )
+    ) + "\n\nThe last two columns are what the error of a pixel's worst channel exceeds in one pixel of a thousand, in units of radiance."
 }
 
 fn failures(variants: &[(&Variant, Summary)]) -> String {
@@ -305,6 +354,9 @@ fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
             ));
         }
     }
+    if study.reference.is_rounded() {
+        sentences.push(format!("**Beware: {ROUNDED}.**"));
+    }
     let own = study.reference.known_errors().map(|[_, relmse]| relmse);
     let shares = variants.iter().filter_map(|(_, summary)| {
         let last = summary.points.last()?;
@@ -349,6 +401,7 @@ fn machine_and_settings(study: &Study, variants: &[(&Variant, Summary)]) -> Stri
 mod tests {
     use super::*;
     use crate::analysis::report::test_data;
+    use crate::render::Ending;
 
     #[test]
     fn the_page_has_the_numbers_in_tables() {
@@ -359,7 +412,7 @@ mod tests {
              the renders themselves say 5.00 %, without a reference. Noise falls as render time to the power of −1.00.",
             "| as the scene says | 0.500 | −1.00 | −1.00 | — | — | 50.0 | 25.0 | 4.00 | 13.3 (predicted) | 40.0 (predicted) |",
             "### `render.a=1, \"b\"`",
-            "| 1 | 1.00 (1.00 – 1.00) | 2.00 | 40.0 % (32.0 % – 48.0 %) | — | — | 0.200 | — |",
+            "| 1 | 1.00 (1.00 – 1.00) | 2.00 | 40.0 % (32.0 % – 48.0 %) | — | — | 0.200 | — | 0.625 | — |",
             "| as the scene says | 6 | 0 | 0 | 0 % | 0 |",
             "stop.noise = 0.03",
         ] {
@@ -372,6 +425,19 @@ mod tests {
             !page.contains("NaN") && !page.contains("done yet"),
             "{page}"
         );
+    }
+
+    #[test]
+    fn the_page_has_the_time_to_the_noise_that_was_asked_for() {
+        let mut study = test_data::study();
+        assert!(!to_markdown(&study).contains("stops at noise"));
+        study.variants[0].scene.render.stop.noise = Some(0.03);
+        study.variants[0].trials[1].stats.ending = Ending::Noise;
+        study.variants[0].trials[1].stats.render_seconds = 2.0;
+        study.variants[0].trials[1].stats.samples_per_pixel = 24.0;
+        let page = to_markdown(&study);
+        let row = "| as the scene says | 3.00 % | 1 of 3 | 24 | 2.00 (2.00 – 2.00) | 0 (0 – 0) |";
+        assert!(page.lines().any(|line| line == row), "{page}");
     }
 
     #[test]

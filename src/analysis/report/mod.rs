@@ -33,6 +33,6 @@ pub use plan::ReportPlan;
 pub use progress::ReportProgress;
 pub use reference::{Origin, Reference};
 pub use study::{Machine, Study, Variant};
-pub use summary::{Efficiency, Estimated, Honesty, Summary, SummaryPoint};
+pub use summary::{Efficiency, Estimated, Honesty, Summary, SummaryPoint, Target, Took};
 pub use svg::to_chart;
 pub use trial::{Measurement, Trial, TrueErrors};

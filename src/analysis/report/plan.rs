@@ -6,7 +6,7 @@ use super::error::{ComparisonError, ReportError};
 use super::files;
 use super::options::{ReferenceOptions, ReportOptions};
 use super::progress::ReportProgress;
-use super::reference::{Origin, Reference};
+use super::reference::{Origin, ROUNDED, Reference};
 use super::study::{Machine, Study, Variant};
 use crate::control::CancelToken;
 use crate::io::{self, LoadedScene, WrittenOrigin, scene_file};
@@ -79,6 +79,7 @@ impl ReportPlan {
                 })?;
             let own = all_warnings(&changed).into_iter();
             let own = own.filter(|warning| !of_scene.contains(warning));
+            let own = own.chain(note_on(&loaded.scene, &changed.scene).map(str::to_owned));
             warnings.extend(own.map(|warning| format!("{text}: {warning}")));
             variants.push(variant(&name, &changed.scene));
         }
@@ -270,6 +271,38 @@ fn compared(
     Ok((assignments.join("; "), changed))
 }
 
+/// What is to be known of the curve of a scene that was changed from `base`.
+fn note_on(base: &Scene, changed: &Scene) -> Option<&'static str> {
+    let stop = &changed.render.stop;
+    let mut like_base = changed.clone();
+    like_base.display = base.display.clone();
+    like_base.output = base.output.clone();
+    like_base.render.adaptive = base.render.adaptive;
+    if like_base == *base && changed.render.adaptive != base.render.adaptive {
+        let is_without_stop = stop.noise.is_none() && stop.seconds.is_none();
+        return is_without_stop.then_some(
+            "render.adaptive decides nothing without a stop at a noise or a time: both curves are of the same renders",
+        );
+    }
+    // What only says how the same picture is found.
+    like_base.render = RenderSettings {
+        samples_per_pixel: base.render.samples_per_pixel,
+        stop: base.render.stop.clone(),
+        error_estimate: base.render.error_estimate,
+        seed: base.render.seed,
+        roulette: base.render.roulette,
+        light_sampling: base.render.light_sampling,
+        shadow_samples: base.render.shadow_samples,
+        accelerator: base.render.accelerator,
+        accelerator_build: base.render.accelerator_build,
+        ..like_base.render
+    };
+    like_base.render.ambient_occlusion.samples = base.render.ambient_occlusion.samples;
+    (like_base != *base).then_some(
+        "it shows another picture than the scene as it is: the difference counts as noise, which no sample cures",
+    )
+}
+
 fn all_warnings(loaded: &LoadedScene) -> Vec<String> {
     let of_scene = loaded.scene.warnings();
     let all = loaded.warnings.iter().map(ToString::to_string);
@@ -340,10 +373,9 @@ fn read_reference(
     let name = path.display().to_string();
     let in_file = file.warnings.iter();
     let mut warnings: Vec<String> = in_file.map(|w| format!("{name}: {w}")).collect();
-    if file.format == "PNG" {
-        warnings.push(format!(
-            "{name}: a PNG holds what a screen shows: exposure, tone curve, the end at 1 and rounding are in it"
-        ));
+    let is_rounded = file.format == "PNG";
+    if is_rounded {
+        warnings.push(format!("{name}: {ROUNDED}"));
     }
     let image = file.image;
     if (image.width, image.height) != picture {
@@ -358,6 +390,7 @@ fn read_reference(
     let origin = Origin::File {
         name,
         error: told.filter(|told| is_error(told.rmse) && is_error(told.relmse)),
+        is_rounded,
     };
     Ok((Reference { image, origin }, warnings))
 }
@@ -376,6 +409,32 @@ mod tests {
         assert_eq!(free_seed(&[with_seed(3)], 5), 8);
         assert_eq!(free_seed(&[with_seed(3), with_seed(8)], 5), 13);
         assert_eq!(free_seed(&[with_seed(RenderSettings::MAX_SEED)], 5), 4);
+    }
+
+    #[test]
+    fn variants_that_show_something_else_are_told_of() {
+        let base = Scene::default();
+        let note = |change: &dyn Fn(&mut RenderSettings)| {
+            let mut changed = base.clone();
+            change(&mut changed.render);
+            note_on(&base, &changed)
+        };
+        assert_eq!(note(&|_| ()), None);
+        assert_eq!(note(&|r| r.light_sampling = LightSampling::Bsdf), None);
+        assert_eq!(note(&|r| r.ambient_occlusion.samples += 1), None);
+        assert_eq!(note(&|r| r.stop.noise = Some(0.1)), None);
+        let bounces = note(&|r| r.max_bounces += 1).expect("another picture");
+        assert!(bounces.contains("another picture"), "{bounces}");
+        let mut wider = base.clone();
+        wider.camera.vertical_fov.0 += 1.0;
+        assert_eq!(note_on(&base, &wider), Some(bounces));
+        let adaptive = note(&|r| r.adaptive = !r.adaptive).expect("is told of");
+        assert!(adaptive.contains("same renders"), "{adaptive}");
+        let with_stop = note(&|r| {
+            r.adaptive = !r.adaptive;
+            r.stop.noise = Some(0.1);
+        });
+        assert_eq!(with_stop, None);
     }
 
     #[test]

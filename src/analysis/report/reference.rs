@@ -17,6 +17,10 @@ pub struct Reference {
     pub origin: Origin,
 }
 
+/// What is wrong with a reference that is a PNG.
+pub(super) const ROUNDED: &str =
+    "a PNG holds what a screen shows: exposure, tone curve, the end at 1 and rounding are in it";
+
 /// Where a reference is from.
 #[derive(Clone, Debug)]
 pub enum Origin {
@@ -31,6 +35,8 @@ pub enum Origin {
         name: String,
         /// How wrong it is, where the file tells.
         error: Option<WrittenError>,
+        /// Whether it holds what a screen shows, rounded, as a PNG does.
+        is_rounded: bool,
     },
     /// Made by this program, independently of what is measured against it.
     Rendered {
@@ -145,6 +151,11 @@ impl Reference {
         }
     }
 
+    /// Whether it holds what a screen shows, not the radiance.
+    pub(super) fn is_rounded(&self) -> bool {
+        matches!(&self.origin, Origin::File { is_rounded, .. } if *is_rounded)
+    }
+
     /// Whether more than half of the mean square relative error `measured` against it is not that of the renders. `most` is what
     /// theirs may be at most, where they can tell.
     ///
@@ -185,11 +196,18 @@ impl Reference {
 
     fn describe_error(&self) -> String {
         match self.known_errors() {
-            Some([rmse, relmse]) => format!(
-                "its own error, estimated: {} noise, RMSE {}",
-                percent(relmse.sqrt()),
-                three_digits(rmse)
-            ),
+            Some([rmse, relmse]) => {
+                let when = if self.is_rounded() {
+                    " before it was written as a PNG"
+                } else {
+                    ""
+                };
+                format!(
+                    "its own error{when}, estimated: {} noise, RMSE {}",
+                    percent(relmse.sqrt()),
+                    three_digits(rmse)
+                )
+            }
             None => "its own error is not known".to_owned(),
         }
     }
@@ -229,5 +247,12 @@ mod tests {
             );
         }
         assert_eq!(telling.relmse(), None, "it may not be independent");
+        assert!(!telling.describe().contains("PNG"));
+        let mut png = telling.clone();
+        if let Origin::File { is_rounded, .. } = &mut png.origin {
+            *is_rounded = true;
+        }
+        let said = png.describe();
+        assert!(said.contains("before it was written as a PNG"), "{said}");
     }
 }

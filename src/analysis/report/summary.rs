@@ -8,7 +8,8 @@ use super::reference::Reference;
 use super::study::Variant;
 use super::trial::{Measurement, Trial, TrueErrors};
 use crate::analysis::bench::Spread;
-use crate::render::{Clamped, ErrorEstimate, Interval, NOISE_TARGETS};
+use crate::math::percent;
+use crate::render::{Clamped, Ending, ErrorEstimate, Interval, NOISE_TARGETS, RenderStats};
 
 /// Samples from which points count for slopes: with fewer, what a render does once weighs too much.
 const SLOPE_FROM: f64 = 4.0;
@@ -21,7 +22,7 @@ const HONEST_FROM: f64 = 16.0;
 pub struct Summary {
     /// What it took to prepare the scene.
     pub build_seconds: Spread,
-    /// By number of samples.
+    /// The moments that all trials pass, and last the end of each.
     pub points: Vec<SummaryPoint>,
     /// Exponent with which the true RMSE falls with render time, from 4 samples on.
     pub slope: Option<f64>,
@@ -36,6 +37,8 @@ pub struct Summary {
     pub reference_outweighs_from: Option<f64>,
     /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
+    /// What it took to the noise at which the renders stop; `None` where they stop at none.
+    pub target: Option<Target>,
     /// Samples that were infinite or not a number, of all trials.
     pub non_finite_samples: u64,
     /// Samples that are negative in a channel, of all trials.
@@ -44,6 +47,34 @@ pub struct Summary {
     pub clamped: Clamped,
     /// The most pixels that could not be measured, in any trial, as a value was infinite or not a number.
     pub unmeasured_pixels: u64,
+}
+
+/// What it took renders to the noise at which they were to stop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Target {
+    /// What was asked for, as √relmse.
+    pub noise: f64,
+    /// How many renders say that they are there.
+    pub reached: usize,
+    /// Of how many.
+    pub renders: usize,
+    /// What those took that are; `None` where none is.
+    pub took: Option<Took>,
+}
+
+/// Medians over renders; what is called a range holds the least and the largest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Took {
+    /// Mean over the pixels.
+    pub samples_per_pixel: f64,
+    /// Wall time of rendering.
+    pub seconds: f64,
+    /// Its range.
+    pub seconds_range: [f64; 2],
+    /// Processor time of the threads that render.
+    pub cpu_seconds: f64,
+    /// Its range.
+    pub cpu_seconds_range: [f64; 2],
 }
 
 /// The same moment of all trials.
@@ -67,6 +98,8 @@ pub struct SummaryPoint {
     pub true_rmse: Spread,
     /// The same, relative.
     pub true_relmse: Spread,
+    /// What the worst channel's error exceeds in one pixel of a thousand.
+    pub true_percentile_999: Spread,
 }
 
 /// What renders know of their own error.
@@ -82,6 +115,10 @@ pub struct Estimated {
     pub relmse_interval: [f64; 2],
     /// How many of the renders have the truth in their intervals, that of the RMSE and that of relmse.
     pub intervals_held: [usize; 2],
+    /// What the worst channel's error exceeds in one pixel of a thousand.
+    pub percentile_999: Spread,
+    /// Medians of the ends of the interval.
+    pub percentile_999_interval: [f64; 2],
 }
 
 /// What the renders say of themselves against the truth, at all points from 16 samples on.
@@ -111,6 +148,16 @@ impl SummaryPoint {
         root(self.true_relmse)
     }
 
+    /// The median of the true noise, in words.
+    #[must_use]
+    pub fn noise_in_words(&self) -> String {
+        let noise = self.true_noise().median;
+        if noise == 0.0 && self.measured_relmse.median > 0.0 {
+            return "no noise that the reference's own error would not explain".to_owned();
+        }
+        format!("{} noise", percent(noise))
+    }
+
     /// The estimated noise.
     #[must_use]
     pub fn estimated_noise(&self) -> Option<Spread> {
@@ -127,14 +174,23 @@ fn root(Spread { median, min, max }: Spread) -> Spread {
 }
 
 impl Summary {
-    /// The summary of the trials of `variant`; a moment that not all have reached is left out. `None` without a trial.
+    /// The summary of the trials of `variant`. Where some have more moments than others, only what comes before the end of the shortest is
+    /// compared moment by moment, and the last point is the end of each. `None` without a trial.
     #[must_use]
     pub fn of(variant: &Variant, reference: &Reference) -> Option<Self> {
         let trials = &variant.trials;
         let moments = trials.iter().map(|trial| trial.measurements.len()).min()?;
-        let points: Vec<_> = (0..moments)
-            .filter_map(|moment| point(trials, moment, reference))
-            .collect();
+        let before = (0..moments.saturating_sub(1)).filter_map(|moment| {
+            let at: Vec<_> = trials
+                .iter()
+                .map(|t| (t, &t.measurements[moment]))
+                .collect();
+            point(&at, reference)
+        });
+        let ends = trials.iter().map(|t| Some((t, t.measurements.last()?)));
+        let ends: Option<Vec<_>> = ends.collect();
+        let end = ends.as_ref().and_then(|ends| point(ends, reference));
+        let points: Vec<_> = before.chain(end).collect();
         let curve = |error: fn(&SummaryPoint) -> f64, from: f64| -> Vec<(f64, f64)> {
             let late = points.iter().filter(|p| p.samples_per_pixel >= from);
             late.map(|p| (p.seconds.median, error(p))).collect()
@@ -149,8 +205,9 @@ impl Summary {
             noise_slope,
             honesty: honesty(&points, trials.len()),
             reference_outweighs_from: reference_outweighs_from(&points, reference),
-            efficiency: efficiency(trials, moments, reference),
+            efficiency: efficiency(&ends.unwrap_or_default(), reference),
             time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, noise_slope)),
+            target: target(variant),
             non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
             negative_samples: trials.iter().map(|t| t.stats.negative_samples).sum(),
             clamped: Clamped {
@@ -188,30 +245,30 @@ fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
     Spread::of(values.collect())
 }
 
-/// Moment number `moment` of all trials.
-fn point(trials: &[Trial], moment: usize, reference: &Reference) -> Option<SummaryPoint> {
-    let of = |value: &dyn Fn(&Measurement) -> f64| {
-        spread(trials.iter().map(|t| value(&t.measurements[moment])))
-    };
+/// A trial and a moment of it.
+type Moment<'a> = (&'a Trial, &'a Measurement);
+
+/// What was measured at a moment of each trial.
+fn point(moments: &[Moment<'_>], reference: &Reference) -> Option<SummaryPoint> {
+    let of = |value: &dyn Fn(&Measurement) -> f64| spread(moments.iter().map(|(_, m)| value(m)));
     let truth = |m: &Measurement| m.true_errors(reference);
-    let with_build = trials
-        .iter()
-        .map(|t| t.build_seconds + t.measurements[moment].seconds);
+    let with_build = moments.iter().map(|(t, m)| t.build_seconds + m.seconds);
     Some(SummaryPoint {
         samples_per_pixel: of(&|m| m.samples_per_pixel)?.median,
         seconds: of(&|m| m.seconds)?,
         seconds_with_build: spread(with_build)?,
         cpu_seconds: of(&|m| m.cpu_seconds)?,
-        estimated: estimated(trials, moment, reference),
+        estimated: estimated(moments, reference),
         measured_rmse: of(&|m| m.measured.rmse())?,
         measured_relmse: of(&|m| m.measured.relmse)?,
         true_rmse: of(&|m| truth(m).mse.sqrt())?,
         true_relmse: of(&|m| truth(m).relmse)?,
+        true_percentile_999: of(&|m| truth(m).percentile_999)?,
     })
 }
 
-fn estimated(trials: &[Trial], moment: usize, reference: &Reference) -> Option<Estimated> {
-    let measurements = trials.iter().map(|trial| &trial.measurements[moment]);
+fn estimated(moments: &[Moment<'_>], reference: &Reference) -> Option<Estimated> {
+    let measurements = moments.iter().map(|(_, measurement)| *measurement);
     let estimates: Option<Vec<ErrorEstimate>> = measurements.clone().map(|m| m.estimated).collect();
     let estimates = estimates?;
     let truths: Vec<_> = measurements.map(|m| m.true_errors(reference)).collect();
@@ -235,6 +292,8 @@ fn estimated(trials: &[Trial], moment: usize, reference: &Reference) -> Option<E
             held(|estimate| estimate.rmse, |truth| truth.mse.sqrt()),
             held(|estimate| estimate.relmse, |truth| truth.relmse),
         ],
+        percentile_999: of(&|estimate| estimate.percentile_999.value)?,
+        percentile_999_interval: ends(|estimate| estimate.percentile_999)?,
     })
 }
 
@@ -272,19 +331,40 @@ fn reference_outweighs_from(points: &[SummaryPoint], reference: &Reference) -> O
     outweighed.last().map(|point| point.samples_per_pixel)
 }
 
-/// Efficiency at the last of `moments`.
-fn efficiency(trials: &[Trial], moments: usize, reference: &Reference) -> Efficiency {
+/// Efficiency at the `ends` of trials.
+fn efficiency(ends: &[Moment<'_>], reference: &Reference) -> Efficiency {
     let of = |seconds: fn(&Measurement) -> f64| {
-        let each = trials.iter().filter_map(|trial| {
-            let last = trial.measurements.get(moments.checked_sub(1)?)?;
-            Some((last.true_errors(reference).relmse * seconds(last)).recip())
-        });
+        let each = ends
+            .iter()
+            .map(|(_, end)| (end.true_errors(reference).relmse * seconds(end)).recip());
         spread(each).map_or(f64::NAN, |spread| spread.median)
     };
     Efficiency {
         wall: of(|m| m.seconds),
         cpu: of(|m| m.cpu_seconds),
     }
+}
+
+fn target(variant: &Variant) -> Option<Target> {
+    let trials = &variant.trials;
+    let reached = || trials.iter().filter(|t| t.stats.ending == Ending::Noise);
+    let of = |value: fn(&RenderStats) -> f64| spread(reached().map(|t| value(&t.stats)));
+    let took = || {
+        let (seconds, cpu_seconds) = (of(|s| s.render_seconds)?, of(|s| s.cpu_seconds)?);
+        Some(Took {
+            samples_per_pixel: of(|s| s.samples_per_pixel)?.median,
+            seconds: seconds.median,
+            seconds_range: [seconds.min, seconds.max],
+            cpu_seconds: cpu_seconds.median,
+            cpu_seconds_range: [cpu_seconds.min, cpu_seconds.max],
+        })
+    };
+    Some(Target {
+        noise: variant.scene.render.stop.noise?,
+        reached: reached().count(),
+        renders: trials.len(),
+        took: took(),
+    })
 }
 
 #[cfg(test)]
@@ -373,17 +453,44 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_time_to_the_noise_that_was_asked_for_is_that_of_the_renders_that_reached_it() {
+        let mut study = test_data::study();
+        let variant = &mut study.variants[0];
+        assert_eq!(target(variant), None);
+        variant.scene.render.stop.noise = Some(0.05);
+        let nobody = target(variant).expect("is asked for");
+        assert_eq!((nobody.reached, nobody.took), (0, None));
+        for (trial, seconds) in variant.trials.iter_mut().zip([8.0, 6.0]) {
+            trial.stats.ending = Ending::Noise;
+            trial.stats.render_seconds = seconds;
+            trial.stats.cpu_seconds = 2.0 * seconds;
+        }
+        let target = target(variant).expect("is asked for");
+        assert_eq!((target.noise, target.reached, target.renders), (0.05, 2, 3));
+        let took = target.took.expect("two are there");
+        assert_eq!((took.seconds, took.seconds_range), (7.0, [6.0, 8.0]));
+        assert_eq!(took.cpu_seconds_range, [12.0, 16.0]);
+    }
+
     fn summary_of(study: &Study) -> Summary {
         Summary::of(&study.variants[0], &study.reference).expect("has trials")
     }
 
     #[test]
-    fn moments_that_one_trial_lacks_are_left_out() {
+    fn the_ends_of_trials_that_stop_early_are_one_point() {
         let mut study = test_data::study();
         study.variants[0].trials[1].measurements.pop();
-        let summary = Summary::of(&study.variants[0], &study.reference).expect("has trials");
-        assert_eq!(summary.points.len(), 3);
-        assert!((summary.efficiency.wall - 25.0).abs() < 1e-9);
+        let summary = summary_of(&study);
+        let samples: Vec<f64> = summary.points.iter().map(|p| p.samples_per_pixel).collect();
+        assert_eq!(samples, [1.0, 2.0, 8.0]);
+        let end = summary.points[2];
+        assert_eq!((end.seconds.min, end.seconds.max), (4.0, 8.0));
+        // After 8, 4 and 8 s noise is 5 %, 8 % and 6 %.
+        let noise = end.true_noise();
+        assert!((noise.median - 0.06).abs() < 1e-9 && (noise.max - 0.08).abs() < 1e-9);
+        let expected = (0.08 * 0.08 * 4.0_f64).recip();
+        assert!((summary.efficiency.wall / expected - 1.0).abs() < 1e-9);
         study.variants[0].trials.clear();
         assert!(Summary::of(&study.variants[0], &study.reference).is_none());
     }

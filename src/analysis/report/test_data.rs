@@ -21,7 +21,7 @@ fn estimate(samples_per_pixel: f64, mse: f64, relmse: f64) -> ErrorEstimate {
         samples_per_pixel,
         rmse: interval(mse.sqrt()),
         relmse: interval(relmse),
-        percentile_999: 0.5,
+        percentile_999: interval(0.5),
         unmeasured_pixels: 0,
     }
 }
@@ -38,6 +38,7 @@ pub fn measurement(samples_per_pixel: f64, seconds: f64, mse: f64, relmse: f64) 
             relmse,
             compared_pixels: 2,
         },
+        measured_percentile_999: 0.625,
     }
 }
 
@@ -83,6 +84,7 @@ pub fn file_reference(relmse: Option<f64>) -> Reference {
                 relmse,
                 samples_per_pixel: 128.0,
             }),
+            is_rounded: false,
         },
         ..Reference::exact([1.0; 3], 2, 1)
     }

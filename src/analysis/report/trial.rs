@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::reference::Reference;
-use crate::analysis::SquaredErrors;
+use crate::analysis::{SquaredErrors, percentile_999_between};
 use crate::render::{
     ErrorEstimate, PreparedScene, RenderProgress, RenderStats, Round, RunConfig, Watch,
     render_watched,
@@ -37,6 +37,8 @@ pub struct Measurement {
     pub estimated: Option<ErrorEstimate>,
     /// How far it is from the reference.
     pub measured: SquaredErrors,
+    /// What the worst channel's distance from the reference exceeds in one pixel of a thousand.
+    pub measured_percentile_999: f64,
 }
 
 /// Errors without that of the reference.
@@ -46,20 +48,29 @@ pub struct TrueErrors {
     pub mse: f64,
     /// Mean squared relative error.
     pub relmse: f64,
+    /// What the worst channel's error exceeds in one pixel of a thousand.
+    pub percentile_999: f64,
 }
 
 impl Measurement {
     /// The errors against the truth that `reference` stands for. Its errors are independent of those measured against it, so
     /// that mean squares add: the mean of what is measured is `σ²/N + σ²/N_ref`. Where the reference's own error is not known,
-    /// nothing is taken away. Never below 0.
+    /// nothing is taken away. Never below 0. Percentiles do not add: of that the same part is left as of the RMSE.
     #[must_use]
     pub fn true_errors(&self, reference: &Reference) -> TrueErrors {
         let square = |value: f64| value * value;
         let own_mse = reference.rmse().map(|rmse| square(rmse.value));
         let own_relmse = reference.relmse().map(|relmse| relmse.value);
+        let mse = without(self.measured.mse, own_mse);
+        let left = if self.measured.mse > 0.0 {
+            (mse / self.measured.mse).sqrt()
+        } else {
+            1.0
+        };
         TrueErrors {
-            mse: without(self.measured.mse, own_mse),
+            mse,
             relmse: without(self.measured.relmse, own_relmse),
+            percentile_999: self.measured_percentile_999 * left,
         }
     }
 }
@@ -95,14 +106,17 @@ impl Trial {
 
         let measurements = Mutex::new(Vec::new());
         let on_round = |round: &Round<'_>| {
-            let measured = SquaredErrors::measure(&round.image(), &reference.image)
-                .expect("the reference is of the picture's size");
+            let image = round.image();
+            let same_size = "the reference is of the picture's size";
+            let measured = SquaredErrors::measure(&image, &reference.image).expect(same_size);
+            let percentile = percentile_999_between(&image, &reference.image);
             let measurement = Measurement {
                 samples_per_pixel: round.samples_per_pixel,
                 seconds: round.seconds,
                 cpu_seconds: round.cpu_seconds,
                 estimated: round.error,
                 measured,
+                measured_percentile_999: percentile.expect(same_size),
             };
             let mut known = measurements.lock().unwrap_or_else(PoisonError::into_inner);
             known.push(measurement);
@@ -135,6 +149,9 @@ mod tests {
         let reference = test_data::rendered_reference(0.1, 0.04);
         let errors = measurement.true_errors(&reference);
         assert!((errors.mse - 0.04).abs() < 1e-15 && (errors.relmse - 0.05).abs() < 1e-15);
+        // Of an rmse of √0.05 there is √0.04 left.
+        let left = 0.625 * (0.04_f64 / 0.05).sqrt();
+        assert!((errors.percentile_999 - left).abs() < 1e-12);
         measurement.measured.relmse = 0.03;
         assert_eq!(measurement.true_errors(&reference).relmse, 0.0);
         measurement.measured.relmse = f64::NAN;

@@ -247,7 +247,7 @@ mod tests {
                 samples_per_pixel: 4.0,
                 rmse: exactly(noise),
                 relmse: exactly(noise * noise),
-                percentile_999: noise,
+                percentile_999: exactly(noise),
                 unmeasured_pixels: 0,
             },
             time_to: [None, Some(exactly(7.0)), Some(exactly(70.0))],

@@ -85,9 +85,9 @@ impl Findings {
     fn result_ui(&self, ui: &mut Ui) {
         let last = self.variants.first().and_then(|(_, s)| s.points.last());
         let Some(last) = last else { return };
-        let noise = percent(last.true_noise().median);
+        let noise = last.noise_in_words();
         let seconds = three_digits(last.seconds.median);
-        let text = format!("{noise} noise after {seconds} s");
+        let text = format!("{noise} after {seconds} s");
         ui.label(RichText::new(text).strong().size(15.0))
             .on_hover_text("True error relative to the picture's brightness (root of relmse), median over the seeds");
         let subject = RichText::new(&self.subject).size(12.5);
@@ -147,10 +147,27 @@ impl Findings {
     /// Samples that no picture should have, and errors that are not those of the renders.
     fn faults(&self) -> impl Iterator<Item = String> {
         self.variants.iter().flat_map(|(name, summary)| {
-            let count = summary.non_finite_samples;
-            let fault = format!("{count} samples were infinite or not a number");
-            let faults = (count > 0).then_some(fault).into_iter();
+            let clamped = &summary.clamped;
+            let faults = [
+                (
+                    summary.non_finite_samples,
+                    "samples were infinite or not a number".to_owned(),
+                ),
+                (
+                    summary.negative_samples,
+                    "samples had less than no light".to_owned(),
+                ),
+                (
+                    clamped.samples,
+                    format!(
+                        "samples were limited by clamping, which took {} of the light",
+                        percent(clamped.energy_share)
+                    ),
+                ),
+            ];
+            let faults = faults.into_iter().filter(|(count, _)| *count > 0);
             faults
+                .map(|(count, fault)| format!("{count} {fault}"))
                 .chain(summary.doubt())
                 .map(move |fault| format!("{name}: {fault}"))
         })

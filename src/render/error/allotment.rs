@@ -23,7 +23,13 @@ const CELLS: usize = 1 << CELL_BITS;
 const BITS_WITHIN_CELL: u32 = 31 - CELL_BITS;
 
 /// The least share of the samples so far that a round takes: shorter ones are not worth their survey.
-const LEAST_SHARE: f64 = 1.0 / 32.0;
+pub const LEAST_SHARE: f64 = 1.0 / 32.0;
+
+/// The share of the samples so far that are handed out before it is decided again where they belong.
+pub const ROUND_SHARE: f64 = 0.5;
+
+/// The least part of what judgements promise that is counted on: less is said by chance.
+const LEAST_KEPT: f64 = 0.25;
 
 /// The need for samples over a film.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,8 +53,12 @@ struct Cell {
 struct PixelSums {
     /// Of their variances, each over that of the decay curve.
     noise: f64,
+    /// The same by what each shows itself.
+    own_noise: f64,
     /// Of the prices of a sample in each.
     price: f64,
+    /// Their number.
+    pixels: f64,
 }
 
 /// What is known of a pixel.
@@ -63,8 +73,10 @@ struct Judgement {
 pub struct Forecast {
     /// The gain per sample below which doublings are left undone.
     threshold: f64,
-    /// Samples still to take, at the mean price of those taken so far.
+    /// Samples still to take.
     pub samples: f64,
+    /// How many of the mean price of those taken so far they are worth.
+    pub price: f64,
     /// Whether they suffice.
     pub is_reached: bool,
 }
@@ -74,6 +86,7 @@ impl Forecast {
     pub const ALL: Self = Self {
         threshold: 0.0,
         samples: f64::INFINITY,
+        price: f64::INFINITY,
         is_reached: false,
     };
 }
@@ -120,7 +133,9 @@ impl Allotment {
             });
             let sums = &mut rows[row].1[place_of(pixel.worth())];
             sums.noise += f64::from(pixel.noise);
+            sums.own_noise += f64::from(own[index].noise);
             sums.price += f64::from(pixel.price);
+            sums.pixels += 1.0;
         }
         let cells = rows.into_iter().flat_map(|(samples, row)| {
             let filled = row
@@ -145,20 +160,65 @@ impl Allotment {
         self.worth.len() == pixels && self.cells.iter().all(|cell| cell.place < CELLS)
     }
 
-    /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where no pixel gets more than
-    /// `most`.
-    pub fn for_variance(&self, share: f64, most: u32) -> Forecast {
+    /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where every pixel gets at least
+    /// `least` and none more than `most`.
+    pub fn for_variance(&self, share: f64, [least, most]: [u32; 2]) -> Forecast {
         let variance = |cell: &Cell, samples| cell.sums.noise * self.decay.variance(samples);
         let goal = share * self.sum(|cell| variance(cell, cell.samples));
-        let left =
-            |threshold: f64| self.sum(|cell| variance(cell, self.target(cell, threshold, most)));
+        let target = |cell: &Cell, threshold| self.target(cell, threshold, [least, most]);
+        let left = |threshold: f64| self.sum(|cell| variance(cell, target(cell, threshold)));
         let threshold = bisect(|threshold| left(threshold) <= goal);
-        let missing = |cell: &Cell| self.target(cell, threshold, most) - cell.samples;
+        let missing = |cell: &Cell| target(cell, threshold) - cell.samples;
         Forecast {
             threshold,
-            samples: self.sum(|cell| cell.sums.price * f64::from(missing(cell))),
+            samples: self.sum(|cell| cell.sums.pixels * f64::from(missing(cell))),
+            price: self.sum(|cell| cell.sums.price * f64::from(missing(cell))),
             is_reached: left(threshold) <= goal,
         }
+    }
+
+    /// [`Self::for_variance`] as it will be: judgements are themselves uncertain, and what they choose brings less than they promise. By how
+    /// much shows in what the chosen pixels tell of themselves, which is independent of it; every round falls short like the next one.
+    pub fn forecast(&self, share: f64, [least, most]: [u32; 2]) -> Forecast {
+        let kept = self.kept_promise(most);
+        self.for_variance(libm::pow(share, kept.recip()), [least, most])
+    }
+
+    /// Which part of the fall of the logarithm of variance that the next round promises will come, at most 1.
+    fn kept_promise(&self, most: u32) -> f64 {
+        let budget = ROUND_SHARE * self.sum(|cell| cell.sums.price * f64::from(cell.samples));
+        let threshold = bisect(|threshold| self.price_of_doubling(threshold, most) >= budget);
+        let fall = |noise: fn(&PixelSums) -> f64| {
+            let variance = |cell: &Cell, samples| noise(&cell.sums) * self.decay.variance(samples);
+            let before = self.sum(|cell| variance(cell, cell.samples));
+            let after = self.sum(|cell| {
+                let is_chosen = self.gain(cell.place, cell.samples, most) > threshold;
+                let samples = if is_chosen {
+                    doubled(cell.samples, most)
+                } else {
+                    cell.samples
+                };
+                variance(cell, samples)
+            });
+            libm::log(before / after)
+        };
+        let kept = fall(|sums| sums.own_noise) / fall(|sums| sums.noise);
+        if kept.is_finite() {
+            kept.clamp(LEAST_KEPT, 1.0)
+        } else {
+            1.0
+        }
+    }
+
+    /// What it takes, in samples of mean price, to double the samples where it brings more than `threshold`.
+    fn price_of_doubling(&self, threshold: f64, most: u32) -> f64 {
+        self.sum(|cell| {
+            if self.gain(cell.place, cell.samples, most) > threshold {
+                cell.sums.price * f64::from(doubled(cell.samples, most) - cell.samples)
+            } else {
+                0.0
+            }
+        })
     }
 
     /// The pixels whose samples are to be doubled next on the way to `forecast`, or as far as `budget` more samples of mean price allow.
@@ -172,15 +232,7 @@ impl Allotment {
         cancel: &CancelToken,
     ) -> Option<Vec<bool>> {
         let total = self.sum(|cell| cell.sums.price * f64::from(cell.samples));
-        let next = |threshold: f64| {
-            self.sum(|cell| {
-                if self.gain(cell.place, cell.samples, most) > threshold {
-                    cell.sums.price * f64::from(doubled(cell.samples, most) - cell.samples)
-                } else {
-                    0.0
-                }
-            })
-        };
+        let next = |threshold: f64| self.price_of_doubling(threshold, most);
         let affordable = bisect(|threshold| next(threshold) >= budget);
         let worthwhile = bisect(|threshold| next(threshold) >= total * LEAST_SHARE);
         let threshold = forecast.threshold.max(affordable).min(worthwhile);
@@ -205,9 +257,9 @@ impl Allotment {
     }
 
     /// How many samples a pixel ends with.
-    fn target(&self, cell: &Cell, threshold: f64, most: u32) -> u32 {
+    fn target(&self, cell: &Cell, threshold: f64, [least, most]: [u32; 2]) -> u32 {
         let mut samples = cell.samples;
-        while self.gain(cell.place, samples, most) > threshold {
+        while samples < least.min(most) || self.gain(cell.place, samples, most) > threshold {
             samples = doubled(samples, most);
         }
         samples
@@ -331,7 +383,7 @@ mod tests {
                 .expect("nobody cancels");
             let allotment = Allotment::new(&film, &estimator, &never).expect("nobody cancels");
             let most = 1 << 20;
-            let forecast = allotment.for_variance(1.0 / 64.0, most);
+            let forecast = allotment.for_variance(1.0 / 64.0, [1, most]);
             assert!(forecast.is_reached);
             let samples = |is_right: bool| {
                 let of_half = |(index, _): &(usize, &f32)| (index % WIDTH >= WIDTH / 2) == is_right;
@@ -342,7 +394,7 @@ mod tests {
                         place: place_of(worth),
                         sums: PixelSums::default(),
                     };
-                    f64::from(allotment.target(&cell, forecast.threshold, most))
+                    f64::from(allotment.target(&cell, forecast.threshold, [1, most]))
                 };
                 half.map(target).sum::<f64>()
             };

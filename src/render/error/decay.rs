@@ -149,6 +149,15 @@ impl Law {
     }
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a level"
+)]
+fn whole_part(level: f64) -> usize {
+    level as usize
+}
+
 /// Index of level `at` in the tables of a law that is asked at `level`.
 fn place(level: u32, at: u32) -> usize {
     (MOST_LEVEL + at - level) as usize
@@ -159,6 +168,8 @@ fn place(level: u32, at: u32) -> usize {
 pub struct Decay {
     /// The variance of the mean of 2ᵏ samples over that at the level where the decay was asked.
     at_powers: [f64; LEVELS],
+    /// By how much laws differ on it: the standard deviation of its logarithm.
+    doubts: [f64; LEVELS],
     link: f64,
     variance_over_fall: f64,
     doubt: f64,
@@ -170,6 +181,8 @@ impl Decay {
         let power = |k: usize| libm::exp2(f64::from(level) - k as f64);
         Self {
             at_powers: std::array::from_fn(power),
+            // A factor of two in the power of n, or nearly: nothing is known.
+            doubts: std::array::from_fn(|k| IGNORANCE / 2.0 * (k as f64 - f64::from(level)).abs()),
             link: INDEPENDENT,
             // The drops left sum to the last one, and the one before was twice that.
             variance_over_fall: 1.0 / 3.0,
@@ -208,12 +221,19 @@ impl Decay {
                 mean(&|law| law.variance(level, at))
             }
         };
+        let doubt_at = |at: u32| {
+            let center = mean(&|law| libm::log(law.variance(level, at)));
+            mean(&|law| (libm::log(law.variance(level, at)) - center).powi(2)).sqrt()
+        };
         let mut at_powers = [0.0; LEVELS];
-        for (variance, at) in at_powers.iter_mut().zip(0..) {
+        let mut doubts = [0.0; LEVELS];
+        for (at, (variance, doubt)) in (0..).zip(at_powers.iter_mut().zip(&mut doubts)) {
             *variance = at_power(at);
+            *doubt = doubt_at(at);
         }
         Self {
             at_powers,
+            doubts,
             link: libm::exp(mean(&|law| {
                 law.drop(level, level) - law.drop(level, level - 1)
             })),
@@ -235,6 +255,15 @@ impl Decay {
     /// By how much that may be off: the standard deviation of its logarithm.
     pub fn doubt(&self) -> f64 {
         self.doubt
+    }
+
+    /// By how much the variance of the mean of so many samples, over that at the level where the decay was asked, may be off: the
+    /// standard deviation of its logarithm.
+    pub fn doubt_at(&self, samples: f64) -> f64 {
+        let level = libm::log2(samples.max(1.0)).min(f64::from(MOST_LEVEL));
+        let below = whole_part(level);
+        let [from, to] = [below, (below + 1).min(LEVELS - 1)].map(|at| self.doubts[at]);
+        from + (to - from) * level.fract()
     }
 
     /// The variance of the mean of the first `samples`.

@@ -16,7 +16,7 @@ mod survey;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-pub use allotment::{Allotment, Forecast};
+pub use allotment::{Allotment, Forecast, LEAST_SHARE, ROUND_SHARE};
 pub use decay::Decay;
 pub use outlook::Outlook;
 
@@ -36,6 +36,9 @@ const NORMAL_95: f64 = 1.96;
 /// Most standard deviations of an interval, which few pixels would make endless.
 const MOST_DEVIATIONS: f64 = 4.0;
 
+/// The most that a percentile may be said to be above the largest error that is seen, as a factor.
+const MOST_RATIO: f64 = 10.0;
+
 /// A value and the interval that holds the truth in 95 of 100 cases.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
@@ -48,6 +51,23 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Nothing, for certain.
+    pub(super) const ZERO: Self = Self {
+        value: 0.0,
+        low: 0.0,
+        high: 0.0,
+    };
+
+    /// The interval of so many times the value.
+    #[must_use]
+    pub(super) fn times(self, factor: f64) -> Self {
+        Self {
+            value: self.value * factor,
+            low: self.low * factor,
+            high: self.high * factor,
+        }
+    }
+
     /// Whether `truth` lies in it.
     #[must_use]
     pub fn contains(&self, truth: f64) -> bool {
@@ -75,7 +95,7 @@ pub struct ErrorEstimate {
     /// Mean over pixels and channels of error² / (truth² + 0.01).
     pub relmse: Interval,
     /// What the error of the worst channel exceeds in only one of a thousand pixels, in units of radiance.
-    pub percentile_999: f64,
+    pub percentile_999: Interval,
     /// Pixels that are left out because they are infinite or not a number.
     pub unmeasured_pixels: u64,
 }
@@ -100,7 +120,7 @@ pub struct ErrorEstimator {
     /// Per pixel: relative squared fall, mean over channels.
     falls: Vec<f32>,
     /// What the error of the worst channel exceeds in one pixel of a thousand.
-    percentile_999: f64,
+    percentile_999: Interval,
 }
 
 impl ErrorEstimator {
@@ -113,7 +133,7 @@ impl ErrorEstimator {
             groups: Vec::new(),
             unmeasured: 0,
             falls: vec![0.0; pixels],
-            percentile_999: 0.0,
+            percentile_999: Interval::ZERO,
         }
     }
 
@@ -191,7 +211,8 @@ impl ErrorEstimator {
     pub fn advance(&mut self, samples: u32) {
         if let [group] = *self.groups.as_slice() {
             let decay = self.decay_at(Measure::Absolute, group.level());
-            self.percentile_999 *= (decay.variance(samples) / decay.variance(group.samples)).sqrt();
+            let fall = (decay.variance(samples) / decay.variance(group.samples)).sqrt();
+            self.percentile_999 = self.percentile_999.times(fall);
             self.groups[0].samples = samples;
         }
     }
@@ -311,11 +332,7 @@ impl ErrorEstimator {
         }
         let value = variance / (3 * pixels) as f64;
         if value <= 0.0 {
-            return Interval {
-                value: 0.0,
-                low: 0.0,
-                high: 0.0,
-            };
+            return Interval::ZERO;
         }
         // Let a and b be the errors of a pixel's halves. Its own squared error is |a + b|² / 4, and what is seen |a − b|² / 4:
         // they differ by the product a · b, whose square is estimated by that of the moves within the halves. It is large where
@@ -352,7 +369,10 @@ impl ErrorEstimator {
             .max_by(|a, b| variance(a).total_cmp(&variance(b)))
     }
 
-    fn percentile(&self, film: &Film, survey: &Survey, cancel: &CancelToken) -> Option<f64> {
+    /// What one pixel of a thousand exceeds. Its interval has two parts: which pixels those are is chance, in what is seen as in the truth, so
+    /// that the value might as well be one of those some ranks above or below; and what turns moves into errors is in doubt.
+    /// `None` when cancelled.
+    fn percentile(&self, film: &Film, survey: &Survey, cancel: &CancelToken) -> Option<Interval> {
         // The move at one doubling is spread as errors are; moves over several are more even.
         let factor = |group: &Group| {
             let link = self.decay_at(Measure::Absolute, group.level()).link();
@@ -370,12 +390,53 @@ impl ErrorEstimator {
                 Some(r.max(g).max(b) * factor)
             })
             .collect();
-        if errors.is_empty() {
-            return Some(0.0);
+        let Some(last) = errors.len().checked_sub(1) else {
+            return Some(Interval::ZERO);
+        };
+        let beyond = errors.len() / 1000;
+        let ranks = ranks_of_chance(beyond);
+        let lowest = last.saturating_sub(beyond + ranks);
+        let low = number_of_rank(&errors, lowest, cancel)?;
+        let above = errors.iter().copied().filter(|&error| error > low);
+        let mut above: Vec<f64> = above.collect();
+        above.sort_unstable_by(f64::total_cmp);
+        let from_top = |rank: usize| match above.len().checked_sub(rank + 1) {
+            Some(place) => above[place],
+            None => low,
+        };
+        let value = from_top(beyond);
+        if value <= 0.0 {
+            return Some(Interval::ZERO);
         }
-        let rank = errors.len() - 1 - errors.len() / 1000;
-        number_of_rank(&errors, rank, cancel)
+        let below = value / low.max(value * f64::MIN_POSITIVE);
+        let above = from_top(beyond.saturating_sub(ranks)) / value;
+        // Nothing is seen above the largest: as far as below.
+        let above = if beyond < ranks {
+            above.max(below.min(MOST_RATIO))
+        } else {
+            above
+        };
+        let noisiest = self
+            .noisiest_group(Measure::Absolute)
+            .map_or(0, Group::level);
+        let doubt = self.decay_at(Measure::Absolute, noisiest).doubt() / 2.0;
+        let width = |ratio: f64| libm::exp(libm::log(ratio).hypot(doubt * NORMAL_95));
+        Some(Interval {
+            value,
+            low: value / width(below),
+            high: value * width(above),
+        })
     }
+}
+
+/// By how many ranks a value with so many `beyond` it may differ from one that is as rare: both numbers are Poisson's.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a small positive number"
+)]
+fn ranks_of_chance(beyond: usize) -> usize {
+    (NORMAL_95 * (2.0 * (beyond as f64 + 1.0)).sqrt()).ceil() as usize
 }
 
 /// The one of `numbers`, none below 0, that `rank` of them come before where they are sorted; `None` when cancelled.

@@ -1,7 +1,6 @@
 //! Forecasts for a running render: how many samples and seconds, from the start on, until its noise is down to a target.
 
-use super::{Allotment, ErrorEstimator, Interval};
-use crate::scene::RenderSettings;
+use super::{Allotment, ErrorEstimator, Interval, NORMAL_95};
 
 /// What is to come of a render, as far as can be told from what is there.
 #[derive(Clone, Copy, Debug)]
@@ -16,48 +15,93 @@ pub struct Outlook<'a> {
     pub seconds: f64,
 }
 
+/// How far it is to a level of noise, from the start on.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// In samples of all pixels together.
+    pub samples: Interval,
+    /// In seconds.
+    pub seconds: Interval,
+}
+
+/// The same without intervals, where time is in samples of the mean price of those taken so far.
+#[derive(Clone, Copy)]
+struct Needed {
+    samples: f64,
+    price: f64,
+}
+
 impl Outlook<'_> {
-    /// The samples, from the start on, after which noise is down to `target` if no pixel gets more than `most`, and the interval
-    /// for it; `None` where noise is there already or will never be.
-    pub fn samples_to(&self, target: f64, most: u32) -> Option<Interval> {
+    /// The way to noise of `target` if every pixel gets at least `least` samples and none more than `most`; `None` where noise is there
+    /// already or will never be.
+    pub fn way_to(&self, target: f64, [least, most]: [u32; 2]) -> Option<Way> {
         let relmse = self.estimator.estimate()?.relmse;
         let goal = target * target;
         if relmse.value <= goal {
             return None;
         }
-        let samples = |present: f64| self.samples_for_share((goal / present).min(1.0), most);
-        Some(Interval {
-            value: samples(relmse.value)?,
-            low: samples(relmse.low)?,
-            // Where it is not sure to get there, the time for all samples is the end of the interval.
-            high: samples(relmse.high).unwrap_or_else(|| self.estimator.pixels() * f64::from(most)),
+        let needed = |present: f64| self.needed((goal / present).min(1.0), [least, most]);
+        let value = needed(relmse.value)?;
+        // Neither the noise that is there is certain, nor how it falls: the error of one says nothing about that of the other.
+        let growth = value.samples / self.samples;
+        let ahead = f64::from(self.estimator.noisiest_samples()?) * growth;
+        let fall = NORMAL_95 * self.estimator.decay().doubt_at(ahead);
+        let low = libm::exp(-libm::log(relmse.value / relmse.low).hypot(fall));
+        let high = libm::exp(libm::log(relmse.high / relmse.value).hypot(fall));
+        let low = needed(relmse.value * low)?;
+        // Where it is not sure to get there, the way of all samples is the end of the interval.
+        let high = needed(relmse.value * high).unwrap_or_else(|| {
+            let all = self.estimator.pixels() * f64::from(most);
+            Needed {
+                samples: all,
+                price: all,
+            }
+        });
+        let interval = |of: fn(Needed) -> f64, scale: f64| Interval {
+            value: of(value) * scale,
+            low: of(low) * scale,
+            high: of(high) * scale,
+        };
+        Some(Way {
+            samples: interval(|needed| needed.samples, 1.0),
+            seconds: interval(|needed| needed.price, self.seconds / self.samples),
         })
     }
 
-    /// The seconds, from the start on, for that many samples.
-    pub fn seconds_for(&self, samples: Interval) -> Interval {
-        let scale = self.seconds / self.samples;
-        Interval {
-            value: samples.value * scale,
-            low: samples.low * scale,
-            high: samples.high * scale,
-        }
-    }
-
-    /// When noise is down to `target` if pixels may get any number of samples.
-    pub fn time_to(&self, target: f64) -> Option<Interval> {
-        let samples = self.samples_to(target, RenderSettings::MAX_SAMPLES)?;
-        Some(self.seconds_for(samples))
-    }
-
-    /// The samples, from the start on, after which the variance is `share` of what it is.
-    fn samples_for_share(&self, share: f64, most: u32) -> Option<f64> {
+    /// What it takes until the variance is `share` of what it is.
+    fn needed(&self, share: f64, [least, most]: [u32; 2]) -> Option<Needed> {
         if let Some(allotment) = self.allotment {
-            let forecast = allotment.for_variance(share, most);
-            return forecast
-                .is_reached
-                .then_some(self.samples + forecast.samples);
+            let forecast = allotment.forecast(share, [least, most]);
+            return forecast.is_reached.then_some(Needed {
+                samples: self.samples + forecast.samples,
+                price: self.samples + forecast.price,
+            });
         }
+        let samples = self.even_samples(share, most)?;
+        let samples = samples.max(self.estimator.pixels() * f64::from(least.min(most)));
+        Some(Needed {
+            samples,
+            price: samples,
+        })
+    }
+
+    /// Of the samples it takes to bring the variance down to `share` where all pixels get the same number, the part that it takes where they
+    /// are chosen, by price; 0 where even samples are not enough.
+    pub fn price_of_choice(&self, share: f64, limits: [u32; 2]) -> f64 {
+        let even = Self {
+            allotment: None,
+            ..*self
+        };
+        match (self.needed(share, limits), even.needed(share, limits)) {
+            (Some(chosen), Some(even)) => {
+                (chosen.price - self.samples) / (even.price - self.samples)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The samples of all pixels together after which the variance is `share` of what it is, where all pixels get the same number.
+    fn even_samples(&self, share: f64, most: u32) -> Option<f64> {
         let present = self.estimator.noisiest_samples()?;
         let decay = self.estimator.decay();
         let goal = share * decay.variance(present);
@@ -78,5 +122,31 @@ impl Outlook<'_> {
         let needed = f64::from(before) * libm::pow(f64::from(after) / f64::from(before), way);
         let limited = needed <= f64::from(most);
         limited.then_some(self.samples * needed / f64::from(present))
+    }
+}
+
+impl Way {
+    /// The same where only some numbers of samples can be the end: `end_after` gives the first from one on.
+    pub fn up_to(self, end_after: impl Fn(f64) -> f64) -> Self {
+        let end = |samples: f64, seconds: f64| {
+            let end = end_after(samples);
+            (end, seconds * end / samples)
+        };
+        let Self { samples, seconds } = self;
+        let value = end(samples.value, seconds.value);
+        let low = end(samples.low, seconds.low);
+        let high = end(samples.high, seconds.high);
+        Self {
+            samples: Interval {
+                value: value.0,
+                low: low.0,
+                high: high.0,
+            },
+            seconds: Interval {
+                value: value.1,
+                low: low.1,
+                high: high.1,
+            },
+        }
     }
 }

@@ -1,9 +1,10 @@
 //! What is told of a render while it goes on: how wrong the picture is, and how much there is to do.
 
-use super::{LEAST_SAMPLES, Renderer};
-use crate::render::error::{ErrorEstimator, Outlook};
+use super::{LEAST_SAMPLES, Renderer, end_of_even_pass};
+use crate::render::error::{ErrorEstimator, LEAST_SHARE, Outlook};
 use crate::render::progress::{ErrorPoint, NOISE_TARGETS};
 use crate::render::run::Round;
+use crate::scene::RenderSettings;
 
 /// By how much the samples must have grown until the error is noted again.
 const NOTE_GROWTH: f64 = 1.06;
@@ -19,6 +20,7 @@ impl Renderer<'_> {
         // As far as is known now, the render ends after so many samples, where its time is not up before.
         let mut total = pixels * f64::from(most);
         let mut is_foreseen = self.rules.stop.noise.is_none();
+        let mut is_estimate = false;
         if let Some(estimator) = &self.course.estimator
             && let Some(error) = estimator.estimate()
         {
@@ -30,25 +32,42 @@ impl Renderer<'_> {
             };
             is_foreseen = true;
             let noise = self.rules.stop.noise;
-            let to_stop = noise.and_then(|noise| outlook.samples_to(noise, most));
+            let to_stop = noise.and_then(|noise| outlook.way_to(noise, [LEAST_SAMPLES, most]));
+            let end_of_pass =
+                |samples: f64| f64::from(end_of_even_pass(samples / pixels, most)) * pixels;
+            let is_even = outlook.allotment.is_none();
+            let to_stop = to_stop.map(|way| if is_even { way.up_to(end_of_pass) } else { way });
             if let Some(to_stop) = to_stop {
-                total = total.min(to_stop.value);
+                // As long as noise is not there, another pass begins.
+                let least = if is_even {
+                    end_of_pass(samples + pixels)
+                } else {
+                    samples * (1.0 + LEAST_SHARE)
+                };
+                is_estimate = to_stop.samples.value < total;
+                total = total.min(to_stop.samples.value.max(least));
             } else if self.is_quiet() {
-                total = samples.max(pixels * f64::from(LEAST_SAMPLES.min(most)));
+                let least = pixels * f64::from(LEAST_SAMPLES.min(most));
+                is_estimate = samples < least;
+                total = samples.max(least);
             }
             if is_round || samples >= self.course.noted_samples * NOTE_GROWTH {
                 self.progress.note(ErrorPoint {
                     seconds,
                     cpu_seconds: self.clock.cpu_seconds(),
                     error,
-                    time_to: NOISE_TARGETS.map(|noise| outlook.time_to(noise)),
-                    time_to_stop: to_stop.map(|samples| outlook.seconds_for(samples)),
+                    time_to: NOISE_TARGETS.map(|noise| {
+                        let way = outlook.way_to(noise, [1, RenderSettings::MAX_SAMPLES])?;
+                        Some(way.seconds)
+                    }),
+                    time_to_stop: to_stop.map(|way| way.seconds),
                 });
                 self.course.noted_samples = samples;
             }
         }
         if is_foreseen {
-            self.progress.foresee(whole((total - samples).max(0.0)));
+            let remaining = whole((total - samples).max(0.0));
+            self.progress.foresee(remaining, is_estimate);
         }
     }
 
