@@ -275,8 +275,8 @@ fn compared(
 fn note_on(base: &Scene, changed: &Scene) -> Option<&'static str> {
     let stop = &changed.render.stop;
     let mut like_base = changed.clone();
-    like_base.display = base.display.clone();
-    like_base.output = base.output.clone();
+    like_base.display = base.display;
+    like_base.output = base.output;
     like_base.render.adaptive = base.render.adaptive;
     if like_base == *base && changed.render.adaptive != base.render.adaptive {
         let is_without_stop = stop.noise.is_none() && stop.seconds.is_none();
@@ -287,7 +287,7 @@ fn note_on(base: &Scene, changed: &Scene) -> Option<&'static str> {
     // What only says how the same picture is found.
     like_base.render = RenderSettings {
         samples_per_pixel: base.render.samples_per_pixel,
-        stop: base.render.stop.clone(),
+        stop: base.render.stop,
         error_estimate: base.render.error_estimate,
         seed: base.render.seed,
         roulette: base.render.roulette,
