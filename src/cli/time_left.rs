@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(left(Some(&foreseen), &stop, 15.0), expected);
         let timed = Stop {
             seconds: Some(32.0),
-            ..*stop
+            ..stop
         };
         let expected = Left::Foreseen(interval(17.0, 15.0, 17.0));
         assert_eq!(left(Some(&foreseen), &timed, 15.0), expected);
