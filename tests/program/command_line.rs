@@ -837,7 +837,7 @@ fn numbers_of_options_are_numbers() {
 #[test]
 fn what_the_clock_leaves_unfinished_is_called_so() {
     let folder = folder();
-    let render = "render scene.toml -o out.png --size 2000x1500 --mode ao --seconds 0.3 --stats stats.json \
+    let render = "render scene.toml -o out.png --size 1000x750 --mode ao --seconds 0.3 --stats stats.json \
                   --set render.ambient_occlusion.samples=4000";
     let arguments: Vec<&str> = render.split_whitespace().collect();
     let complaint = fail(folder.path(), 1, &arguments);
