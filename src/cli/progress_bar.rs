@@ -55,12 +55,7 @@ pub(super) fn show<T, H: Into<HowFar>>(
                 } = how_far().into();
                 let elapsed = bar.elapsed().as_secs_f64();
                 let left = left.unwrap_or_else(|| time_left::at_this_pace(fraction, elapsed));
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a share of 1000"
-                )]
-                bar.set_position((fraction * 1000.0) as u64);
+                bar.set_position(thousandths(fraction));
                 bar.set_prefix(left);
                 bar.set_message(message);
                 std::thread::sleep(Duration::from_millis(50));
@@ -71,6 +66,22 @@ pub(super) fn show<T, H: Into<HowFar>>(
         bar.finish_and_clear();
         result
     })
+}
+
+/// The done part in thousandths, of which as many whole per cent are shown: 100 when all is done, and not before.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of 1000"
+)]
+fn thousandths(fraction: f64) -> u64 {
+    let rounded_below = 994;
+    let thousandths = (fraction * 1000.0) as u64;
+    if fraction < 1.0 {
+        thousandths.min(rounded_below)
+    } else {
+        thousandths
+    }
 }
 
 /// Cancels a token when it goes.

@@ -486,6 +486,44 @@ mod tests {
     use crate::render::layers::{Gathered, NoParts};
     use crate::render::tiles::Region;
 
+    /// Twenty pictures of 64 × 64 pixels, each the mean of 64 independent values of 0.5 or 1.5: all that differs from 1 is error. What its
+    /// thousandth part exceeds is within a third, and in the interval, 95 of 100 times by its word, 17 of 20 times at least.
+    #[test]
+    fn the_percentile_of_independent_errors_is_known() {
+        let region = Region::full(64, 64);
+        let (never, mut held) = (CancelToken::new(), 0);
+        for seed in 0..20 {
+            let mut random = Random::new(seed);
+            let mut film = Film::new(region, &[], true);
+            let mut estimator = ErrorEstimator::new(film.pixels());
+            while film.samples(0) < 64 {
+                let mut sums = TileSums::default();
+                sums.reset(&[], region.pixel_count());
+                for index in 0..region.pixel_count() {
+                    for _ in 0..block_after(film.samples(0)) {
+                        let value = if random.unit() < 0.5 { 0.5 } else { 1.5 };
+                        let seen = Gathered::<NoParts>::seen(Vec3::splat(value));
+                        sums.add(index, &[], &seen, 1);
+                    }
+                }
+                film.add(region, &sums);
+                if film.samples(0).is_power_of_two() {
+                    let updated = estimator.update(&film, None, &never);
+                    updated.expect("nobody cancels");
+                }
+            }
+            let error = |index: usize| f64::from((film.mean_at(index)[0] - 1.0).abs());
+            let mut errors: Vec<f64> = (0..film.pixels()).map(error).collect();
+            errors.sort_by(f64::total_cmp);
+            let truth = errors[errors.len() - 1 - errors.len() / 1000];
+            let found = estimator.estimate().expect("has 64 samples").percentile_999;
+            let ratio = found.value / truth;
+            assert!((0.75..1.33).contains(&ratio), "{seed}: {found:?}, {truth}");
+            held += u32::from(found.contains(truth));
+        }
+        assert!(held >= 17, "{held} of 20");
+    }
+
     #[test]
     fn the_number_of_a_rank_is_the_one_of_sorted_numbers() {
         let (never, mut random) = (CancelToken::new(), Random::new(5));

@@ -86,7 +86,7 @@ impl Outlook<'_> {
     }
 
     /// Of the samples it takes to bring the variance down to `share` where all pixels get the same number, the part that it takes where they
-    /// are chosen, by price; 0 where even samples are not enough.
+    /// are chosen, by price: infinite where only even samples are enough, 0 where they are not.
     pub fn price_of_choice(&self, share: f64, limits: [u32; 2]) -> f64 {
         let even = Self {
             allotment: None,
@@ -96,7 +96,8 @@ impl Outlook<'_> {
             (Some(chosen), Some(even)) => {
                 (chosen.price - self.samples) / (even.price - self.samples)
             }
-            _ => 0.0,
+            (None, Some(_)) => f64::INFINITY,
+            (_, None) => 0.0,
         }
     }
 
