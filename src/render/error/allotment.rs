@@ -160,6 +160,11 @@ impl Allotment {
         self.worth.len() == pixels && self.cells.iter().all(|cell| cell.place < CELLS)
     }
 
+    /// Samples of all pixels when they were judged.
+    pub fn samples(&self) -> f64 {
+        self.sum(|cell| cell.sums.pixels * f64::from(cell.samples))
+    }
+
     /// What brings the variance down to `share` of what it is, `0..=1`, with the fewest samples, where every pixel gets at least
     /// `least` and none more than `most`.
     pub fn for_variance(&self, share: f64, [least, most]: [u32; 2]) -> Forecast {

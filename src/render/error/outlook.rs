@@ -72,9 +72,11 @@ impl Outlook<'_> {
     fn needed(&self, share: f64, [least, most]: [u32; 2]) -> Option<Needed> {
         if let Some(allotment) = self.allotment {
             let forecast = allotment.forecast(share, [least, most]);
+            // A pass over all pixels may have come since they were judged.
+            let judged = allotment.samples();
             return forecast.is_reached.then_some(Needed {
-                samples: self.samples + forecast.samples,
-                price: self.samples + forecast.price,
+                samples: (judged + forecast.samples).max(self.samples),
+                price: (judged + forecast.price).max(self.samples),
             });
         }
         let samples = self.even_samples(share, most)?;
