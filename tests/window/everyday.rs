@@ -195,6 +195,8 @@ fn a_scene_opens_without_a_mesh_that_is_missing_and_gets_it_later() {
     window.until("it is saved", |app| !app.document().is_modified());
     let saved = std::fs::read_to_string(&path).unwrap();
     assert!(saved.contains("\"meshes/ram.off\""), "{saved}");
+    // Files are looked at once a second.
+    std::thread::sleep(std::time::Duration::from_millis(1200));
     std::fs::create_dir(files.path("meshes")).unwrap();
     // Moved there, it is older than the scene.
     std::fs::rename(files.path("pyramid.off"), &mesh).unwrap();
