@@ -196,7 +196,7 @@ fn a_scene_opens_without_a_mesh_that_is_missing_and_gets_it_later() {
     let saved = std::fs::read_to_string(&path).unwrap();
     assert!(saved.contains("\"meshes/ram.off\""), "{saved}");
     // Files are looked at once a second.
-    std::thread::sleep(std::time::Duration::from_millis(1200));
+    std::thread::sleep(Duration::from_millis(1200));
     std::fs::create_dir(files.path("meshes")).unwrap();
     // Moved there, it is older than the scene.
     std::fs::rename(files.path("pyramid.off"), &mesh).unwrap();

@@ -128,7 +128,10 @@ impl Renderer<'_> {
         };
         let (shared, course) = match self.before_short_pass.take() {
             Some(before) => *before,
-            None => (self.lock().clone(), self.course.clone()),
+            None => match self.lock().copy_unless(&self.run.cancel) {
+                Some(shared) => (shared, self.course.clone()),
+                None => return,
+            },
         };
         at_end(checkpoint_of(shared, course, &self.clock, self.progress));
     }
