@@ -392,9 +392,9 @@ mod tests {
         let image = image_of(&material, &images, &shared, &CancelToken::new()).unwrap();
         let side = image.size[0];
         let [left, right] =
-            [3, 5].map(|eighths| image.pixels[side / 2 * side + side * eighths / 8]);
-        assert!(left.r() > 2 * left.b(), "{left:?}");
-        assert!(right.b() > 2 * right.r(), "{right:?}");
+            [1, 3].map(|quarters| image.pixels[side / 2 * side + side * quarters / 4]);
+        assert!(left.r() / 2 > left.b(), "{left:?}");
+        assert!(right.b() / 2 > right.r(), "{right:?}");
 
         let mut balls = Balls::default();
         balls.set_images(&images);

@@ -94,6 +94,7 @@ fn facts(folder: &Path, name: &str) -> Value {
         "first_tile_seconds",
         "peak_memory_bytes",
         "threads",
+        "time_to",
     ] {
         assert!(keys.remove(key).is_some(), "{key}");
     }
@@ -271,7 +272,7 @@ fn damage_anywhere_is_refused() {
         .iter()
         .position(|&byte| byte == b'\n')
         .expect("a line");
-    let later = [b"RayMini checkpoint 2", &whole[line..]].concat();
+    let later = [b"RayMini checkpoint 3", &whole[line..]].concat();
     std::fs::write(&path, later).expect("is written");
     let said = fail(folder, signals::GO_ON, 1);
     assert!(said.contains("of another version of RayMini"), "{said}");
@@ -305,7 +306,7 @@ fn something_else_is_refused() {
     }
     // A file far larger than any checkpoint of this picture, all holes.
     let file = std::fs::File::create(folder.join("large")).expect("is made");
-    std::io::Write::write_all(&mut &file, b"RayMini checkpoint 1\n").expect("is written");
+    std::io::Write::write_all(&mut &file, b"RayMini checkpoint 2\n").expect("is written");
     file.set_len(1 << 36).expect("a hole");
     let said = fail(folder, &resume("large"), 1);
     assert!(said.contains("large: the file is too large: "), "{said}");

@@ -161,7 +161,7 @@ fn a_report_holds_every_point_of_every_seed_and_variant() {
     let csv = text(folder.path(), "report.csv");
     assert_eq!(csv.lines().count(), 1 + 2 * (5 + 6));
     let columns = csv.lines().map(|line| line.split(',').count());
-    assert!(columns.eq(std::iter::repeat_n(18, 23)), "{csv}");
+    assert!(columns.eq(std::iter::repeat_n(22, 23)), "{csv}");
     let svg = text(folder.path(), "report.svg");
     assert!(svg.starts_with("<svg") && svg.contains(comparison), "{svg}");
     let page = text(folder.path(), "report.md");
