@@ -383,7 +383,7 @@ impl<'a> Renderer<'a> {
                 // The last pass takes what the clock leaves. A render of as many samples would end with the same pass.
                 let taken = match samples {
                     0 => block,
-                    _ => whole_below(self.time_left() / self.course.seconds_per_sample).min(block),
+                    _ => self.block_in_time(samples, block),
                 };
                 if taken == 0 {
                     if !is_shown {
@@ -441,6 +441,19 @@ impl<'a> Renderer<'a> {
             if let Some(ending) = ending {
                 return Ok(Next::End(ending));
             }
+        }
+    }
+
+    /// How many samples of a `block` for each pixel that has `samples` are taken before the time is up. Where the error might have decided who
+    /// gets more, all of them or none, whichever ends nearer to the time: the number of passes reproduces the picture then.
+    fn block_in_time(&self, samples: u32, block: u32) -> u32 {
+        let there_is_time_for = self.time_left() / self.course.seconds_per_sample;
+        if samples < LEAST_SAMPLES || !self.is_adaptive() {
+            whole_below(there_is_time_for).min(block)
+        } else if there_is_time_for >= f64::from(block) / 2.0 {
+            block
+        } else {
+            0
         }
     }
 
@@ -533,8 +546,11 @@ impl<'a> Renderer<'a> {
         let Some(estimator) = &self.course.estimator else {
             return false;
         };
-        let goal = self.settings.stop.noise.zip(estimator.estimate());
-        let share = goal.map_or(USUAL_SHARE, |(noise, error)| {
+        // What the clock ends is worth the most that its time allows.
+        let Some(noise) = self.rules.stop.noise else {
+            return true;
+        };
+        let share = estimator.estimate().map_or(USUAL_SHARE, |error| {
             (noise * noise / error.relmse.value).min(1.0)
         });
         let outlook = Outlook {
@@ -543,7 +559,7 @@ impl<'a> Renderer<'a> {
             samples: self.lock().film.total_samples() as f64,
             seconds: self.clock.seconds(),
         };
-        let limits = [LEAST_SAMPLES, self.settings.samples_per_pixel];
+        let limits = [LEAST_SAMPLES, self.rules.samples_per_pixel];
         outlook.price_of_choice(share, limits) <= MOST_PRICE_OF_CHOICE
     }
 

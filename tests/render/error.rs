@@ -307,7 +307,7 @@ fn a_noise_target_is_met_with_fewer_samples_where_noise_is_uneven() {
 }
 
 /// Means over 1,000 seeds with and without a choice of pixels, where light is met by chance, so that deciding by what is seen
-/// would darken the picture most: each of 96 pixels and the whole picture within 3.9 standard deviations, α = 0.01 over all.
+/// would darken the picture most: each of 96 pixels and the whole picture, twice, within 4.05 standard deviations, α = 0.01 over all.
 #[test]
 fn choosing_pixels_by_their_error_is_without_bias() {
     const SEEDS: u32 = 1000;
@@ -315,19 +315,28 @@ fn choosing_pixels_by_their_error_is_without_bias() {
     scene.render.width = 12;
     scene.render.height = 8;
     scene.render.max_bounces = 2;
-    let means = [true, false].map(|is_adaptive| {
+    // Where noise ends the render, pixels are chosen only where that is foreseen to pay; where time does, always.
+    let means = ["noise", "time", "nothing"].map(|ended_by| {
         let mut scene = with_noise_stop(scene.clone(), 0.5, 64);
-        scene.render.adaptive = is_adaptive;
-        if !is_adaptive {
-            scene.render.stop.noise = None;
-            scene.render.samples_per_pixel = 32;
+        match ended_by {
+            "noise" => {}
+            "time" => {
+                scene.render.stop.noise = None;
+                scene.render.stop.seconds = Some(1e6);
+                scene.render.stop.passes = Some(9);
+            }
+            _ => {
+                scene.render.adaptive = false;
+                scene.render.stop.noise = None;
+                scene.render.samples_per_pixel = 32;
+            }
         }
         let pixels = (scene.render.width * scene.render.height) as usize;
         // Of each pixel, and of the picture.
         let mut sums = vec![[0.0; 2]; pixels + 1];
         let mut uneven = 0;
         for seed in 0..SEEDS {
-            scene.render.seed = u64::from(seed) + if is_adaptive { 0 } else { 1 << 20 };
+            scene.render.seed = u64::from(seed) + ((ended_by.len() as u64) << 20);
             let outcome = run(&scene);
             let [least, most] = outcome.stats.sample_range;
             uneven += u32::from(least < most);
@@ -338,17 +347,25 @@ fn choosing_pixels_by_their_error_is_without_bias() {
                 sum[1] += value * value;
             }
         }
-        assert_eq!(is_adaptive, uneven > SEEDS / 2, "{uneven} of {SEEDS}");
-        sums.into_iter().map(|[sum, squares]| {
+        let least = match ended_by {
+            "noise" => SEEDS / 5,
+            "time" => SEEDS / 2,
+            _ => 0,
+        };
+        assert!(uneven >= least, "{ended_by}: {uneven} of {SEEDS}");
+        let means = sums.into_iter().map(|[sum, squares]| {
             let count = f64::from(SEEDS);
             let mean = sum / count;
             (mean, (squares / count - mean * mean) / count)
-        })
+        });
+        means.collect::<Vec<_>>()
     });
-    let [adaptive, even] = means;
-    for (number, ((a, variance_a), (b, variance_b))) in adaptive.zip(even).enumerate() {
-        let z = (a - b) / (variance_a + variance_b).sqrt().max(1e-12);
-        assert!(z.abs() < 3.9, "{number}: {a} and {b}, z = {z}");
+    let [noise, time, even] = means;
+    for (ended_by, chosen) in [("noise", noise), ("time", time)] {
+        for (number, ((a, variance_a), (b, variance_b))) in chosen.iter().zip(&even).enumerate() {
+            let z = (a - b) / (variance_a + variance_b).sqrt().max(1e-12);
+            assert!(z.abs() < 4.05, "{ended_by}, {number}: {a} and {b}, z = {z}");
+        }
     }
 }
 
@@ -454,7 +471,8 @@ fn estimates_can_be_left_out() {
 }
 
 /// The bar of a render that stops at a noise, told whenever a tile is done: it never goes back, never jumps by more than 5 % beyond three times the tile's share,
-/// never says that all is done, is within 30 % of the share of samples that was taken, and is at 85 % or more when the end comes.
+/// never says that all is done, is within 30 % of the share of samples that was taken, and is at 80 % or more when the end comes: ways are foreseen
+/// within 20 %.
 #[test]
 fn the_bar_of_a_render_that_stops_at_a_noise_is_true() {
     let mut demo = raymini::io::demo_scene();
@@ -504,7 +522,7 @@ fn the_bar_of_a_render_that_stops_at_a_noise_is_true() {
                 assert!((bar - share).abs() < 0.3, "{place}");
             }
             let (_, last) = seen[seen.len() - 1];
-            assert!(last > 0.85, "{what}, {is_adaptive}: {last} at the end");
+            assert!(last > 0.8, "{what}, {is_adaptive}: {last} at the end");
             assert_eq!(progress.samples.fraction(), 1.0, "{what}, {is_adaptive}");
         }
     }
