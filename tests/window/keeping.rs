@@ -12,7 +12,8 @@ use raymini::gui::dialogs::Dialog;
 use raymini::gui::inspector::Samples;
 use raymini::gui::picture::{LONG, Picture};
 use raymini::io::{BlockLog, LoggedBlocks, block_record, describe_render};
-use raymini::render::{Layer, Region};
+use raymini::render::{Layer, Region, StopRules};
+use raymini::scene::RenderSettings;
 
 /// A window that keeps its work in `data`.
 pub fn open(path: &Path, data: &Path) -> Window {
@@ -440,7 +441,14 @@ fn leave_long_render(room: &Path, data: &Path, killed: &Path) {
     let scene = load(&folder.join("scene.toml"));
     let region = Region::full(scene.render.width, scene.render.height);
     let layers = Layer::all_of(&scene);
-    let description = describe_render(&scene, region, &layers, &CancelToken::new());
+    // By which rules it ends may change on the way.
+    let mut endless = scene.clone();
+    let any = RenderSettings {
+        samples_per_pixel: RenderSettings::MAX_SAMPLES,
+        ..RenderSettings::default()
+    };
+    StopRules::of(&any).put_into(&mut endless.render);
+    let description = describe_render(&endless, region, &layers, &CancelToken::new());
     let description = description.expect("nobody cancels");
     let path = folder.join("blocks-1");
     let known = LoggedBlocks::read(std::slice::from_ref(&path), &description);

@@ -296,9 +296,10 @@ fn name_ui(ui: &mut Ui, name: &str, modified: bool) {
         ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
     });
     if modified {
-        ui.label(RichText::new(mark).weak())
-            .accessible_name("• not saved")
-            .on_hover_text("Not saved: the scene has changed since it was opened or saved");
+        let label = ui.label(RichText::new(mark).weak());
+        // Of a label, the text is the name.
+        label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, "• not saved"));
+        label.on_hover_text("Not saved: the scene has changed since it was opened or saved");
     }
 }
 
