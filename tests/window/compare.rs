@@ -28,7 +28,8 @@ fn image(window: &Window) -> Image {
 fn halves(window: &mut Window) -> [egui::Color32; 2] {
     let frame = window.rect("Viewport");
     [0.25, 0.75].map(|share| {
-        let place = frame.lerp_inside(Vec2::new(share, 0.12));
+        // Below the names of both, above the pyramid.
+        let place = frame.lerp_inside(Vec2::new(share, 0.22));
         let [red, green, blue] = window.color_at(place);
         egui::Color32::from_rgb(red, green, blue)
     })
