@@ -393,8 +393,9 @@ mod tests {
         let side = image.size[0];
         let [left, right] =
             [1, 3].map(|quarters| image.pixels[side / 2 * side + side * quarters / 4]);
-        assert!(left.r() / 2 > left.b(), "{left:?}");
-        assert!(right.b() / 2 > right.r(), "{right:?}");
+        // Between two texels their colours go over into each other.
+        assert!(left.r() > left.b().saturating_add(60), "{left:?}");
+        assert!(right.b() > right.r().saturating_add(60), "{right:?}");
 
         let mut balls = Balls::default();
         balls.set_images(&images);
