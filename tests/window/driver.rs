@@ -357,10 +357,12 @@ impl Window {
     }
 
     pub fn render(&mut self) {
+        let number = |app: &App| app.picture().map(|picture| picture.number);
+        let before = number(self.app());
         self.click("Render");
         self.until("the picture is finished", |app| {
-            !app.picture()
-                .is_none_or(raymini::gui::picture::Picture::is_running)
+            let picture = app.picture().filter(|_| number(app) != before);
+            picture.is_some_and(|picture| !picture.is_running())
         });
     }
 
