@@ -1,7 +1,7 @@
 //! The side panel with names and numbers that nobody foresaw, and what the list and the tools do about what is added and selected.
 
 use crate::driver::{Files, SCENE, Window, set_number};
-use egui::{Key, Modifiers, Pos2, Rect, accesskit::Toggled};
+use egui::{Key, Modifiers, Pos2, accesskit::Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::math::DVec3;
 use raymini::scene::{Light, Object};
