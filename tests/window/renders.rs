@@ -173,7 +173,8 @@ fn the_last_render_is_forgotten_too() {
         assert!(window.app().picture().is_none());
     }
     assert_eq!(window.app().view(), View::Preview);
-    window.render();
+    window.click("Render");
+    window.until("another render has begun", |app| app.picture().is_some());
     assert_eq!(
         number_on_screen(&window),
         Some(4),
