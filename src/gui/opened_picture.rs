@@ -33,7 +33,7 @@ pub fn announce(path: &Path, progress: &Progress) {
 }
 
 impl OpenedPicture {
-    /// The picture in `path`, a file of a render of the scene that was `loaded` from it, like [`Self::read`]; why there is none, or no layers, is
+    /// The picture in `path`, a file of a render of the scene that was `loaded` from it; why there is none, or no layers, is
     /// added to what is said of that.
     pub fn of(
         path: &Path,
