@@ -56,11 +56,11 @@ impl Document {
         }
     }
 
-    /// Work that was never saved: it stays so until it is, wherever it came from.
+    /// Work that was never saved. `saved`: what its file holds, nothing where that is not known.
     #[must_use]
-    pub fn restored(scene: Scene, name: String, path: Option<PathBuf>) -> Self {
+    pub fn restored(scene: Scene, name: String, path: Option<PathBuf>, saved: Scene) -> Self {
         let mut document = Self::new(scene, name, path);
-        document.files[0].saved = Scene::default();
+        document.files[0].saved = saved;
         document
     }
 
@@ -81,13 +81,13 @@ impl Document {
     pub fn open_restored(
         &mut self,
         scene: Scene,
-        name: String,
-        path: Option<PathBuf>,
+        (name, path): (String, Option<PathBuf>),
+        saved: Scene,
         selection: &Selection,
     ) {
         let step = format!("restoring {name}");
         self.put(scene, (name, path), selection, step);
-        self.file_mut().saved = Scene::default();
+        self.file_mut().saved = saved;
     }
 
     /// Puts the scene of another file in place of the present one, as the step to undo that is called `step`.

@@ -13,8 +13,8 @@ use crate::scene::Scene;
 pub struct Recovered {
     /// The scene as it was edited last.
     pub scene: Scene,
-    /// Whether that is what its file holds.
-    pub is_saved: bool,
+    /// What its file holds, nothing where that is not known; `None` where it is the scene itself.
+    pub saved: Option<Scene>,
     /// The render to go on with, or why it cannot be.
     pub render: Option<Result<Interrupted, String>>,
 }
@@ -39,7 +39,7 @@ pub fn recover(
     progress: &Progress,
 ) -> Result<Option<Recovered>, String> {
     let read = scene_of(lost, cancel, progress).map_err(|error| error.to_string())?;
-    let Some((scene, is_saved)) = read else {
+    let Some((scene, saved)) = read else {
         return Ok(None);
     };
     let edited = &scene;
@@ -62,29 +62,42 @@ pub fn recover(
     }
     Ok(Some(Recovered {
         scene,
-        is_saved,
+        saved,
         render,
     }))
 }
 
-/// The scene that `lost` was of: unsaved work, or else what its file holds; and whether that is what it holds.
+/// The scene that `lost` was of: unsaved work, or else what its file holds; and [what that holds](Recovered::saved).
 fn scene_of(
     lost: &Lost,
     cancel: &CancelToken,
     progress: &Progress,
-) -> Result<Option<(Scene, bool)>, LoadError> {
+) -> Result<Option<(Scene, Option<Scene>)>, LoadError> {
     let path = lost.about.path.as_deref();
     let load = |file: &Path| -> Result<Option<Scene>, LoadError> {
         let loaded = io::load_scene(file, cancel, progress)?;
         Ok(loaded.map(|loaded| loaded.scene))
     };
     if let Some(unsaved) = lost.scene_file() {
-        return Ok(load(unsaved)?.map(|scene| (scene, false)));
+        let Some(scene) = load(unsaved)? else {
+            return Ok(None);
+        };
+        let is_as_it_was = |path: &&Path| is_older(path, unsaved);
+        let path = path.filter(is_as_it_was);
+        let read = path.and_then(|path| io::reload_scene(path, &scene, cancel).ok()?);
+        let saved = read.map(|loaded| loaded.scene).unwrap_or_default();
+        return Ok(Some((scene, Some(saved))));
     }
     if let Some(Ok(scene)) = path.map(load) {
-        return Ok(scene.map(|scene| (scene, true)));
+        return Ok(scene.map(|scene| (scene, None)));
     }
     let rendered = lost.render().map(scene_of_render).unwrap_or_default();
     // Where its file is gone, this is all there is of it.
-    Ok(load(&rendered)?.map(|scene| (scene, path.is_none())))
+    Ok(load(&rendered)?.map(|scene| (scene, path.map(|_| Scene::default()))))
+}
+
+/// Whether the file at `path` was written before that at `other`.
+fn is_older(path: &Path, other: &Path) -> bool {
+    let written = |path: &Path| std::fs::metadata(path).and_then(|file| file.modified());
+    matches!((written(path), written(other)), (Ok(path), Ok(other)) if path <= other)
 }

@@ -72,6 +72,28 @@ fn lost_work_is_restored_and_still_is_not_saved() {
     assert!(window.app().dialog().is_none(), "saved work is not lost");
 }
 
+/// What another program wrote after the work was lost is not written over without a question.
+#[test]
+fn a_file_that_was_written_since_the_work_was_lost_is_asked_about() {
+    let files = Files::new();
+    let data = files.path("data");
+    edit_and_die(&files, &data);
+    let text = crate::driver::SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 7");
+    let room = files.write("room.toml", &text);
+    let mut window = open(&room, &data);
+    asks(&mut window);
+    window.click("Restore");
+    window.until("it is restored", |app| app.document().is_modified());
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("it is asked", |app| {
+        matches!(app.dialog(), Some(Dialog::Overwrite(_)))
+    });
+    assert_eq!(load(&room).render.samples_per_pixel, 7);
+    window.click("Overwrite");
+    window.until("it is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&room).lights.len(), 3);
+}
+
 #[test]
 fn lost_work_can_wait_and_be_discarded() {
     let files = Files::new();

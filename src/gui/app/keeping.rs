@@ -293,11 +293,12 @@ impl App {
     pub(super) fn put_restored(&mut self, lost: Lost, recovered: Recovered) {
         let Recovered {
             scene,
-            is_saved,
+            saved,
             render,
         } = recovered;
         let About { name, path } = lost.about.clone();
-        let before = self.open_document(scene, name, path, is_saved);
+        let is_saved = saved.is_none();
+        let before = self.open_document(scene, name, path, saved);
         if is_saved {
             self.jobs.start(Lane::Discard, move |_| lost.discard());
         } else {

@@ -207,7 +207,7 @@ impl App {
             [] => "Demo".to_owned(),
             [first, ..] => name_of(first),
         };
-        let before = self.open_document(loaded.scene, name, file, true);
+        let before = self.open_document(loaded.scene, name, file, None);
         if let Some(before) = before {
             self.messages.news(format!("Undo brings {before} back"));
         }
@@ -223,24 +223,27 @@ impl App {
         }
     }
 
-    /// Puts another scene in place of the present one; `is_saved`: whether it is what its file holds. Returns the name of the one before,
+    /// Puts another scene in place of the present one; `saved`: what its file holds, where it is not the scene itself. Returns the name of the one before,
     /// which undoing brings back; `None` where there was none.
     pub(super) fn open_document(
         &mut self,
         scene: Scene,
         name: String,
         path: Option<PathBuf>,
-        is_saved: bool,
+        saved: Option<Scene>,
     ) -> Option<String> {
         let before = self.document.name().to_owned();
         let is_first = self.document.scene.objects.is_empty()
             && self.document.undo_history().next_undo().is_none();
         let selection = std::mem::take(&mut self.selection);
-        match (is_first, is_saved) {
-            (true, true) => self.document = Document::new(scene, name, path),
-            (true, false) => self.document = Document::restored(scene, name, path),
-            (false, true) => self.document.open(scene, name, path, &selection),
-            (false, false) => self.document.open_restored(scene, name, path, &selection),
+        match (is_first, saved) {
+            (true, None) => self.document = Document::new(scene, name, path),
+            (true, Some(saved)) => self.document = Document::restored(scene, name, path, saved),
+            (false, None) => self.document.open(scene, name, path, &selection),
+            (false, Some(saved)) => {
+                let document = &mut self.document;
+                document.open_restored(scene, (name, path), saved, &selection);
+            }
         }
         self.show_other_scene();
         self.messages.clear();

@@ -54,11 +54,8 @@ impl App {
         self.messages.news("Saving the scene…");
         self.scene_saves.push_back(scene.clone());
         // What is written before this one may be there, too, and this one itself would lose nothing.
-        let saved = self.document.saved();
-        // Of work that was restored nobody knows what its file held.
-        let can_ask = !is_sure && *saved != Scene::default();
-        let known = self.scene_saves.iter().chain([saved]);
-        let known: Option<Vec<Scene>> = can_ask.then(|| known.cloned().collect());
+        let known = self.scene_saves.iter().chain([self.document.saved()]);
+        let known: Option<Vec<Scene>> = (!is_sure).then(|| known.cloned().collect());
         self.jobs.start(Lane::SaveScene, move |job| {
             worker::save_scene(job, scene, file, path, known.as_deref());
         });
