@@ -1,6 +1,7 @@
 //! What is told of a render while it goes on: how wrong the picture is, and how much there is to do.
 
-use super::{LEAST_SAMPLES, Renderer, end_of_even_pass};
+use super::Renderer;
+use super::schedule::{LEAST_SAMPLES, end_of_even_pass};
 use crate::render::error::{ErrorEstimator, LEAST_SHARE, Outlook};
 use crate::render::progress::{ErrorPoint, NOISE_TARGETS};
 use crate::render::run::Round;
