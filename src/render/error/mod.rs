@@ -30,6 +30,9 @@ use survey::{Drops, Group, RowSums, Sums, Survey};
 /// The product's definition of `relmse`.
 pub const RELATIVE_FLOOR: f64 = 0.01;
 
+/// From so many samples of each pixel on the error is told: the halves of fewer have no halves whose means could be compared.
+const LEAST_SAMPLES: u32 = 4;
+
 /// Half the width of a 95 % interval of a normal distribution in standard deviations.
 const NORMAL_95: f64 = 1.96;
 
@@ -148,12 +151,17 @@ impl ErrorEstimator {
     /// Takes in `film`, whose pixels (those `selected`, or all) have just reached another power of two of samples, or the most
     /// they may get. Uses the threads of the current pool; the result does not depend on their number. `None` when cancelled: it is of no
     /// use any more then.
+    /// Of fewer than four samples nothing is learnt.
     pub fn update(
         &mut self,
         film: &Film,
         selected: Option<&[bool]>,
         cancel: &CancelToken,
     ) -> Option<()> {
+        let [_, most] = film.sample_range();
+        if most < LEAST_SAMPLES {
+            return Some(());
+        }
         let survey = Survey::of(film, cancel)?;
         let width = film.region().width as usize;
         let rows: Vec<Option<RowSums>> = self
@@ -217,11 +225,11 @@ impl ErrorEstimator {
         }
     }
 
-    /// The error as it is now; `None` before pixels have four samples.
+    /// The error as it is now; `None` before all pixels have four samples.
     #[must_use]
     pub fn estimate(&self) -> Option<ErrorEstimate> {
         let pixels: u64 = self.groups.iter().map(|group| group.pixels).sum();
-        if pixels == 0 || self.groups.iter().any(|group| group.samples < 4) {
+        if pixels == 0 || self.groups.iter().any(|group| group.samples < LEAST_SAMPLES) {
             return None;
         }
         let samples = |group: &Group| group.pixels as f64 * f64::from(group.samples);
