@@ -54,13 +54,13 @@ impl<'a> Crew<'a> {
     }
 
     /// Calls `work` once for every number below `count`, or for fewer when it is cut, with the number, that of the thread, and a `T` that
-    /// the thread keeps.
+    /// the thread keeps. Who interrupts it when all is done does not cut it.
     pub fn for_each<T: Default>(
         &self,
         count: usize,
         work: &(dyn Fn(usize, usize, &mut T) -> Option<()> + Sync),
     ) -> Result<(), Cut> {
-        let next = AtomicUsize::new(0);
+        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let is_cut = || {
             [&self.run.cancel, &self.run.interrupt, &self.halt]
                 .iter()
@@ -75,6 +75,7 @@ impl<'a> Crew<'a> {
                 if number >= count || is_cut() || work(number, thread.index(), &mut own).is_none() {
                     break;
                 }
+                done.fetch_add(1, Ordering::Relaxed);
             }
             // The others need not wait for their turn any more.
             self.run.throttle.wake();
@@ -86,7 +87,7 @@ impl<'a> Crew<'a> {
         if self.run.cancel.is_cancelled() {
             return Err(Cut::Cancelled);
         }
-        if self.run.interrupt.is_cancelled() {
+        if self.run.interrupt.is_cancelled() && done.into_inner() < count {
             return Err(Cut::Interrupted);
         }
         Ok(())

@@ -66,7 +66,6 @@ pub struct Renderer<'a> {
     rules: StopRules,
     /// Whether some pixels may have more samples than others.
     is_choosing: bool,
-    is_cut_short: bool,
     /// What was there before a pass over all pixels that is shorter than it might be.
     before_short_pass: Option<Box<(Shared, Course)>>,
 }
@@ -131,7 +130,6 @@ impl<'a> Renderer<'a> {
             rules: live_rules.get(),
             live_rules,
             is_choosing: course.has_chosen_pixels(&shared.film),
-            is_cut_short: false,
             before_short_pass: None,
             tiles: shared.film.region().tiles(TILE_SIDE),
             layers: run.layers_of(scene),
@@ -154,10 +152,7 @@ impl<'a> Renderer<'a> {
         match taken {
             Ok(ending) => Some(ending),
             Err(Cut::Cancelled) => None,
-            Err(Cut::TimeUp) => {
-                self.is_cut_short = true;
-                Some(Ending::Time)
-            }
+            Err(Cut::TimeUp) => Some(Ending::Time),
             Err(Cut::Interrupted) => {
                 self.keep_last_checkpoint();
                 Some(Ending::Interrupted)
@@ -193,7 +188,8 @@ impl<'a> Renderer<'a> {
     }
 
     /// The picture and what it took; `None` when cancelled.
-    pub fn outcome(self, ending: Ending) -> Option<RenderOutcome> {
+    pub fn outcome(mut self, ending: Ending) -> Option<RenderOutcome> {
+        let is_cut_short = self.settle()?;
         self.clock.note_lead();
         let (seconds, cpu_seconds) = (self.clock.seconds(), self.clock.cpu_seconds());
         let Shared {
@@ -213,7 +209,7 @@ impl<'a> Renderer<'a> {
             samples_per_pixel: film.mean_samples(),
             sample_range: film.sample_range(),
             passes: self.course.passes,
-            is_cut_short: self.is_cut_short,
+            is_cut_short,
             ending,
             error: estimator.and_then(ErrorEstimator::estimate),
             non_finite_samples: counts.non_finite,
@@ -247,6 +243,24 @@ impl<'a> Renderer<'a> {
         };
         let limit = self.live_rules.get().stop.seconds;
         limit.is_some_and(|limit| self.clock.seconds() >= limit * (1.0 + delay))
+    }
+
+    /// Ends the pass that was cut, if one was. Returns whether some tiles have it, and not all; the error is estimated anew then, for the samples
+    /// that are there. `None` when cancelled.
+    fn settle(&mut self) -> Option<bool> {
+        let cut = self.course.pass.take();
+        let Shared { film, has_pass, .. } = self.shared.get_mut().expect("no thread panicked");
+        if cut.is_none() || !has_pass.contains(&true) {
+            return Some(false);
+        }
+        if let Some(estimator) = &mut self.course.estimator {
+            // How noise falls is learnt from whole passes.
+            let learns_from = vec![false; film.pixels()];
+            let cancel = &self.run.cancel;
+            let update = || estimator.update(film, Some(&learns_from), cancel);
+            self.crew.pool().install(update)?;
+        }
+        Some(true)
     }
 
     fn lock(&self) -> MutexGuard<'_, Shared> {

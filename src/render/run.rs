@@ -109,8 +109,7 @@ pub enum Ending {
     Noise,
     /// The time is up. Where that was before the first pass was over, pixels have one sample or none.
     Time,
-    /// It was told to end. Pixels may have any number of samples, even none, and the error is that of the last whole pass over them, if
-    /// anything too large.
+    /// It was told to end. Pixels may have any number of samples, even none.
     Interrupted,
 }
 
@@ -133,10 +132,10 @@ pub struct RenderStats {
     pub samples_per_pixel: f64,
     /// The fewest and the most samples of a pixel.
     pub sample_range: [u32; 2],
-    /// Passes over the picture that are over. Where the error decides which pixels get samples, their number reproduces a picture that the
-    /// clock ended between two of them.
+    /// Passes over the picture that are over. Where the error decides which pixels get samples, their number reproduces a picture that was
+    /// ended between two of them.
     pub passes: u32,
-    /// Whether the clock ended it in the middle of a pass: in the first, or far beyond its time. Nothing reproduces that.
+    /// Whether it ended in the middle of a pass: as it was told to, or by the clock in the first or far beyond its time. Nothing reproduces that.
     pub is_cut_short: bool,
     /// Why it ended.
     pub ending: Ending,

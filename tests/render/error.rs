@@ -39,7 +39,7 @@ fn rounds(scene: &Scene) -> Vec<(Image, ErrorEstimate)> {
 }
 
 /// Mean square error and mean relative square error.
-fn true_error(image: &Image, exact: impl Fn(usize, usize) -> f64) -> [f64; 2] {
+pub fn true_error(image: &Image, exact: impl Fn(usize, usize) -> f64) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for (index, pixel) in image.pixels.iter().enumerate() {
         for (c, &value) in pixel.iter().enumerate() {
@@ -52,7 +52,7 @@ fn true_error(image: &Image, exact: impl Fn(usize, usize) -> f64) -> [f64; 2] {
     sums.map(|sum| sum / (3 * image.pixels.len()) as f64)
 }
 
-fn from_picture(reference: &Image) -> impl Fn(usize, usize) -> f64 {
+pub fn from_picture(reference: &Image) -> impl Fn(usize, usize) -> f64 {
     |index, c| f64::from(reference.pixels[index][c])
 }
 

@@ -1,10 +1,11 @@
 //! When renders end: by the clock before there is a whole picture, and by rules that change on the way or after.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use crate::common::{add, diffuse, rectangle, run};
+use crate::error::{from_picture, true_error};
 use raymini::control::CancelToken;
 use raymini::math::DVec3;
 use raymini::render::{
@@ -102,6 +103,60 @@ fn time_ends_a_render_before_there_is_a_whole_picture() {
     assert_eq!((stats.sample_range, stats.passes), ([0, 1], 0));
     assert!(stats.is_cut_short && stats.samples > 0 && stats.error.is_none());
     assert!(stats.samples < scene.render.pixel_count() / 2, "{stats:?}");
+}
+
+/// Renders `scene`, by one thread, and has it end when so many tiles are done, of six in each pass over the picture.
+fn interrupted_after(tiles: usize, scene: &Scene) -> RenderOutcome {
+    let run = RunConfig {
+        threads: 1,
+        ..RunConfig::default()
+    };
+    let done = AtomicUsize::new(0);
+    let on_tile = |_: &TilePixels<'_>| {
+        if done.fetch_add(1, Ordering::Relaxed) + 1 == tiles {
+            run.interrupt.cancel();
+        }
+    };
+    let watch = Watch {
+        on_tile: Some(&on_tile),
+        ..Watch::default()
+    };
+    let progress = RenderProgress::default();
+    let outcome = render_watched(&prepared(scene), None, &run, &progress, watch);
+    outcome.expect("nobody cancels")
+}
+
+/// It is that of a render of as many samples, and says how many passes it has.
+#[test]
+fn a_render_that_is_interrupted_between_passes_is_whole() {
+    let found = interrupted_after(7 * 6, &with_samples(64));
+    let whole = run(&with_samples(12));
+    assert_eq!(found.stats.ending, Ending::Interrupted);
+    assert_eq!(found.stats.sample_range, [12; 2]);
+    assert_eq!((found.stats.passes, found.stats.is_cut_short), (7, false));
+    assert_eq!(found.image.hash(), whole.image.hash());
+    assert_eq!(found.stats.error, whole.stats.error);
+}
+
+/// Four tiles of six got the pass from 8 to 12 samples. What is told of that picture holds the truth, as far as another one of 1024 samples
+/// knows it.
+#[test]
+fn the_error_of_a_render_that_is_interrupted_is_that_of_the_samples_it_has() {
+    let found = interrupted_after(6 * 6 + 4, &with_samples(64));
+    let stats = found.stats;
+    assert_eq!(stats.ending, Ending::Interrupted);
+    assert_eq!(stats.sample_range, [8, 12]);
+    assert_eq!((stats.passes, stats.is_cut_short), (6, true));
+    let error = stats.error.expect("there are enough samples");
+    assert_eq!(error.samples_per_pixel, stats.samples_per_pixel);
+    let mut reference = with_samples(1024);
+    reference.render.seed = 1;
+    let reference = run(&reference).image;
+    let [_, truth] = true_error(&found.image, from_picture(&reference));
+    assert!(
+        error.relmse.contains(truth),
+        "{error:?}, in truth {truth:e}"
+    );
 }
 
 /// As many samples as the new rules say, with the bits that they give from the start: from a whole pass on, and from one that was shorter as

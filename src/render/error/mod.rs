@@ -229,7 +229,12 @@ impl ErrorEstimator {
     #[must_use]
     pub fn estimate(&self) -> Option<ErrorEstimate> {
         let pixels: u64 = self.groups.iter().map(|group| group.pixels).sum();
-        if pixels == 0 || self.groups.iter().any(|group| group.samples < LEAST_SAMPLES) {
+        if pixels == 0
+            || self
+                .groups
+                .iter()
+                .any(|group| group.samples < LEAST_SAMPLES)
+        {
             return None;
         }
         let samples = |group: &Group| group.pixels as f64 * f64::from(group.samples);
