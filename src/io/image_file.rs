@@ -292,13 +292,46 @@ fn exr_file<'a, L: WritableLayers<'a>>(
         .write()
         .to_buffered(Unless { cancel, inner })
         .map_err(|error| io::Error::other(error.to_string()))?;
-    Ok(bytes.into_inner())
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+/// Puts the attributes of an OpenEXR file of one part into the order of their names: the library writes them in a random one, and the same
+/// picture is to be the same file.
+///
+/// Source: The OpenEXR file layout: after eight bytes, attributes of name, type, each ended by a zero, length in four bytes, and value, up to
+/// one without a name.
+fn sort_attributes(file: &mut [u8]) {
+    let Some(header) = file.get_mut(8..) else {
+        return;
+    };
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    let mut end = 0;
+    while let Some(length) = attribute_length(&header[end..]) {
+        attributes.push(header[end..end + length].to_vec());
+        end += length;
+    }
+    // Each begins with its name and a zero.
+    attributes.sort();
+    header[..end].copy_from_slice(&attributes.concat());
+}
+
+/// The bytes of the attribute that `bytes` begin with, where there is one.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let mut texts = bytes.splitn(3, |&byte| byte == 0);
+    let name = texts.next().filter(|name| !name.is_empty())?;
+    let (kind, rest) = (texts.next()?, texts.next()?);
+    let length = u32::from_le_bytes(*rest.first_chunk()?);
+    let all = name.len() + kind.len() + 6 + usize::try_from(length).ok()?;
+    (all <= bytes.len()).then_some(all)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::Values;
+    use crate::io::{Values, WrittenError, read_image};
+    use crate::render::Region;
 
     fn gradient() -> Image {
         let pixels = (0..35)
@@ -319,6 +352,40 @@ mod tests {
             .into_temp_path();
         write_image(&gradient(), &[], &Display::default(), &output, &path).expect("is written");
         path
+    }
+
+    /// Whatever order the library writes attributes in: sixteen files would be alike by chance once in 6¹⁵ times.
+    #[test]
+    fn the_same_picture_is_the_same_openexr_file() {
+        let region = Region {
+            x: 1,
+            y: 2,
+            width: 7,
+            height: 5,
+        };
+        let error = WrittenError {
+            rmse: 0.1,
+            relmse: 0.2,
+            samples_per_pixel: 3.0,
+        };
+        let origin = Origin {
+            scene: &Scene::default(),
+            error: Some(error),
+            region: Some(region),
+            values: Values::Rendered,
+        };
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("same.exr");
+        let file = || {
+            write_render(&gradient(), &[], &origin, &path).expect("is written");
+            std::fs::read(&path).expect("is there")
+        };
+        let first = file();
+        let read = read_image(&path).expect("can be read");
+        assert_eq!(read.image, gradient());
+        for _ in 1..16 {
+            assert!(file() == first);
+        }
     }
 
     #[test]
