@@ -399,6 +399,7 @@ fn render_with_progress(
             every: file.every,
             most_share: f64::INFINITY,
             keep: &keep,
+            in_background: None,
         }),
         ..Watch::default()
     };

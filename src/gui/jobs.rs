@@ -159,6 +159,19 @@ pub struct Job<E> {
     wake: Wake,
 }
 
+/// One says what it has to say in the name of the other.
+impl<E> Clone for Job<E> {
+    fn clone(&self) -> Self {
+        Self {
+            cancel: self.cancel.clone(),
+            lane: self.lane,
+            generation: self.generation,
+            sender: self.sender.clone(),
+            wake: self.wake.clone(),
+        }
+    }
+}
+
 /// The window to wake when there is news, which may become another one.
 #[derive(Clone, Debug)]
 struct Wake(Arc<Mutex<egui::Context>>);

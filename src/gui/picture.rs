@@ -311,7 +311,15 @@ impl Picture {
     /// Removes what is on disk of it, as soon as nobody writes there any more.
     pub fn forget_kept(&mut self) {
         if let Some(kept) = self.kept.take() {
+            kept.give_up();
             drop_elsewhere(kept);
+        }
+    }
+
+    /// Has nothing more written to disk of it; what is there stays.
+    pub fn stop_keeping(&self) {
+        if let Some(kept) = &self.kept {
+            kept.give_up();
         }
     }
 

@@ -1,19 +1,17 @@
 //! A render that is kept on disk while it runs, to be gone on with when the program is killed.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::event::Event;
 use super::jobs::Job;
-use super::keeping::KeptRender;
+use super::keeping::{KeptRender, MOST_WAITING_BYTES, RenderWriter, Subject};
 use super::worker::RenderRequest;
-use crate::io::{LoggedBlocks, block_record, describe_render};
+use crate::io::LoggedBlocks;
 use crate::render::{
     Block, BlockHeader, BlockStore, Checkpoint, CheckpointKeeper, Layer, PictureMemory,
     PreparedScene, StopRules,
 };
-use crate::scene::{RenderSettings, Scene};
 
 /// The least time between two checkpoints.
 const LEAST_INTERVAL: Duration = Duration::from_secs(1);
@@ -21,8 +19,8 @@ const LEAST_INTERVAL: Duration = Duration::from_secs(1);
 /// The most that they may take of a render's time.
 const MOST_SHARE: f64 = 0.01;
 
-/// The most that blocks of samples may take of it, beside [`BLOCK_CREDIT`]. From passes of a few samples on, all fit in; before, those that
-/// do not are taken anew when the render goes on, which takes no longer than they took at first.
+/// The most that blocks of samples may take of it in processor time, beside [`BLOCK_CREDIT`]. From passes of a few samples on, all fit in;
+/// before, those that do not are taken anew when the render goes on, which takes no longer than they took at first.
 const MOST_BLOCK_SHARE: f64 = 0.02;
 
 /// What blocks may take beyond their share, so that those of a render's first seconds are kept.
@@ -43,25 +41,17 @@ const MOST_OTHER_BYTES: u64 = 1 << 24;
 pub struct RenderKeeper<'a> {
     job: &'a Job<Event>,
     request: &'a RenderRequest,
-    kept: &'a KeptRender,
+    kept: &'a Arc<KeptRender>,
     layers: &'a [Layer],
     /// What the render takes with checkpoints.
     memory: PictureMemory,
-    /// `None` when cancelled before it was there.
-    description: OnceLock<Option<String>>,
+    subject: Arc<Subject>,
+    writer: RenderWriter,
     threads: usize,
     started: Instant,
-    /// Whether the first log of blocks is being begun, and is there.
-    is_beginning: AtomicBool,
-    has_log: AtomicBool,
-    /// Nanoseconds that keeping blocks took, and their bytes.
-    spent: AtomicU64,
-    written: AtomicU64,
     /// The blocks that were there when the render went on.
     known: OnceLock<LoggedBlocks>,
-    /// Whether it was told that one cannot be kept.
-    is_told: AtomicBool,
-    /// By which rules it ends, as far as that is on disk.
+    /// By which rules it ends, as far as that was handed over.
     rules: Mutex<StopRules>,
 }
 
@@ -95,41 +85,47 @@ impl<'a> RenderKeeper<'a> {
         memory: PictureMemory,
         threads: usize,
     ) -> Option<Self> {
+        let kept = request.kept.as_ref()?;
         let memory = PictureMemory {
             has_checkpoint: true,
+            kept_bytes: memory.kept_bytes + MOST_WAITING_BYTES,
             ..memory
         };
-        let keeper = Self {
-            job,
-            request,
-            kept: request.kept.as_deref()?,
-            layers,
-            memory,
-            description: OnceLock::new(),
-            threads,
-            started: Instant::now(),
-            is_beginning: AtomicBool::new(false),
-            has_log: AtomicBool::new(false),
-            spent: AtomicU64::new(0),
-            written: AtomicU64::new(0),
-            known: OnceLock::new(),
-            is_told: AtomicBool::new(false),
-            rules: Mutex::new(request.rules.get()),
-        };
         if let Err(short) = memory.require() {
-            keeper.tell(format!(
+            job.send(Event::RenderNotKept(format!(
                 "What is written to disk is copied in memory first. With the render itself that takes {} of memory, {}. A smaller \
                  picture or a region of it takes less, and so does one without layers (Keep layers).",
                 short.0.needed_in_words(),
                 short.0.why()
-            ));
+            )));
             return None;
         }
-        Some(keeper)
+        let (scene, rules) = (request.scene.clone(), request.rules.clone());
+        let region = kept.about().region;
+        let subject = Arc::new(Subject::new(scene, region, layers.to_vec(), rules));
+        let teller = job.clone();
+        let tell = move |reason| teller.send(Event::RenderNotKept(reason));
+        Some(Self {
+            job,
+            request,
+            kept,
+            layers,
+            memory,
+            writer: RenderWriter::begin(Arc::clone(kept), Arc::clone(&subject), tell),
+            subject,
+            threads,
+            started: Instant::now(),
+            known: OnceLock::new(),
+            rules: Mutex::new(request.rules.get()),
+        })
     }
 
-    /// When checkpoints are kept, and that `keep` keeps them, which calls [`Self::keep`].
-    pub fn checkpoints<'k>(&self, keep: &'k (dyn Fn(Checkpoint) + Sync)) -> CheckpointKeeper<'k> {
+    /// When checkpoints are kept, and that `keep` keeps them, which calls [`Self::keep`], as does `took` [`Self::took`].
+    pub fn checkpoints<'k>(
+        &self,
+        keep: &'k (dyn Fn(Checkpoint) + Sync),
+        took: &'k (dyn Fn() -> Option<Duration> + Sync),
+    ) -> CheckpointKeeper<'k> {
         let seconds = self.memory.checkpoint_bytes() as f64 / BYTES_PER_SECOND;
         let seconds = seconds / (MOST_SHARE * self.threads as f64);
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
@@ -137,6 +133,7 @@ impl<'a> RenderKeeper<'a> {
             every: every.max(LEAST_INTERVAL),
             most_share: MOST_SHARE,
             keep,
+            in_background: Some(took),
         }
     }
 
@@ -145,7 +142,7 @@ impl<'a> RenderKeeper<'a> {
     /// # Errors
     /// Why there is nothing to go on from, in words.
     pub fn start(&self, prepared: &PreparedScene) -> Result<Option<Start>, String> {
-        let Some(description) = self.description() else {
+        let Some(description) = self.subject.description(&self.job.cancel) else {
             return Ok(None);
         };
         // Small numbers take up to a quarter more in the file than in memory.
@@ -180,64 +177,32 @@ impl<'a> RenderKeeper<'a> {
         Ok(Some(Start::of(checkpoint, samples, seconds)))
     }
 
-    /// Keeps `checkpoint`. That it cannot be is told once.
-    pub fn keep(&self, checkpoint: &Checkpoint) {
-        let Some(description) = self.description() else {
-            return;
-        };
-        self.keep_rules();
-        let scene = &self.scene();
+    /// Has `checkpoint` kept. That it cannot be is told once.
+    pub fn keep(&self, checkpoint: Checkpoint) {
         let known = self.known.get().map_or(&[][..], LoggedBlocks::headers);
         let mut known = known.iter();
         let needs_old = known.any(|block| checkpoint.lacks(block.pass, block.tile));
-        let kept = self
-            .kept
-            .keep(scene, description, checkpoint, needs_old, &self.job.cancel);
-        if let Err(error) = kept {
-            self.tell(error);
+        self.writer.keep(checkpoint, needs_old);
+    }
+
+    /// How long writing the last checkpoint took; `None` while it goes on.
+    pub fn took(&self) -> Option<Duration> {
+        self.writer.checkpoint_took()
+    }
+
+    /// Ends with the render. What it has reached last is still written where it `is_done`; where it is cancelled, nothing is any more.
+    pub fn end(self, is_done: bool) {
+        if !is_done {
+            self.kept.give_up();
         }
     }
 
-    /// Begins a log of blocks. That it cannot be is not told: of a checkpoint it will be.
-    fn begin_log(&self) {
-        let Some(description) = self.description() else {
-            return;
-        };
-        let begun = self.kept.begin_log(&self.scene(), description);
-        self.has_log.store(begun.is_ok(), Ordering::Relaxed);
-    }
-
-    /// What the render is of; `None` when cancelled.
-    fn description(&self) -> Option<&str> {
-        let description = self.description.get_or_init(|| {
-            let region = self.kept.about().region;
-            // By which rules it ends may change on the way.
-            let mut scene = self.request.scene.clone();
-            let any = RenderSettings {
-                samples_per_pixel: RenderSettings::MAX_SAMPLES,
-                ..RenderSettings::default()
-            };
-            StopRules::of(&any).put_into(&mut scene.render);
-            describe_render(&scene, region, self.layers, &self.job.cancel)
-        });
-        description.as_deref()
-    }
-
-    /// What is rendered, with the rules as they are now. A pixel that has its samples by other rules keeps them.
-    fn scene(&self) -> Scene {
-        let mut scene = self.request.scene.clone();
-        let before = scene.render.samples_per_pixel;
-        let mut rules = self.request.rules.get();
-        rules.samples_per_pixel = rules.samples_per_pixel.max(before);
-        rules.put_into(&mut scene.render);
-        scene
-    }
-
-    /// Takes the rules to disk, where they are others than those that are there.
+    /// Has the rules taken to disk, where they are others than those that were.
     fn keep_rules(&self) {
         let rules = self.request.rules.get();
         let mut known = self.rules.lock().unwrap_or_else(PoisonError::into_inner);
-        if *known != rules && self.kept.keep_scene_anew(&self.scene()).is_ok() {
+        if *known != rules {
+            self.writer.keep_rules();
             *known = rules;
         }
     }
@@ -247,41 +212,22 @@ impl<'a> RenderKeeper<'a> {
         let seconds = self.request.throttle.time_since(self.started);
         let seconds = seconds.as_secs_f64();
         let share = seconds * self.threads as f64 * MOST_BLOCK_SHARE;
-        let spent = Duration::from_nanos(self.spent.load(Ordering::Relaxed));
+        let (spent, written) = self.writer.spent_on_blocks();
         let room = FREE_BLOCK_BYTES + seconds * BLOCK_BYTES_PER_SECOND;
-        spent.as_secs_f64() > share + BLOCK_CREDIT.as_secs_f64()
-            || self.written.load(Ordering::Relaxed) as f64 > room
-    }
-
-    fn tell(&self, reason: String) {
-        if !self.is_told.swap(true, Ordering::Relaxed) {
-            self.job.send(Event::RenderNotKept(reason));
-        }
+        spent.as_secs_f64() > share + BLOCK_CREDIT.as_secs_f64() || written as f64 > room
     }
 }
 
 impl BlockStore for RenderKeeper<'_> {
     fn begin_anew(&self) {
-        self.is_beginning.store(true, Ordering::Relaxed);
-        self.begin_log();
+        self.writer.begin_log();
     }
 
     fn keep(&self, block: &Block<'_>) {
-        // To describe a scene of large meshes takes time, for which the other threads do not wait.
-        if !self.is_beginning.swap(true, Ordering::Relaxed) {
-            self.begin_log();
-        }
         self.keep_rules();
-        if self.is_spent() || !self.has_log.load(Ordering::Relaxed) {
-            return;
+        if !self.is_spent() {
+            self.writer.log(block);
         }
-        let started = Instant::now();
-        let record = block_record(block);
-        self.kept.log_block(&record);
-        let taken = u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        self.spent.fetch_add(taken, Ordering::Relaxed);
-        self.written
-            .fetch_add(record.len() as u64, Ordering::Relaxed);
     }
 
     fn recall(&self, pass: u32, tile: u32) -> Option<Block<'static>> {

@@ -237,6 +237,7 @@ mod tests {
                 every: std::time::Duration::ZERO,
                 most_share: f64::INFINITY,
                 keep: &keep,
+                in_background: None,
             }),
             ..Watch::default()
         };

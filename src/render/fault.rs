@@ -138,6 +138,7 @@ mod tests {
                     every: std::time::Duration::MAX,
                     most_share: f64::INFINITY,
                     keep: &keep,
+                    in_background: None,
                 }),
                 ..Watch::default()
             };

@@ -216,9 +216,20 @@ pub struct CheckpointKeeper<'a> {
     /// The most that keeping them may take of the time of all threads, above 0: where one takes long, the next waits longer for it.
     /// Infinite where that does not matter.
     pub most_share: f64,
-    /// Is given them: by the thread that finds one due after a tile, which takes no samples until it is kept, and at the end of a
+    /// Is given them: by the thread that finds one due after a tile, which takes no samples until this returns, and at the end of a
     /// render that is interrupted.
     pub keep: &'a (dyn Fn(Checkpoint) + Sync),
+    /// Of one that goes on keeping when `keep` returns: how long it did so with the last one, zero before the first; `None` while it does.
+    /// No other is taken then: each is a copy of all sums.
+    pub in_background: Option<&'a (dyn Fn() -> Option<Duration> + Sync)>,
+}
+
+impl CheckpointKeeper<'_> {
+    /// How long the last one was kept in the background; `None` while it still is.
+    pub(super) fn took_in_background(&self) -> Option<Duration> {
+        self.in_background
+            .map_or(Some(Duration::ZERO), |took| took())
+    }
 }
 
 /// Who watches a render.

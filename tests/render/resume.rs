@@ -125,6 +125,7 @@ impl Case {
             every,
             most_share: f64::INFINITY,
             keep,
+            in_background: None,
         });
         let progress = RenderProgress::default();
         let outcome = self.for_tiles(threads, tiles, |run, watch| {
@@ -354,10 +355,61 @@ fn checkpoints_wait_for_their_share_of_the_time() {
             every: Duration::ZERO,
             most_share: 1e-9,
             keep: &keep,
+            in_background: None,
         }),
         ..Watch::default()
     };
     let (run, progress) = (RunConfig::default(), RenderProgress::default());
     render_watched(&case.prepared(), None, &run, &progress, watch).expect("nobody cancels");
     assert_eq!(kept.into_inner(), 1);
+}
+
+/// One that is kept in the background is not followed by another meanwhile, nor before its share of the time allows it; only the last of an
+/// interrupted render waits, and has all that is there.
+#[test]
+fn checkpoints_wait_for_one_that_is_kept_in_the_background() {
+    let case = cases().swap_remove(0);
+    let prepared = case.prepared();
+    for (looks, took, expected) in [
+        (usize::MAX, Duration::ZERO, 1),
+        (0, Duration::from_hours(1), 1),
+        (20, Duration::ZERO, 2),
+    ] {
+        // How often it was looked since whether the last one is kept; none before the first.
+        let since = Mutex::new(None);
+        let kept = Mutex::new(Vec::new());
+        let keep = |checkpoint: Checkpoint| {
+            let before = since.lock().unwrap().replace(0);
+            assert!(before.is_none_or(|before| before > looks));
+            kept.lock().unwrap().push(checkpoint.samples_per_pixel());
+        };
+        let is_kept = || match &mut *since.lock().unwrap() {
+            None => Some(Duration::ZERO),
+            Some(since) => {
+                *since += 1;
+                (*since > looks).then_some(took)
+            }
+        };
+        let checkpoints = Some(CheckpointKeeper {
+            every: Duration::ZERO,
+            most_share: 1.0,
+            keep: &keep,
+            in_background: Some(&is_kept),
+        });
+        let tiles = if looks == 20 { 3 } else { usize::MAX };
+        let progress = RenderProgress::default();
+        let outcome = case.for_tiles(2, tiles, |run, watch| {
+            let watch = Watch {
+                checkpoints,
+                ..watch
+            };
+            render_watched(&prepared, None, run, &progress, watch)
+        });
+        let kept = kept.into_inner().unwrap();
+        assert_eq!(kept.len(), expected);
+        let outcome = outcome.expect("nobody cancels");
+        if outcome.stats.ending == Ending::Interrupted {
+            assert_eq!(kept[1], outcome.stats.samples_per_pixel);
+        }
+    }
 }

@@ -508,6 +508,7 @@ fn a_long_render_is_kept_until_its_picture_is_saved() {
         });
         assert!(window.app().picture().unwrap().elapsed() >= 2 * LONG);
         assert_eq!(window.hash(), library_hash(&load(&room)));
+        window.until("it is on disk", |app| !app.is_keeping_render());
         window
     };
     let mut window = finish(&killed);

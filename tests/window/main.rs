@@ -22,6 +22,7 @@ mod reload;
 mod renders;
 mod restoring;
 mod seeing;
+mod slow_disk;
 mod start;
 mod stopping;
 mod tools;

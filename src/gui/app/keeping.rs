@@ -28,7 +28,7 @@ const INTERVAL: Duration = Duration::from_millis(500);
 /// Time until work is written again that could not be.
 const RETRY_INTERVAL: Duration = Duration::from_secs(5);
 
-/// The longest that a closing window waits for a render to end.
+/// The longest that a closing window waits for a render to end, and for what writes it.
 const LETTING_GO: Duration = Duration::from_secs(1);
 
 /// What the window keeps on disk.
@@ -121,9 +121,13 @@ impl App {
         self.jobs.cancel(Lane::Render);
         if let Some(picture) = &self.picture {
             picture.throttle().allow(usize::MAX);
+            picture.stop_keeping();
         }
+        self.renders.stop_keeping();
+        let is_held =
+            |app: &Self| app.jobs.running_threads(Lane::Render) > 0 || app.is_keeping_render();
         let end = Instant::now() + LETTING_GO;
-        while self.jobs.running_threads(Lane::Render) > 0 && Instant::now() < end {
+        while is_held(self) && Instant::now() < end {
             std::thread::sleep(Duration::from_millis(1));
         }
     }
@@ -226,6 +230,13 @@ impl App {
         is_newest == self.document.is_modified()
             && !self.keeping.has_failed
             && !self.jobs.is_busy(Lane::Keep)
+    }
+
+    /// Whether a thread takes a render to disk: one that runs, or has ended and is not there as a whole yet.
+    #[must_use]
+    pub fn is_keeping_render(&self) -> bool {
+        let session = self.keeping.session();
+        session.is_some_and(|session| session.has_writers())
     }
 
     /// Asks about lost work, once what was opened is there; and tells why nothing can be kept.

@@ -382,6 +382,8 @@ impl App {
             // Before it is looked how much there is.
             drop(freed);
             worker::render(job, &request);
+            // What only it held takes long to be given back, on disk as in memory.
+            drop_elsewhere(request);
         });
     }
 

@@ -9,6 +9,7 @@ mod layout;
 mod recent;
 mod render;
 mod session;
+mod writer;
 
 use std::fs::File;
 use std::io;
@@ -18,6 +19,7 @@ pub use layout::{Fold, LEAST_WINDOW, Layout, Theme, load_layout, save_layout};
 pub use recent::{MOST_RECENT, load_recent, save_recent};
 pub use render::{KeptRender, RenderAbout, scene_of_render};
 pub use session::{About, Begun, Lost, Place, Session, begin};
+pub use writer::{MOST_WAITING_BYTES, RenderWriter, Subject};
 
 /// The program's folder in the user's data; `None` where the system knows no home.
 #[must_use]

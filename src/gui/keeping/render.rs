@@ -64,6 +64,7 @@ pub struct KeptRender {
     about: RenderAbout,
     /// Whether it was left by another process, and nobody went on with it yet.
     is_found: AtomicBool,
+    given_up: CancelToken,
     logs: Mutex<Logs>,
 }
 
@@ -92,6 +93,7 @@ impl KeptRender {
             folder: folder.join(format!("{PREFIX}{number}")),
             about,
             is_found: AtomicBool::new(false),
+            given_up: CancelToken::new(),
             logs: Mutex::default(),
         }
     }
@@ -102,11 +104,26 @@ impl KeptRender {
         &self.about
     }
 
+    /// The session that it is a part of.
+    pub(super) fn session(&self) -> &Arc<Session> {
+        &self.session
+    }
+
+    /// Has nothing more written here: what is there stays as it is.
+    pub fn give_up(&self) {
+        self.given_up.cancel();
+    }
+
+    /// Whether it is [given up](Self::give_up).
+    pub(super) fn given_up(&self) -> &CancelToken {
+        &self.given_up
+    }
+
     /// Moves what is in `folder` here, where nothing is yet.
     pub(super) fn take(&self, folder: &Path) -> Result<(), String> {
         let in_words = |error| format!("{}: {error}", folder.display());
         self.session
-            .write_render(|| fs::rename(folder, &self.folder).map_err(in_words))?;
+            .move_render(|| fs::rename(folder, &self.folder).map_err(in_words))?;
         self.is_found.store(true, Ordering::Relaxed);
         let newest = self.log_files().last().map(|(number, _)| *number);
         let first_own = newest.map_or(0, |newest| newest.saturating_add(1));
@@ -196,7 +213,7 @@ impl KeptRender {
             let in_words = |error: std::io::Error| error.to_string();
             let leave = || self.session.leave_render(&self.folder).map_err(in_words);
             // Where it cannot be moved, it goes with the session.
-            let _ = self.session.write_render(leave);
+            let _ = self.session.move_render(leave);
         }
     }
 

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
@@ -77,8 +77,10 @@ pub struct Session {
     held: Mutex<Held>,
     /// Renders that were given a place.
     renders: AtomicUsize,
-    /// Whether renders may not be kept any more. Whoever writes one holds it.
-    is_over: Mutex<bool>,
+    /// Threads that write renders, and may have files open.
+    writers: AtomicUsize,
+    /// Whether renders may not be kept any more. Whoever writes one shares it; whoever moves or removes one has it alone.
+    is_over: RwLock<bool>,
     /// Whether all of it is for the next window.
     is_left: AtomicBool,
 }
@@ -93,7 +95,7 @@ impl Session {
     /// Removes all of it, as the window closes: the user has decided about the work. Nothing can be kept any more. Waits for what is
     /// being written.
     pub fn end(&self) {
-        *self.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        *self.is_over.write().unwrap_or_else(PoisonError::into_inner) = true;
         self.held().remove();
     }
 
@@ -119,8 +121,29 @@ impl Session {
         &self,
         write: impl FnOnce() -> Result<(), String>,
     ) -> Result<(), String> {
-        let is_over = self.is_over.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_over = self.is_over.read().unwrap_or_else(PoisonError::into_inner);
         if *is_over { Ok(()) } else { write() }
+    }
+
+    /// [`Self::write_render`] while nobody else writes one.
+    pub(super) fn move_render(
+        &self,
+        write: impl FnOnce() -> Result<(), String>,
+    ) -> Result<(), String> {
+        let is_over = self.is_over.write().unwrap_or_else(PoisonError::into_inner);
+        if *is_over { Ok(()) } else { write() }
+    }
+
+    /// Takes note of a thread that writes a render, until what is returned is dropped.
+    pub(super) fn begin_writing(self: &Arc<Self>) -> Writing {
+        self.writers.fetch_add(1, Ordering::Relaxed);
+        Writing(Arc::clone(self))
+    }
+
+    /// Whether threads write renders, and may have files open.
+    #[must_use]
+    pub fn has_writers(&self) -> bool {
+        self.writers.load(Ordering::Relaxed) > 0
     }
 
     /// Moves the render in `folder` to where the next window finds it.
@@ -141,6 +164,16 @@ impl Session {
 
     fn held(&self) -> MutexGuard<'_, Held> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A thread that writes a render.
+#[derive(Debug)]
+pub(super) struct Writing(Arc<Session>);
+
+impl Drop for Writing {
+    fn drop(&mut self) {
+        self.0.writers.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -309,7 +342,8 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
             folder: held.folder.clone(),
             held: Mutex::new(held),
             renders: AtomicUsize::new(0),
-            is_over: Mutex::new(false),
+            writers: AtomicUsize::new(0),
+            is_over: RwLock::new(false),
             is_left: AtomicBool::new(false),
         },
         lost,

@@ -233,6 +233,12 @@ impl Renders {
         self.trim(present, BUDGET_BYTES)
     }
 
+    /// Has nothing more written to disk of them; what is there stays.
+    pub fn stop_keeping(&self) {
+        let pictures = self.entries.iter().filter_map(|it| it.picture.as_ref());
+        pictures.for_each(Picture::stop_keeping);
+    }
+
     /// Removes what is on disk of them: another render takes its place.
     pub fn forget_kept(&mut self) {
         let pictures = self.entries.iter_mut();

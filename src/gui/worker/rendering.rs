@@ -158,9 +158,10 @@ fn carry_out(job: &Job<Event>, request: &RenderRequest, ready: Ready<'_>) {
     let region = request.buffer.part().region();
     let keep = |checkpoint: Checkpoint| {
         if let Some(keeper) = &keeper {
-            keeper.keep(&checkpoint);
+            keeper.keep(checkpoint);
         }
     };
+    let keeping_took = || keeper.as_ref().and_then(RenderKeeper::took);
     let at_end = |checkpoint: Checkpoint| {
         if let Some(reached) = &request.reached {
             reached.set(checkpoint);
@@ -191,7 +192,9 @@ fn carry_out(job: &Job<Event>, request: &RenderRequest, ready: Ready<'_>) {
         on_coarse: on_coarse.filter(|_| start.is_none()),
         on_tile: Some(&on_tile),
         on_round: keeps_error.then_some(&on_round as OnRound<'_>),
-        checkpoints: keeper.as_ref().map(|keeper| keeper.checkpoints(&keep)),
+        checkpoints: keeper
+            .as_ref()
+            .map(|keeper| keeper.checkpoints(&keep, &keeping_took)),
         blocks: keeper.as_ref().map(|keeper| keeper as &dyn BlockStore),
         at_end: request
             .reached
@@ -218,8 +221,8 @@ fn carry_out(job: &Job<Event>, request: &RenderRequest, ready: Ready<'_>) {
     };
     let whole = request.buffer.part().region;
     let outcome = pilot::foreseeing(&request.scene, prepared, whole, progress, render);
-    if let Some(kept) = &request.kept {
-        kept.end_log();
+    if let Some(keeper) = keeper {
+        keeper.end(outcome.is_some());
     }
     if let Some(outcome) = outcome {
         finish(job, request, outcome);

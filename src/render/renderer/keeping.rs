@@ -11,11 +11,14 @@ use crate::render::progress::RenderProgress;
 use crate::render::run::CheckpointKeeper;
 use crate::render::tile_samples::TileBlock;
 
+/// Time between two looks at whether a checkpoint is kept by now.
+const LOOK_INTERVAL: Duration = Duration::from_millis(2);
+
 /// The last checkpoint.
 pub struct LastKept {
     /// When it was kept, or the render began.
     at: Instant,
-    /// How long keeping it took a thread; zero before the first.
+    /// How long keeping it took the thread that found it due; zero before the first.
     took: Duration,
 }
 
@@ -30,9 +33,12 @@ impl LastKept {
 }
 
 impl Renderer<'_> {
-    /// Has a checkpoint kept of all tiles that are done, however recent the last one is.
+    /// Has a checkpoint kept of all tiles that are done, however recent the last one is. Waits for that to be kept.
     pub(super) fn keep_last_checkpoint(&self) {
         if let Some(keeper) = self.watch.checkpoints {
+            while keeper.took_in_background().is_none() && !self.run.cancel.is_cancelled() {
+                std::thread::sleep(LOOK_INTERVAL);
+            }
             self.take_checkpoint(keeper);
         }
     }
@@ -75,8 +81,12 @@ impl Renderer<'_> {
         let Ok(mut last) = self.last_kept.try_lock() else {
             return;
         };
+        let Some(in_background) = keeper.took_in_background() else {
+            return;
+        };
         let share = keeper.most_share * self.crew.threads() as f64;
-        let rest = Duration::try_from_secs_f64(last.took.as_secs_f64() / share);
+        let took = last.took + in_background;
+        let rest = Duration::try_from_secs_f64(took.as_secs_f64() / share);
         if last.at.elapsed() >= keeper.every.max(rest.unwrap_or(Duration::MAX)) {
             let began = Instant::now();
             self.take_checkpoint(keeper);
