@@ -14,13 +14,16 @@
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::control::CancelToken;
 use crate::render::panic_message;
+
+/// Time between two looks at whether something that is waited for is cancelled.
+const LOOK_INTERVAL: Duration = Duration::from_millis(2);
 
 /// A kind of background work. Work in different lanes runs at the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -366,6 +369,19 @@ pub fn drop_elsewhere(what: impl Send + 'static) {
     rayon::spawn(move || drop(what));
 }
 
+/// Gives back memory, and waits until it is there again, unless cancelled: gigabytes take longer than a cancel may.
+pub fn drop_unless_cancelled(what: impl Send + 'static, cancel: &CancelToken) {
+    let (holds, is_held) = channel::<()>();
+    // On a thread of its own: what is waited for must not wait for other work.
+    std::thread::spawn(move || {
+        drop(what);
+        drop(holds);
+    });
+    while !cancel.is_cancelled()
+        && is_held.recv_timeout(LOOK_INTERVAL) == Err(RecvTimeoutError::Timeout)
+    {}
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -399,6 +415,35 @@ mod tests {
         assert!(jobs.next_event().is_none());
         let by = dropped.recv_timeout(Duration::from_secs(10));
         assert_ne!(by.expect("it is dropped"), std::thread::current().id());
+    }
+
+    /// What is rendered next may need it; who cancels waits for nobody.
+    #[test]
+    fn memory_that_is_given_back_is_waited_for_unless_cancelled() {
+        struct Slow(Receiver<()>, Sender<()>);
+        impl Drop for Slow {
+            fn drop(&mut self) {
+                let _ = self.0.recv();
+                std::thread::sleep(Duration::from_millis(20));
+                let _ = self.1.send(());
+            }
+        }
+        let (sender, dropped) = channel();
+        let slow = || {
+            let (release, wait) = channel();
+            (release, Slow(wait, sender.clone()))
+        };
+        let cancel = CancelToken::new();
+        let (release, what) = slow();
+        drop(release);
+        drop_unless_cancelled(what, &cancel);
+        assert_eq!(dropped.try_recv(), Ok(()));
+        let (release, what) = slow();
+        cancel.cancel();
+        drop_unless_cancelled(what, &cancel);
+        assert!(dropped.try_recv().is_err());
+        drop(release);
+        assert_eq!(dropped.recv_timeout(Duration::from_secs(10)), Ok(()));
     }
 
     #[test]

@@ -32,7 +32,9 @@ impl Reached {
     /// Puts it there, unless somebody has [taken](Self::take) it before it came.
     pub fn set(&self, checkpoint: Checkpoint) {
         let mut slot = self.lock();
-        if !slot.is_closed {
+        if slot.is_closed {
+            drop_elsewhere(checkpoint);
+        } else {
             slot.checkpoint = Some(Box::new(checkpoint));
         }
     }

@@ -12,7 +12,7 @@ use crate::analysis::hazards::why_black;
 use crate::control::Progress;
 use crate::gui::document::{same_geometry, same_image, same_picture, same_picture_but_render};
 use crate::gui::error_plot::name_of_render;
-use crate::gui::jobs::{Lane, drop_elsewhere};
+use crate::gui::jobs::{Lane, drop_elsewhere, drop_unless_cancelled};
 use crate::gui::keeping::{KeptRender, RenderAbout};
 use crate::gui::part::Part;
 use crate::gui::pick::world_bounds;
@@ -380,7 +380,7 @@ impl App {
         );
         self.jobs.start(Lane::Render, move |job| {
             // Before it is looked how much there is.
-            drop(freed);
+            drop_unless_cancelled(freed, &job.cancel);
             worker::render(job, &request);
             // What only it held takes long to be given back, on disk as in memory.
             drop_elsewhere(request);

@@ -9,7 +9,7 @@ use crate::analysis::pilot;
 use crate::control::{Progress, Throttle};
 use crate::gui::event::Event;
 use crate::gui::first_look::FirstLook;
-use crate::gui::jobs::Job;
+use crate::gui::jobs::{Job, drop_elsewhere};
 use crate::gui::keeping::KeptRender;
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::reached::{self, Reached};
@@ -135,6 +135,8 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
         on_coarse: (!is_sketched).then_some(&on_coarse as OnCoarse<'_>),
     };
     carry_out(job, request, ready);
+    // A window on another scene by now holds nothing of it.
+    drop_elsewhere(prepared);
 }
 
 /// A render that can begin.
