@@ -3,13 +3,14 @@
 //! It is a console program on Windows too: as one without a console (`windows_subsystem`) it could print nothing to the terminal that a
 //! command is given in, which would not wait for it either. Started from the desktop it has a console beside its window.
 
+use std::ffi::OsStr;
 use std::panic::{catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use raymini::cli::{Arguments, Signals, WindowBench, render_to_file, tell};
+use raymini::cli::{Arguments, Signals, WindowBench, new_picture, render_to_file, tell};
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 use raymini::render::{RenderFault, keep_panics_quiet};
@@ -102,13 +103,15 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
 
     let no_window = format!("No window can be opened: {reason}");
     tell(&no_window);
-    let (scene, output) = if files.is_empty() {
-        (io::demo_scene(), PathBuf::from("raymini-demo.png"))
+    let (scene, stem) = if files.is_empty() {
+        (io::demo_scene(), OsStr::new("raymini-demo"))
     } else {
         let loaded = io::load_scenes(files, &CancelToken::new(), &Progress::new())?;
-        let output = Path::new(files[0].file_stem().unwrap_or_default()).with_extension("png");
-        (loaded.context("loading was cancelled")?.scene, output)
+        let stem = files[0].file_stem().unwrap_or_default();
+        (loaded.context("loading was cancelled")?.scene, stem)
     };
+    // Nobody has asked for a picture, so none takes the place of a file.
+    let output = new_picture(Path::new(""), stem);
     let instead = |output: &Path| {
         format!(
             "Rendering to {} instead. `raymini render --help` says what else can be done.",

@@ -8,6 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use super::inputs::is_same_file;
 use super::values;
 use crate::control::{CancelToken, Progress};
 use crate::io::{check_writable, describe_render, load_checkpoint, save_checkpoint};
@@ -176,18 +177,6 @@ fn cannot_write(path: &Path) -> String {
     format!("{}: cannot write the checkpoint", path.display())
 }
 
-/// Whether two names stand for one file, there or not.
-pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        std::fs::canonicalize(path).ok().or_else(|| {
-            let absolute = std::path::absolute(path).ok()?;
-            let folder = std::fs::canonicalize(absolute.parent()?).ok()?;
-            Some(folder.join(absolute.file_name()?))
-        })
-    };
-    place(a).is_some_and(|a| place(b) == Some(a))
-}
-
 fn parse_seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.trim().parse().ok();
     seconds
@@ -205,23 +194,6 @@ mod tests {
         assert_eq!(parse_seconds(" 1.5"), Ok(Duration::from_millis(1500)));
         for wrong in ["", "x", "-1", "nan", "inf", "1e300"] {
             assert!(parse_seconds(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn one_file_has_many_names() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = |name: &str| folder.path().join(name);
-        std::fs::write(path("a"), "there").expect("is written");
-        std::fs::create_dir(path("b")).expect("a folder");
-        for (a, b, is_same) in [
-            ("a", "./a", true),
-            ("a", "b/../a", true),
-            ("c", "b/../c", true),
-            ("a", "c", false),
-            ("c", "b/c", false),
-        ] {
-            assert_eq!(is_same_file(&path(a), &path(b)), is_same, "{a} {b}");
         }
     }
 }

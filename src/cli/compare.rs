@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::Serialize;
 
+use super::inputs::is_same_file;
 use crate::analysis::{
     LocatedDifference, Metrics, mean_flip, scaled_difference, signed_difference,
 };
@@ -84,7 +85,7 @@ struct DifferenceFacts {
 
 pub(super) fn run(arguments: &CompareArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
-        io::check_image_path(output)?;
+        check_output(output, [&arguments.a, &arguments.b])?;
     }
     let (a, b) = (io::read_image(&arguments.a)?, io::read_image(&arguments.b)?);
     let names = [&arguments.a, &arguments.b].map(|path| path.display().to_string());
@@ -101,6 +102,15 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<()> {
     } else {
         super::say(&describe(&names, &facts))
     }
+}
+
+/// Looks for what keeps the difference from being written, and refuses to put it in the place of a picture that is compared.
+fn check_output(output: &Path, compared: [&PathBuf; 2]) -> Result<()> {
+    if compared.iter().any(|path| is_same_file(path, output)) {
+        let name = output.display();
+        bail!("{name}: it is compared; the difference would take its place");
+    }
+    Ok(io::check_image_path(output)?)
 }
 
 /// Writes the difference in the way that suits the format: a picture of how large it is, or the numbers.

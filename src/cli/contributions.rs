@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use serde::Serialize;
 
+use super::inputs::refuse_input;
 use crate::analysis::contributions::{Contribution, Contributor, Figures, Whole, color};
 use crate::control::Progress;
 use crate::io;
@@ -61,13 +62,24 @@ struct Largest {
 
 impl MeasuredContributions {
     /// Renders them with `longer_side` pixels along the longer side, and writes them into `folder`, each as soon as it is there. `None`
-    /// when cancelled.
+    /// when cancelled. Nothing that the scene is read from is written over, `own` being its file.
     pub(super) fn write(
-        scene: &Scene,
+        (scene, own): (&Scene, Option<&Path>),
         prepared: &PreparedScene,
         longer_side: u32,
         folder: &Path,
     ) -> Result<Option<Self>> {
+        let contributors = Contributor::all_of(scene);
+        let files = contributors.iter().enumerate();
+        let files = files.flat_map(|(at, one)| Files::of(at + 1, &one.name(scene)).all());
+        for file in files.chain([FACTS, WHOLE].map(str::to_owned)) {
+            refuse_input(
+                scene,
+                own,
+                &folder.join(file),
+                "what --contributions writes",
+            )?;
+        }
         let progress = Progress::new();
         let how_far = || (progress.fraction(), "rendering contributions".to_owned());
         let measure = || Self::measure(scene, prepared, longer_side, folder, &progress);
@@ -153,10 +165,37 @@ impl MeasuredContributions {
     }
 }
 
+/// The pictures of one contribution; see [`Measured`].
+struct Files {
+    change: String,
+    radiance: String,
+    without: String,
+}
+
+impl Files {
+    /// Those of the contribution of this number, from 1, and name.
+    fn of(number: usize, name: &str) -> Self {
+        let stem = format!("{number:02}-{}", file_stem(name));
+        Self {
+            change: format!("{stem}.png"),
+            radiance: format!("{stem}.exr"),
+            without: format!("{stem}-without.png"),
+        }
+    }
+
+    fn all(self) -> [String; 3] {
+        [self.change, self.radiance, self.without]
+    }
+}
+
 impl Measured {
     fn of(number: usize, contribution: &Contribution, scene: &Scene) -> Self {
         let name = contribution.contributor.name(scene);
-        let stem = format!("{number:02}-{}", file_stem(&name));
+        let Files {
+            change,
+            radiance,
+            without,
+        } = Files::of(number, &name);
         let Figures {
             mean,
             mean_share,
@@ -168,9 +207,9 @@ impl Measured {
         let finite = |value: f64| value.is_finite().then_some(value);
         Self {
             name,
-            change: format!("{stem}.png"),
-            radiance: format!("{stem}.exr"),
-            without: format!("{stem}-without.png"),
+            change,
+            radiance,
+            without,
             scale,
             mean_change: mean,
             mean_share: finite(mean_share),

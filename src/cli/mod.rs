@@ -10,6 +10,7 @@ mod contributions;
 mod convert;
 mod costs;
 mod info;
+mod inputs;
 mod outcome;
 mod plan;
 mod progress_bar;
@@ -37,6 +38,7 @@ use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene};
 
 pub use bench::WindowBench;
+pub use inputs::new_picture;
 pub use render::{RenderArguments, render_to_file};
 pub use signals::Signals;
 

@@ -158,7 +158,8 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         None => None,
         Some(folder) => {
             let side = arguments.contribution_side;
-            let written = MeasuredContributions::write(scene, &prepared, side, folder)?;
+            let known = (scene, arguments.scene.path());
+            let written = MeasuredContributions::write(known, &prepared, side, folder)?;
             Some(written.ok_or_else(|| anyhow!("rendering was cancelled"))?)
         }
     };

@@ -9,8 +9,9 @@ use std::time::Instant;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
-use super::checkpoint::{CheckpointArguments, CheckpointFile, is_same_file};
+use super::checkpoint::{CheckpointArguments, CheckpointFile};
 use super::costs::MeasuredCosts;
+use super::inputs::{is_same_file, refuse_input};
 use super::progress_bar::HowFar;
 use super::scene_arguments::{SceneArguments, assigned};
 use super::stats::{self, Stats};
@@ -103,22 +104,13 @@ impl RenderArguments {
 
     /// Refuses to write over what `scene` was read from. A picture that holds its scene may be rendered anew in its place.
     fn check_inputs(&self, scene: &Scene) -> Result<()> {
-        let names = scene.meshes.keys().map(|name| io::file_and_part(name).0);
-        let images = scene.images.keys().chain(scene.textures.keys());
-        let names = names.chain(images.map(String::as_str)).map(Path::new);
         let own = self.scene.path();
-        let is_read = |path: &Path| names.clone().any(|name| is_same_file(name, path));
-        let is_scene = |path: &Path| own.is_some_and(|own| is_same_file(own, path));
-        let is_picture = own.is_some_and(io::is_render_file);
-        let output = self.output.as_deref();
-        let output = output.filter(|path| is_read(path) || is_scene(path) && !is_picture);
-        let stats = self.stats.as_deref();
-        let stats = stats.filter(|path| is_read(path) || is_scene(path));
-        for (path, what) in [(output, "the picture"), (stats, "the figures of --stats")] {
-            if let Some(path) = path {
-                let name = path.display();
-                bail!("{name}: the scene is read from it; {what} would take its place");
-            }
+        if let Some(output) = &self.output {
+            let other = own.filter(|own| !io::is_render_file(own));
+            refuse_input(scene, other, output, "the picture")?;
+        }
+        if let Some(stats) = &self.stats {
+            refuse_input(scene, own, stats, "the figures of --stats")?;
         }
         Ok(())
     }

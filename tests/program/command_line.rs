@@ -864,6 +864,34 @@ fn no_input_is_written_over() {
         let after = std::fs::read(folder.path().join(stats)).expect("exists");
         assert_eq!(before, after);
     }
+    // The folder of the scene is that of the files.
+    let file = |name: &str| folder.path().join(name);
+    succeed(folder.path(), &["convert", "tetra.off", "mesh.ply"]);
+    succeed(
+        folder.path(),
+        &[
+            "render",
+            "mesh.ply",
+            "-o",
+            "whole.png",
+            "--spp",
+            "1",
+            "--size",
+            "8x6",
+        ],
+    );
+    for (name, command) in [
+        ("mesh.ply", &["bench", "mesh.ply", "--write", "."][..]),
+        ("whole.png", &["plan", "whole.png", "--contributions", "."]),
+    ] {
+        let before = std::fs::read(file(name)).expect("exists");
+        let complaint = fail(folder.path(), 1, command);
+        assert!(
+            complaint.contains("the scene is read from it"),
+            "{complaint}"
+        );
+        assert_eq!(std::fs::read(file(name)).expect("exists"), before);
+    }
 }
 
 #[test]

@@ -223,6 +223,21 @@ fn values_that_are_not_finite_are_counted_and_warned_about() {
 }
 
 #[test]
+fn the_difference_takes_the_place_of_no_picture_that_is_compared() {
+    let folder = folder();
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("is there");
+    let before = ["a.exr", "b.exr"].map(read);
+    for output in ["a.exr", "./b.exr"] {
+        let output = compare(folder.path(), &["a.exr", "b.exr", "-o", output]);
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{complaint}");
+        let expected = "it is compared; the difference would take its place";
+        assert!(complaint.contains(expected), "{complaint}");
+    }
+    assert!(before == ["a.exr", "b.exr"].map(read));
+}
+
+#[test]
 fn mistakes_are_told_with_exit_codes_1_and_2() {
     let folder = folder();
     let bytes = std::fs::read(folder.path().join("a.exr")).expect("exists");

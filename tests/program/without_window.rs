@@ -29,6 +29,34 @@ fn without_a_screen_the_scene_is_rendered_to_a_file() {
     assert!(folder.path().join("scene.png").exists());
 }
 
+/// Nobody has asked for a picture there: not even the one that is rendered anew gives its place to it.
+#[test]
+fn without_a_screen_no_file_is_written_over() {
+    let folder = folder();
+    let file = |name: &str| folder.path().join(name);
+    let open = |name: &str, expected: &str| {
+        let output = raymini(folder.path()).arg(name).output();
+        let output = output.expect("starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        let expected = format!("Rendering to {expected} instead");
+        assert!(said.contains(&expected), "{said}");
+    };
+    std::fs::write(file("scene.png"), "precious").expect("is written");
+    open("scene.toml", "scene-1.png");
+    let picture = std::fs::read(file("scene-1.png")).expect("is rendered");
+    open("scene.toml", "scene-2.png");
+    open("scene-1.png", "scene-1-1.png");
+    assert_eq!(
+        std::fs::read(file("scene.png")).expect("is there"),
+        b"precious"
+    );
+    assert_eq!(
+        std::fs::read(file("scene-1.png")).expect("is there"),
+        picture
+    );
+}
+
 /// Where there is no screen, or no window in the program, it says so.
 #[test]
 fn the_window_is_measured_only_where_there_is_one() {

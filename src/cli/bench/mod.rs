@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
+use super::inputs::refuse_input;
 use super::scene_arguments::SceneArguments;
 use super::values;
 use crate::analysis::bench::{self, MeasureConfig, RayKind, RaySet, Structure};
@@ -20,6 +21,9 @@ use facts::BenchFacts;
 
 /// Up to this many triangles brute force is measured without being asked for: it takes no longer than the trees.
 const FEW_TRIANGLES: u32 = 64;
+
+/// What the triangles are written to.
+const MESH_FILE: &str = "mesh.ply";
 
 /// What `raymini bench` takes.
 #[derive(Debug, Args)]
@@ -99,6 +103,10 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     if assembly.triangle_count() == 0 {
         bail!("the scene has no triangles, so there is nothing to measure");
     }
+    if let Some(folder) = &arguments.write {
+        let (own, mesh) = (arguments.scene.path(), folder.join(MESH_FILE));
+        refuse_input(&loaded.scene, own, &mesh, "the triangles of --write")?;
+    }
 
     let sets = if arguments.rays.is_empty() {
         let sets = bench::generate(&prepared)?;
@@ -176,7 +184,7 @@ fn write(scene: &Scene, sets: &[RaySet; 4], folder: &Path) -> Result<()> {
     for (kind, set) in RayKind::ALL.into_iter().zip(sets) {
         io::save_rays(set.rows(), &folder.join(kind.file_name()))?;
     }
-    let path = folder.join("mesh.ply");
+    let path = folder.join(MESH_FILE);
     io::write_atomically(&path, |out| bench::write_mesh(scene, out))
         .with_context(|| format!("{}: the triangles cannot be written", path.display()))
 }
