@@ -110,7 +110,12 @@ impl Destination {
     fn of(path: &Path) -> io::Result<Self> {
         // A link that leads nowhere is replaced itself.
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let old = fs::metadata(&target).ok();
+        let old = match fs::metadata(&target) {
+            Ok(old) => Some(old),
+            // Too long for the system, say: the temporary file's own name would not tell.
+            Err(error) if error.kind() == ErrorKind::InvalidFilename => return Err(error),
+            Err(_) => None,
+        };
         match &old {
             Some(old) if old.is_dir() => Err(Error::new(
                 ErrorKind::IsADirectory,
@@ -280,7 +285,8 @@ mod tests {
         assert_eq!(names(&folder), ["picture.png"]);
 
         let missing = folder.path().join("no/a.png");
-        let cases = [folder.path(), &missing, &path.join("a.png")];
+        let long = folder.path().join(format!("{}.png", "a".repeat(300)));
+        let cases = [folder.path(), &missing, &path.join("a.png"), &long];
         for wrong in cases {
             let early = check_writable(wrong).expect_err("cannot be written");
             let late = write_text(wrong, "text").expect_err("cannot be written");

@@ -1,6 +1,5 @@
 //! Pictures to files: PNG as a screen shows them, OpenEXR with the radiance itself.
 
-use std::ffi::OsStr;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 
@@ -152,17 +151,27 @@ pub fn rescue_render(
     origin: &Origin<'_>,
     path: &Path,
 ) -> Result<PathBuf, ImageFileError> {
-    let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
     let folder = std::env::temp_dir();
     let file = tempfile::Builder::new()
-        .prefix(&format!("{}-", part(path.file_stem())))
-        .suffix(&format!(".{}", part(path.extension())))
+        .prefix(&rescue_prefix(path))
+        .suffix(&format!(".{extension}"))
         .tempfile_in(&folder)
         .map_err(|reason| unwritable(&folder, reason))?
         .into_temp_path();
     write_render(image, layers, origin, &file)?;
     let kept = file.keep();
     kept.map_err(|error| unwritable(&error.path, error.error))
+}
+
+/// How the name begins under which what was meant for `path` is kept elsewhere: short, as the name may be why it is.
+#[must_use]
+pub fn rescue_prefix(path: &Path) -> String {
+    /// Characters, of up to 4 bytes each, of the 255 bytes that most file systems allow.
+    const MOST: usize = 40;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let short: String = stem.chars().take(MOST).collect();
+    format!("{short}-")
 }
 
 fn unwritable(path: &Path, reason: io::Error) -> ImageFileError {
@@ -504,6 +513,26 @@ mod tests {
         let (display, output) = (Display::default(), Output::default());
         assert!(write_png(&gradient(), &display, output, &texts, file).is_err());
         assert!(exr_bytes(&gradient(), &[], &texts, &cancel).is_err());
+    }
+
+    #[test]
+    fn what_has_a_long_name_is_kept_under_a_short_one() {
+        let scene = Scene::default();
+        let origin = Origin {
+            scene: &scene,
+            error: None,
+            region: None,
+            values: Values::Rendered,
+        };
+        for name in ["a".repeat(250), "\u{1f40f}".repeat(80)] {
+            let path = Path::new("none").join(format!("{name}.exr"));
+            let kept = rescue_render(&gradient(), &[], &origin, &path).expect("is kept");
+            let is_there = kept.is_file();
+            std::fs::remove_file(&kept).expect("is removed");
+            assert!(is_there && holds_layers(&kept));
+            assert_eq!(rescue_prefix(&path).chars().count(), 41);
+        }
+        assert_eq!(rescue_prefix(Path::new("a/full.exr")), "full-");
     }
 
     #[test]

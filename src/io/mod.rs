@@ -48,8 +48,8 @@ pub use atomic::{check_writable, exit_process, remove_unfinished, write_atomical
 pub use block_log::{BlockLog, LoggedBlocks, block_record};
 pub use checkpoint_file::{CheckpointError, load_checkpoint, save_checkpoint};
 pub use image_file::{
-    ImageFileError, check_image_path, holds_layers, rescue_render, write_image, write_render,
-    write_render_unless,
+    ImageFileError, check_image_path, holds_layers, rescue_prefix, rescue_render, write_image,
+    write_render, write_render_unless,
 };
 pub use load::{
     LoadError, LoadedScene, MissingMesh, demo_scene, holds_other_scene, image_warnings, load_image,

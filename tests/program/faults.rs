@@ -75,6 +75,8 @@ fn what_cannot_be_written_is_found_before_the_render() {
             "folder.png: cannot write the stats: this is a folder",
         ),
     ];
+    let long = format!("{}.png", "a".repeat(300));
+    cases.push((picture(&long), ".png: cannot write the picture: "));
     if cfg!(target_os = "linux") {
         let expected = "cannot write the picture: no file can be made in the folder /proc";
         cases.push((picture("/proc/a.png"), expected));
