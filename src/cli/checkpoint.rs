@@ -8,6 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use super::checkpoint_lock::Lock;
 use super::inputs::is_same_file;
 use super::values;
 use crate::control::{CancelToken, Progress};
@@ -55,29 +56,36 @@ pub struct CheckpointFile<'a> {
 }
 
 impl CheckpointArguments {
-    /// Finds out what would keep the file from being read or written, before work is spent on the render. `others` are the files
-    /// that the render writes too.
-    pub fn check(&self, others: &[&Path]) -> Result<()> {
+    /// Finds out what would keep the file from being read or written, before work is spent on the render, and keeps other renders
+    /// from it for as long as what is returned lives. `others` are the files that the render writes too.
+    pub fn take(&self, others: &[&Path]) -> Result<Option<Lock>> {
         let Some(path) = &self.checkpoint else {
-            return Ok(());
+            return Ok(None);
         };
         let name = path.display();
         if others.iter().any(|other| is_same_file(path, other)) {
             bail!("{name}: the checkpoint needs a file of its own");
         }
-        match (path.exists(), self.resume) {
-            (false, true) => {
-                bail!(
-                    "{name}: there is no checkpoint to go on from; leave --resume out to begin anew"
-                )
-            }
-            (true, false) => {
-                bail!(
-                    "{name}: there is a file already, maybe of a render to go on with: add --resume, or remove the file"
-                )
-            }
-            _ => check_writable(path).with_context(|| cannot_write(path)),
+        if self.resume && !path.exists() {
+            bail!("{name}: there is no checkpoint to go on from; leave --resume out to begin anew");
         }
+        let lock = match Lock::of(path) {
+            Ok(Some(lock)) => lock,
+            Ok(None) => bail!("{name}: the checkpoint is in use by another render"),
+            Err(error) => {
+                check_writable(path).with_context(|| cannot_write(path))?;
+                return Err(error).with_context(|| {
+                    format!("{name}: other renders cannot be kept from the checkpoint")
+                });
+            }
+        };
+        if !self.resume && path.exists() {
+            bail!(
+                "{name}: there is a file already, maybe of a render to go on with: add --resume, or remove the file"
+            );
+        }
+        check_writable(path).with_context(|| cannot_write(path))?;
+        Ok(Some(lock))
     }
 
     /// What keeps checkpoints of a render of `region` of `scene`; `None` where that is not asked for.

@@ -5,6 +5,7 @@
 mod bench;
 mod check;
 mod checkpoint;
+mod checkpoint_lock;
 mod compare;
 mod contributions;
 mod convert;

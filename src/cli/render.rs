@@ -10,6 +10,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
 use super::checkpoint::{CheckpointArguments, CheckpointFile};
+use super::checkpoint_lock::Lock;
 use super::costs::MeasuredCosts;
 use super::inputs::{is_same_file, refuse_input};
 use super::progress_bar::HowFar;
@@ -84,8 +85,8 @@ pub struct RenderArguments {
 }
 
 impl RenderArguments {
-    /// Looks for what cannot be written, before work is spent on it.
-    fn check_files(&self, output: &Path) -> Result<()> {
+    /// Looks for what cannot be written, before work is spent on it. Keeps other renders from the checkpoint while what it returns lives.
+    fn check_files(&self, output: &Path) -> Result<Option<Lock>> {
         io::check_image_path(output)?;
         if let Some(path) = &self.stats {
             io::check_writable(path).with_context(|| stats::cannot_write(path))?;
@@ -99,7 +100,7 @@ impl RenderArguments {
         let others: Vec<&Path> = std::iter::once(output)
             .chain(self.stats.as_deref())
             .collect();
-        self.checkpoint.check(&others)
+        self.checkpoint.take(&others)
     }
 
     /// Refuses to write over what `scene` was read from. A picture that holds its scene may be rendered anew in its place.
@@ -129,9 +130,10 @@ impl RenderArguments {
 }
 
 pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<ExitCode> {
-    if let Some(output) = &arguments.output {
-        arguments.check_files(output)?;
-    }
+    let _lock = match &arguments.output {
+        Some(output) => arguments.check_files(output)?,
+        None => None,
+    };
     let interrupt = signals.cancel_instead();
     let started = Instant::now();
     let Some(loaded) = arguments.load(&interrupt)? else {

@@ -227,6 +227,30 @@ mod signals {
         assert_eq!(facts(folder, "b.json"), facts(folder, "a.json"));
     }
 
+    #[test]
+    fn a_checkpoint_that_a_render_keeps_is_refused_to_others() {
+        let folder = folder();
+        let folder = folder.path();
+        let render = "render scene.toml -o b.png --checkpoint kept";
+        let arguments = format!("{render} --spp 65536 --checkpoint-every 0 --threads 1");
+        let mut child = raymini(folder, &arguments).spawn().expect("starts");
+        assert!(wait_for_checkpoint(folder, &mut child, None));
+        for other in [render.to_owned(), format!("{render} --resume")] {
+            let said = fail(folder, &other.replace("b.png", "c.png"), 1);
+            let expected = "kept: the checkpoint is in use by another render";
+            assert!(said.contains(expected), "{said}");
+        }
+        // What is ended by force leaves the checkpoint free.
+        child.kill().expect("is ended");
+        child.wait().expect("has ended");
+        let said = fail(folder, render, 1);
+        assert!(said.contains("kept: there is a file already"), "{said}");
+        std::fs::remove_file(folder.join("kept")).expect("is there");
+        succeed(folder, &format!("{render} --spp 1"));
+        let left: Vec<_> = names(folder);
+        assert!(left.iter().all(|name| !name.contains("lock")), "{left:?}");
+    }
+
     /// What goes on from the checkpoint in a folder of [`interrupted`].
     pub const GO_ON: &str = "render scene.toml -o b.png --checkpoint kept --resume";
 
