@@ -169,7 +169,7 @@ impl Command {
         match self {
             Self::Render(arguments) => return render::run(&arguments, signals),
             Self::Check(arguments) => return check::run(&arguments),
-            Self::Report(arguments) => report::run(&arguments)?,
+            Self::Report(arguments) => return report::run(&arguments, signals),
             Self::Plan(arguments) => plan::run(&arguments)?,
             Self::Info(arguments) => info::run(&arguments)?,
             Self::Convert(arguments) => convert::run(&arguments)?,

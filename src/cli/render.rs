@@ -270,6 +270,16 @@ fn render_scene(
             recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
         }
     }
+    let recorded = match recorded {
+        Ok(()) => Ok(()),
+        Err(error) => {
+            super::say_json(&facts)?;
+            Err(anyhow!("{error:#}; the figures are printed instead"))
+        }
+    };
+    if let (Some(_), Err(error)) = (&failure, &recorded) {
+        super::tell(&format!("error: {error:#}"));
+    }
     failure.map_or(Ok(()), Err)?;
     recorded?;
     if is_out_of_time {

@@ -1,15 +1,16 @@
 //! `raymini report`: error against run time.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::process::ExitCode;
 
 use anyhow::{Result, anyhow};
 use clap::Args;
 
 use super::scene_arguments::SceneArguments;
-use super::values;
+use super::{Signals, values};
 use crate::analysis::report::{
-    ReferenceOptions, ReportError, ReportOptions, ReportPlan, ReportProgress, Study, Summary,
-    parse_radiance,
+    REPORT_FILES, ReferenceOptions, ReportError, ReportOptions, ReportPlan, ReportProgress, Study,
+    Summary, parse_radiance,
 };
 use crate::control::CancelToken;
 use crate::math::{percent, three_digits};
@@ -80,25 +81,74 @@ impl ReportArguments {
     }
 }
 
-pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
-    let loaded = super::load(arguments.scene.path())?;
+pub(super) fn run(arguments: &ReportArguments, signals: &Signals) -> Result<ExitCode> {
+    let cancel = signals.cancel_instead();
+    let mut done = 0;
+    let carried_out = carry_out(arguments, &cancel, &mut done);
+    let Some(code) = signals.exit_code().filter(|_| cancel.is_cancelled()) else {
+        carried_out?;
+        return Ok(ExitCode::SUCCESS);
+    };
+    let folder = arguments.output.display();
+    match (carried_out, done) {
+        (Err(error), _) => super::tell(&format!("interrupted: {error:#}")),
+        (Ok(_), 0) => super::tell("interrupted before a render was measured: no report is written"),
+        (Ok(true), _) => {}
+        (Ok(false), done) => {
+            let renders = if done == 1 { "render" } else { "renders" };
+            super::warn(&format!(
+                "interrupted: the report in {folder} holds the {done} {renders} done so far"
+            ));
+        }
+    }
+    Ok(code.into())
+}
+
+/// Carries the report out, counts the renders that are `done`, and tells what came out, also where it is interrupted or cannot be
+/// written. Returns whether it is whole.
+fn carry_out(arguments: &ReportArguments, cancel: &CancelToken, done: &mut usize) -> Result<bool> {
     let name = arguments.scene.name();
-    let plan = ReportPlan::new(name, loaded, &arguments.options(), &CancelToken::new())
-        .map_err(with_option)?;
+    let Some(loaded) = super::load_unless(cancel, arguments.scene.path())? else {
+        return Ok(false);
+    };
+    let plan = ReportPlan::new(name, loaded, &arguments.options(), cancel).map_err(with_option)?;
     for warning in &plan.warnings {
         super::warn(warning);
     }
     let run = RunConfig {
         threads: arguments.threads.map_or(0, usize::from),
+        cancel: cancel.clone(),
         ..RunConfig::default()
     };
     let progress = ReportProgress::default();
-    let study = super::progress_bar::show(
+    let mut findings = Vec::new();
+    let carried_out = super::progress_bar::show(
         || progress.how_far(),
-        || plan.carry_out(&run, &arguments.output, &progress, |_| ()),
-    )?;
-    let study = study.ok_or_else(|| anyhow!("rendering was cancelled"))?;
-    describe(&study, &arguments.output)
+        || {
+            plan.carry_out(&run, &arguments.output, &progress, |study| {
+                *done += 1;
+                findings = findings_of(study);
+            })
+        },
+    );
+    if !matches!(
+        carried_out,
+        Err(ReportError::File { .. } | ReportError::Elsewhere { .. })
+    ) && *done > 0
+    {
+        super::say(&format!(
+            "{}: {}",
+            arguments.output.display(),
+            REPORT_FILES.join(", ")
+        ))?;
+    }
+    for finding in &findings {
+        match finding {
+            Finding::Fact(text) => super::say(text)?,
+            Finding::Warning(text) => super::warn(text),
+        }
+    }
+    Ok(carried_out?.is_some())
 }
 
 /// The error with the option it is about.
@@ -109,60 +159,69 @@ fn with_option(error: ReportError) -> anyhow::Error {
     }
 }
 
-/// Prints what came out, and warns of what went wrong.
-fn describe(study: &Study, folder: &Path) -> Result<()> {
-    super::say(&format!(
-        "{}: report.json, report.csv, report.svg, report.md",
-        folder.display()
-    ))?;
-    super::say(&format!("reference: {}", study.reference.describe()))?;
-    for variant in study.measured() {
-        let Some(summary) = Summary::of(variant, &study.reference) else {
-            continue;
-        };
-        if let Some(last) = summary.points.last() {
-            let estimated = last.estimated_noise().map_or_else(String::new, |noise| {
-                format!(" (estimated {})", percent(noise.median))
-            });
-            let slope = summary
-                .noise_slope
-                .map_or_else(String::new, |slope| format!(", slope {slope:.2}"));
-            super::say(&format!(
-                "{}: {}{estimated} after {} s{slope}",
-                variant.name,
-                last.noise_in_words(),
-                three_digits(last.seconds.median)
-            ))?;
-        }
-        if let Some(honesty) = summary.honesty {
-            let [least, most] = honesty.estimated_over_true;
-            super::say(&format!(
-                "{}: estimated / true error {least:.2} to {most:.2} from 16 samples on, {} of {} intervals held the truth",
-                variant.name, honesty.intervals_held, honesty.intervals
-            ))?;
-        }
-        if let Some(doubt) = summary.doubt() {
-            super::warn(&format!("{}: {doubt}", variant.name));
-        }
-        if summary.clamped.samples > 0 {
-            super::warn(&format!(
-                "{}: render.clamp took {} of the light away, an error that no estimate knows and no sample cures",
-                variant.name,
-                percent(summary.clamped.energy_share)
-            ));
-        }
-        if summary.non_finite_samples > 0 {
-            super::warn(&format!(
-                "{}: {} samples were infinite or not a number",
-                variant.name, summary.non_finite_samples
-            ));
-        }
-        if summary.negative_samples > 0 {
-            super::warn(&format!(
-                "{}: {} samples had less than no light",
-                variant.name, summary.negative_samples
-            ));
-        }
+/// A line of what came out.
+enum Finding {
+    Fact(String),
+    /// Of what went wrong.
+    Warning(String),
+}
+
+/// What came out so far.
+fn findings_of(study: &Study) -> Vec<Finding> {
+    let reference = format!("reference: {}", study.reference.describe());
+    let of_variants = study.measured().filter_map(|variant| {
+        let summary = Summary::of(variant, &study.reference)?;
+        Some(findings_of_variant(&variant.name, &summary))
+    });
+    std::iter::once(Finding::Fact(reference))
+        .chain(of_variants.flatten())
+        .collect()
+}
+
+fn findings_of_variant(name: &str, summary: &Summary) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut say = |text: String| findings.push(Finding::Fact(format!("{name}: {text}")));
+    if let Some(last) = summary.points.last() {
+        let estimated = last.estimated_noise().map_or_else(String::new, |noise| {
+            format!(" (estimated {})", percent(noise.median))
+        });
+        let slope = summary
+            .noise_slope
+            .map_or_else(String::new, |slope| format!(", slope {slope:.2}"));
+        say(format!(
+            "{}{estimated} after {} s{slope}",
+            last.noise_in_words(),
+            three_digits(last.seconds.median)
+        ));
     }
-    Ok(())
+    if let Some(honesty) = &summary.honesty {
+        let [least, most] = honesty.estimated_over_true;
+        say(format!(
+            "estimated / true error {least:.2} to {most:.2} from 16 samples on, {} of {} intervals held the truth",
+            honesty.intervals_held, honesty.intervals
+        ));
+    }
+    let mut warn = |text: String| findings.push(Finding::Warning(format!("{name}: {text}")));
+    if let Some(doubt) = summary.doubt() {
+        warn(doubt);
+    }
+    if summary.clamped.samples > 0 {
+        warn(format!(
+            "render.clamp took {} of the light away, an error that no estimate knows and no sample cures",
+            percent(summary.clamped.energy_share)
+        ));
+    }
+    if summary.non_finite_samples > 0 {
+        warn(format!(
+            "{} samples were infinite or not a number",
+            summary.non_finite_samples
+        ));
+    }
+    if summary.negative_samples > 0 {
+        warn(format!(
+            "{} samples had less than no light",
+            summary.negative_samples
+        ));
+    }
+    findings
 }

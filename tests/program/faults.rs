@@ -145,6 +145,65 @@ fn the_stats_are_written_where_nobody_can_be_told_what_it_took() {
     assert_eq!(names(folder.path()), ["a.png", "scene.toml", "stats.json"]);
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn figures_that_cannot_be_written_are_printed() {
+    let folder = folder();
+    let arguments = "render scene.toml -o a.png --stats /dev/full --size 8x6 --spp 4";
+    let arguments: Vec<_> = arguments.split(' ').collect();
+    let output = raymini(folder.path(), &arguments).output().expect("starts");
+    let (code, said) = complaint(&output);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.contains("/dev/full: cannot write the stats: ")
+            && said.contains("the figures are printed instead"),
+        "{said}"
+    );
+    let printed = String::from_utf8(output.stdout).expect("is text");
+    let json = &printed[printed.find("{\n").expect("JSON")..];
+    let stats: Value = serde_json::from_str(json).expect("is JSON");
+    let info = raymini(folder.path(), &["info", "a.png", "--json"]).output();
+    let facts: Value = serde_json::from_slice(&info.expect("starts").stdout).expect("is JSON");
+    assert_eq!(stats["image_hash"], facts["image_hash"]);
+    assert_eq!(names(folder.path()), ["a.png", "scene.toml"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_report_whose_disk_is_full_is_not_lost() {
+    let folder = folder();
+    let refuge = folder.path().join("temporary");
+    std::fs::create_dir(&refuge).expect("a folder");
+    std::fs::create_dir(folder.path().join("out")).expect("a folder");
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("out/report.json")).expect("a link");
+    let arguments = "report scene.toml -o out --size 8x6 --spp 16 --seeds 2 --exact 1,1,1 --set render.mode=direct";
+    let output = raymini(folder.path(), &arguments.split(' ').collect::<Vec<_>>())
+        .env("TMPDIR", &refuge)
+        .output()
+        .expect("starts");
+    let (code, said) = complaint(&output);
+    assert_eq!(code, Some(1), "{said}");
+    let kept = names(&refuge);
+    assert!(kept.len() == 1 && kept[0].starts_with("out-"), "{kept:?}");
+    let place = refuge.join(&kept[0]);
+    let expected = format!("the report is in {} instead", place.display());
+    assert!(
+        said.contains("report.json: cannot write the report: ") && said.contains(&expected),
+        "{said}"
+    );
+    let files = ["report.csv", "report.json", "report.md", "report.svg"];
+    assert_eq!(names(&place), files);
+    let json = std::fs::read(place.join("report.json")).expect("is written");
+    let facts: Value = serde_json::from_slice(&json).expect("is JSON");
+    assert_eq!(facts["seeds"].as_array().map(Vec::len), Some(2));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        printed.contains("reference: ") && printed.contains("as the scene says: "),
+        "{printed}"
+    );
+    assert!(!printed.contains("out: report.md"), "{printed}");
+}
+
 /// What a program that must end by itself within 20 seconds leaves behind; a hang fails the test in place of stopping it.
 fn output_in_time(mut command: Command) -> Output {
     let mut child = command
@@ -425,6 +484,43 @@ mod signals {
         assert_eq!(old, b"old");
         let info = raymini(folder.path(), &["info", "a.unfinished.exr"]).output();
         assert!(info.expect("starts").status.success());
+    }
+
+    /// Waits until there is a file, or a folder, of that name.
+    fn wait_for(path: &Path) {
+        let started = Instant::now();
+        while !path.exists() {
+            assert!(started.elapsed() < Duration::from_mins(1), "{path:?}");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    #[test]
+    fn a_report_that_a_signal_ends_says_what_there_is() {
+        let folder = folder();
+        let report = "report scene.toml -o out --size 64x48";
+        let many = format!("{report} --spp 64 --seeds 1000 --exact 1,1,1");
+        let child = start(folder.path(), &many);
+        wait_for(&folder.path().join("out/report.csv"));
+        send("INT", &child);
+        let output = child.wait_with_output().expect("ends");
+        let (code, said) = complaint(&output);
+        assert_eq!(code, Some(130), "{said}");
+        assert!(
+            said.contains("interrupted: the report in out holds the "),
+            "{said}"
+        );
+        let printed = String::from_utf8_lossy(&output.stdout);
+        assert!(printed.contains("as the scene says: "), "{printed}");
+
+        let endless = format!("{report} --reference-samples 16777216");
+        let child = start(folder.path(), &endless.replace("out", "none"));
+        wait_for(&folder.path().join("none"));
+        send("TERM", &child);
+        let (code, said) = complaint(&child.wait_with_output().expect("ends"));
+        assert_eq!(code, Some(143), "{said}");
+        assert!(said.contains("no report is written"), "{said}");
+        assert!(names(&folder.path().join("none")).is_empty());
     }
 
     /// Two signals in the middle of a write: the temporary file goes with the program.

@@ -55,6 +55,14 @@ pub enum ReportError {
         /// What the system says.
         reason: io::Error,
     },
+    /// The report could not be written where it was to be, and is kept elsewhere.
+    #[error("{reason}; the report is in {} instead", place.display())]
+    Elsewhere {
+        /// The first thing that kept it from being written.
+        reason: Box<ReportError>,
+        /// The folder that it is in.
+        place: PathBuf,
+    },
     /// The pictures do not fit.
     #[error(transparent)]
     Memory(#[from] PictureTooLarge),

@@ -1,6 +1,6 @@
 //! The files of a report.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::error::ReportError;
 use super::study::Study;
@@ -25,11 +25,61 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), ReportError> {
     Ok(())
 }
 
+/// Where a report goes: the folder that was asked for, or where that fails after all, a new one in the system's folder for
+/// temporary files, so that hours of renders are not lost.
+pub(super) struct Refuge<'a> {
+    folder: &'a Path,
+    /// The other folder, and why it is needed.
+    other: Option<(PathBuf, ReportError)>,
+}
+
+impl<'a> Refuge<'a> {
+    pub(super) fn of(folder: &'a Path) -> Self {
+        Self {
+            folder,
+            other: None,
+        }
+    }
+
+    /// Writes what `study` holds.
+    ///
+    /// # Errors
+    /// What the system says, where nothing can be written anywhere.
+    pub(super) fn write(&mut self, study: &Study) -> Result<(), ReportError> {
+        if let Some((place, _)) = &self.other {
+            return write(study, place);
+        }
+        let Err(reason) = write(study, self.folder) else {
+            return Ok(());
+        };
+        let mut builder = tempfile::Builder::new();
+        let Ok(place) = builder.prefix(&io::rescue_prefix(self.folder)).tempdir() else {
+            return Err(reason);
+        };
+        if write(study, place.path()).is_err() {
+            return Err(reason);
+        }
+        self.other = Some((place.keep(), reason));
+        Ok(())
+    }
+
+    /// What is to be said when all is done.
+    ///
+    /// # Errors
+    /// Where the report is, if it is not in the folder that was asked for.
+    pub(super) fn end(self) -> Result<(), ReportError> {
+        self.other.map_or(Ok(()), |(place, reason)| {
+            let reason = Box::new(reason);
+            Err(ReportError::Elsewhere { reason, place })
+        })
+    }
+}
+
 /// Writes what `study` holds, each file whole or not at all.
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
+fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
     let texts = [
         to_markdown(study),
         to_chart(study).to_svg(),

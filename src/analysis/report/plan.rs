@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::error::{ComparisonError, ReportError};
-use super::files;
+use super::files::{Refuge, make_folder};
 use super::options::{ReferenceOptions, ReportOptions};
 use super::progress::ReportProgress;
 use super::reference::{Origin, ROUNDED, Reference};
@@ -148,10 +148,10 @@ impl ReportPlan {
     }
 
     /// Renders all. After each render what is known is written to `folder`, which is made where it is missing, and handed to
-    /// `on_render`. `None` when cancelled.
+    /// `on_render`, whether it could be written or not. `None` when cancelled.
     ///
     /// # Errors
-    /// What cannot be rendered or written.
+    /// What cannot be rendered or written; at the end also that it could not be written to `folder` and is elsewhere.
     pub fn carry_out(
         self,
         run: &RunConfig,
@@ -159,7 +159,7 @@ impl ReportPlan {
         progress: &ReportProgress,
         mut on_render: impl FnMut(&Study),
     ) -> Result<Option<Study>, ReportError> {
-        files::make_folder(folder)?;
+        make_folder(folder)?;
         self.memory().require()?;
         progress.set_total(self.work());
         let reference = match self.reference {
@@ -180,17 +180,21 @@ impl ReportPlan {
             default_settings: settings(&RenderSettings::default()),
             variants: self.variants,
         };
+        let mut files = Refuge::of(folder);
         while let Some(index) = study.next() {
             let variant = &study.variants[index];
             let number = variant.trials.len() + 1;
             let what = format!("{}, seed {number} of {}", variant.name, study.seeds);
             let progress = progress.begin(what, samples(variant));
             if study.render_next(run, &progress)?.is_none() {
+                files.end()?;
                 return Ok(None);
             }
-            files::write(&study, folder)?;
+            let written = files.write(&study);
             on_render(&study);
+            written?;
         }
+        files.end()?;
         Ok(Some(study))
     }
 }

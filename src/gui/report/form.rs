@@ -68,9 +68,9 @@ impl Problem {
     /// In the words of the error, where the field does not say them already.
     pub fn of(error: &ReportError) -> Self {
         let (place, text) = match error {
-            ReportError::Folder { .. } | ReportError::File { .. } => {
-                (Place::Folder, error.to_string())
-            }
+            ReportError::Folder { .. }
+            | ReportError::File { .. }
+            | ReportError::Elsewhere { .. } => (Place::Folder, error.to_string()),
             ReportError::Comparison { index, reason, .. } => {
                 (Place::Comparison(*index), in_the_window(reason))
             }
