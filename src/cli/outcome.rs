@@ -4,16 +4,17 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use crate::math::percent;
 use crate::render::{Ending, ErrorEstimate, Image, RenderStats};
 use crate::scene::RenderSettings;
 
-/// Prints what a render took and how wrong it is, and warns of what went wrong.
+/// Prints what a render took and how wrong it is, and warns of what went wrong. The picture comes with its place and its hash;
+/// `samples_key` is what the user has said the most samples of a pixel by.
 pub(super) fn say(
-    output: &Path,
-    image: &Image,
-    hash: &str,
+    (output, image, hash): (&Path, &Image, &str),
     stats: &RenderStats,
     settings: &RenderSettings,
+    samples_key: &str,
 ) -> Result<()> {
     let rate = stats.rays.total() as f64 / stats.render_seconds.max(1e-9) / 1e6;
     super::say(&format!(
@@ -47,9 +48,9 @@ pub(super) fn say(
         && let Some(noise) = settings.stop.noise
     {
         let reason = match stats.ending {
-            Ending::Time => "the time was up",
-            Ending::Interrupted => "the render was interrupted",
-            _ => "pixels have all the samples that render.samples_per_pixel allows",
+            Ending::Time => "the time was up".to_owned(),
+            Ending::Interrupted => "the render was interrupted".to_owned(),
+            _ => format!("pixels have all the samples that {samples_key} allows"),
         };
         super::warn(&format!(
             "noise is not down to {}: {reason}",
@@ -110,20 +111,4 @@ fn describe_error(error: &ErrorEstimate) -> String {
         error.percentile_999.low,
         error.percentile_999.high
     )
-}
-
-/// A share with three digits.
-pub(super) fn percent(share: f64) -> String {
-    let percent = share * 100.0;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and 9"
-    )]
-    let decimals = if percent > 0.0 {
-        (2.0 - percent.log10().floor()).clamp(0.0, 9.0) as usize
-    } else {
-        0
-    };
-    format!("{percent:.decimals$} %")
 }

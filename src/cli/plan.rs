@@ -140,8 +140,8 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     }
     let cancel = CancelToken::new();
     let changes = [
-        assigned("mode", arguments.mode.as_ref()),
-        assigned("samples_per_pixel", arguments.spp),
+        assigned("--mode", "mode", arguments.mode.as_ref()),
+        assigned("--spp", "samples_per_pixel", arguments.spp),
     ];
     let loaded = arguments.scene.load(changes, &cancel)?;
     let loaded = loaded.ok_or_else(|| anyhow!("loading was cancelled"))?;

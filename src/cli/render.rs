@@ -23,6 +23,7 @@ use crate::analysis::cost::Trial;
 use crate::analysis::pilot;
 use crate::control::{CancelToken, Progress};
 use crate::io::{self, LoadedScene, Origin, Values, WrittenError};
+use crate::math::percent;
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
     RenderOutcome, RenderProgress, RunConfig, Used, Watch, render_watched, resume,
@@ -119,11 +120,11 @@ impl RenderArguments {
     /// The scene with every change that the flags ask for; `None` when cancelled.
     fn load(&self, cancel: &CancelToken) -> Result<Option<LoadedScene>> {
         let changes = [
-            assigned("mode", self.mode.as_ref()),
-            assigned("samples_per_pixel", self.spp),
-            assigned("stop.seconds", self.seconds),
-            assigned("stop.noise", self.noise),
-            assigned("seed", self.seed),
+            assigned("--mode", "mode", self.mode.as_ref()),
+            assigned("--spp", "samples_per_pixel", self.spp),
+            assigned("--seconds", "stop.seconds", self.seconds),
+            assigned("--noise", "stop.noise", self.noise),
+            assigned("--seed", "seed", self.seed),
         ];
         self.scene.load(changes, cancel)
     }
@@ -254,7 +255,11 @@ fn render_scene(
     let mut facts = Stats::new(known, &prepared, [load_seconds, build_seconds], &hash, plan);
     let stats_path = arguments.stats.as_deref();
     let mut recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
-    outcome::say(&place, image, &hash, stats, settings)?;
+    let samples_key = match arguments.spp {
+        Some(_) => "--spp",
+        None => "render.samples_per_pixel",
+    };
+    outcome::say((&place, image, &hash), stats, settings, samples_key)?;
     let levels = rendered.errors.last().map(time_left::to_levels);
     if let Some(levels) = levels.filter(|levels| !levels.is_empty()) {
         super::say(&format!(
@@ -378,7 +383,7 @@ fn render_with_progress(
         let rate = progress.rays() as f64 / seconds / 1e6;
         let point = progress.latest_error();
         let noise = point.map_or_else(String::new, |point| {
-            let noise = outcome::percent(point.error.noise().value);
+            let noise = percent(point.error.noise().value);
             let level = time_left::to_next_level(&point).filter(|_| stop.noise.is_none());
             let level = level.map_or_else(String::new, |level| format!(", {level}"));
             format!(", noise {noise}{level}")

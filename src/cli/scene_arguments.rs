@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::values;
 use crate::control::CancelToken;
-use crate::io::{self, LoadedScene};
+use crate::io::{self, LoadError, LoadedScene};
 
 /// A scene and changes to it.
 #[derive(Debug, Default, Args)]
@@ -41,23 +41,63 @@ impl SceneArguments {
     /// The scene as it is changed, by `more` after all else. `None` when cancelled.
     pub fn load(
         &self,
-        more: impl IntoIterator<Item = Option<String>>,
+        more: impl IntoIterator<Item = Option<Assigned>>,
         cancel: &CancelToken,
     ) -> Result<Option<LoadedScene>> {
         let Some(mut loaded) = super::load_unless(cancel, self.path())? else {
             return Ok(None);
         };
         let size = self.size.unzip();
-        let sides = [assigned("width", size.0), assigned("height", size.1)];
-        let of_options = sides.into_iter().chain(more).flatten();
-        let assignments: Vec<_> = self.assignments.iter().cloned().chain(of_options).collect();
-        io::override_scene(&mut loaded, &assignments, cancel)?;
+        let sides = [("width", size.0), ("height", size.1)].map(|(key, side)| {
+            let assigned = assigned("--size", key, side)?;
+            let (width, height) = self.size?;
+            Some(Assigned {
+                option: format!("--size {width}x{height}"),
+                ..assigned
+            })
+        });
+        let of_options: Vec<Assigned> = sides.into_iter().chain(more).flatten().collect();
+        let added = of_options.iter().map(|added| added.assignment.clone());
+        let assignments: Vec<_> = self.assignments.iter().cloned().chain(added).collect();
+        io::override_scene(&mut loaded, &assignments, cancel)
+            .map_err(|error| as_given(error, &of_options))?;
         Ok((!cancel.is_cancelled()).then_some(loaded))
     }
 }
 
-/// The assignment of what an option asks for to a key of `render`.
-pub fn assigned(key: &str, value: Option<impl Debug>) -> Option<String> {
+/// What an option of its own asks of the scene.
+pub struct Assigned {
+    /// As it was given.
+    option: String,
+    /// As `--set` would say it.
+    assignment: String,
+}
+
+/// The assignment of what `option` asks for to a key of `render`.
+pub fn assigned(option: &str, key: &str, value: Option<impl Debug>) -> Option<Assigned> {
     // This way numbers have few digits and texts quotes.
-    value.map(|value| format!("render.{key}={value:?}"))
+    let value = format!("{:?}", value?);
+    Some(Assigned {
+        option: format!("{option} {}", value.trim_matches('"')),
+        assignment: format!("render.{key}={value}"),
+    })
+}
+
+/// The error, naming the options that were given where it names assignments that nobody wrote.
+fn as_given(error: LoadError, options: &[Assigned]) -> LoadError {
+    const SET: &str = "--set ";
+    let LoadError::Scene(mut error) = error else {
+        return error;
+    };
+    if let Some(assignments) = error.at.strip_prefix(SET) {
+        let parts = assignments.split(" --set ").map(|assignment| {
+            let own = options.iter().find(|own| own.assignment == assignment);
+            own.map_or_else(|| format!("{SET}{assignment}"), |own| own.option.clone())
+        });
+        let mut parts: Vec<String> = parts.collect();
+        // Both sides of a size are one option.
+        parts.dedup();
+        error.at = parts.join(" ");
+    }
+    LoadError::Scene(error)
 }

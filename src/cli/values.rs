@@ -53,8 +53,14 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     let side = whole(1..=RenderSettings::MAX_SIDE);
     let sides = text.split_once(['x', 'X', '×']);
     let sides = sides.and_then(|(width, height)| Some((side(width).ok()?, side(height).ok()?)));
-    let most = RenderSettings::MAX_SIDE;
-    sides.ok_or_else(|| format!("expected width and height, each up to {most}, such as 640x480"))
+    let pixels = |&(width, height): &(u32, u32)| u64::from(width) * u64::from(height);
+    let sides = sides.filter(|sides| pixels(sides) <= RenderSettings::MAX_PIXELS);
+    let (most, most_pixels) = (RenderSettings::MAX_SIDE, RenderSettings::MAX_PIXELS);
+    sides.ok_or_else(|| {
+        format!(
+            "expected width and height, each up to {most} and {most_pixels} pixels together, such as 640x480"
+        )
+    })
 }
 
 /// Reads a part of a picture.
@@ -134,7 +140,7 @@ mod tests {
     fn sizes_regions_and_pixels_are_understood_or_refused() {
         assert_eq!(size("640x480"), Ok((640, 480)));
         assert_eq!(size("1X2"), Ok((1, 2)));
-        for wrong in ["640", "0x3", "-1x3", "ax3", "3x", ""] {
+        for wrong in ["640", "0x3", "-1x3", "ax3", "3x", "", "65536x65536"] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
         assert_eq!(

@@ -833,6 +833,55 @@ fn numbers_of_options_are_numbers() {
     }
 }
 
+/// Nobody is told of an option that he has not given.
+#[test]
+fn complaints_name_the_options_that_were_given() {
+    let folder = folder();
+    let render = ["render", "scene.toml", "-o", "out.png"];
+    let with = |more: &str| [&render[..], &more.split(' ').collect::<Vec<_>>()].concat();
+    let said = fail(folder.path(), 2, &with("--size 65536x65536"));
+    assert!(
+        said.contains("--size") && said.contains("268435456 pixels together"),
+        "{said}"
+    );
+    let said = fail(folder.path(), 1, &with("--set render=3 --size 96x54"));
+    assert!(said.contains("--set render=3: "), "{said}");
+    let said = fail(
+        folder.path(),
+        1,
+        &with("--set render.phong=classic --mode path"),
+    );
+    assert!(said.contains("--set render.phong=classic: "), "{said}");
+    std::fs::write(
+        folder.path().join("classic.toml"),
+        "[[objects]]\nmesh = \"tetra.off\"\n[render]\nphong = \"classic\"\n",
+    )
+    .expect("is written");
+    let render = ["render", "classic.toml", "-o", "out.png", "--mode", "path"];
+    let said = fail(
+        folder.path(),
+        1,
+        &[&render[..], &["--size", "96x54"]].concat(),
+    );
+    assert!(said.contains("error: --size 96x54 --mode path: "), "{said}");
+
+    let noise = raymini(folder.path(), &with("--spp 2 --noise 1e-300"));
+    let said = String::from_utf8_lossy(&noise.stderr);
+    assert!(
+        said.contains(
+            "noise is not down to 1.00e-298 %: pixels have all the samples that --spp allows"
+        ),
+        "{said}"
+    );
+    let few = "--set render.samples_per_pixel=2 --noise 1e-9";
+    let noise = raymini(folder.path(), &with(few));
+    let said = String::from_utf8_lossy(&noise.stderr);
+    assert!(
+        said.contains("the samples that render.samples_per_pixel allows"),
+        "{said}"
+    );
+}
+
 /// A picture that has no sample of most pixels when the time is up takes the place of none.
 #[test]
 fn what_the_clock_leaves_unfinished_is_called_so() {

@@ -109,9 +109,11 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
             line: ASSIGNED,
             column: number,
         };
-        assign(&mut tree, assignment, place).map_err(|message| {
-            SceneFileError::of_assignments(std::slice::from_ref(assignment), message)
-        })?;
+        if let Err(message) = assign(&mut tree, assignment, place) {
+            let (number, message) = spoiled(&tree, assignment).unwrap_or((number, message));
+            let blamed = &assignments[number..=number];
+            return Err(SceneFileError::of_assignments(blamed, message));
+        }
     }
     let mut changed = read(&tree, "scene").map_err(|problem| {
         // Where it is what the scene had that does not go with the new values, any of them may be to blame.
@@ -125,6 +127,16 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
     changed.images.clone_from(&scene.images);
     changed.textures.clone_from(&scene.textures);
     Ok(changed)
+}
+
+/// What is wrong with an assignment before this one, and its number, where it has put a value in the place of what this one is to change
+/// a part of.
+fn spoiled(tree: &Node, assignment: &str) -> Option<(usize, String)> {
+    let (path, _) = assignment.split_once('=')?;
+    let place = tree.place_of(path.trim());
+    let problem = read(tree, "scene").err()?;
+    let is_there = place.line == ASSIGNED && problem.place == Some(place);
+    is_there.then_some((place.column, problem.message))
 }
 
 /// The line, which no text has, of what assignments say; their number is the column.

@@ -157,6 +157,13 @@ fn the_assignment_to_blame_is_named() {
     }
     let together = ["render.mode=path", "render.phong=classic"];
     assert_eq!(found(&together), "--set render.phong=classic");
+    // What the second is about is no longer there.
+    let spoiled = ["render=3", "render.width=96"];
+    assert_eq!(found(&spoiled), "--set render=3");
+    assert_eq!(
+        found(&["render.mode=ao", spoiled[1], "render.width.x=2"]),
+        "--set render.width.x=2"
+    );
     let classic = parse("[render]\nphong = \"classic\"").expect("is right");
     let found = found_in(&classic, &["render.mode=path", right]);
     assert_eq!(found, "--set render.mode=path --set render.height=8");
