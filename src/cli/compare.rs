@@ -10,7 +10,9 @@ use super::inputs::is_same_file;
 use crate::analysis::{
     LocatedDifference, Metrics, mean_flip, scaled_difference, signed_difference,
 };
-use crate::io::{self, PictureFile};
+use crate::io::scene_file::SceneFile;
+use crate::io::{self, PictureFile, WrittenOrigin};
+use crate::render::{Image, Region};
 use crate::scene::{Display, Output};
 
 /// What `raymini compare` takes.
@@ -47,6 +49,8 @@ struct CompareFacts {
     largest: Option<LargestFacts>,
     percentile_999: f64,
     mean: MeanFacts,
+    /// Where one picture is a part of the other, which is cut to it.
+    part: Option<PartFacts>,
     differing_pixels: u64,
     visibly_differing_pixels: u64,
     non_finite: NonFiniteFacts,
@@ -60,6 +64,61 @@ struct LargestFacts {
     value: f64,
     x: u32,
     y: u32,
+}
+
+/// The part of one picture that the other, by its file, is of.
+#[derive(Debug, Serialize)]
+struct PartFacts {
+    /// Which picture is the larger one, "a" or "b".
+    of: &'static str,
+    region: Region,
+}
+
+impl PartFacts {
+    /// Cuts the larger picture to what the smaller one is of, where that one's file says that it is a part of a picture of this size.
+    fn cut(paths: [&PathBuf; 2], images: [&mut Image; 2]) -> Option<Self> {
+        let [a, b] = images;
+        if (a.width, a.height) == (b.width, b.height) {
+            return None;
+        }
+        // What does not tell of its origin is no part of anything.
+        let [of_a, of_b] = paths.map(|path| WrittenOrigin::of_file(path).unwrap_or_default());
+        let (of, whole, part, origin) = match (of_a.region, of_b.region) {
+            (Some(_), None) => ("b", b, a, of_a),
+            (None, Some(_)) => ("a", a, b, of_b),
+            _ => return None,
+        };
+        let region = origin.region?;
+        let size = (whole.width, whole.height);
+        let is_whole = region.fits(size.0, size.1) && picture_size(&origin)? == size;
+        if !is_whole || (part.width, part.height) != (region.width, region.height) {
+            return None;
+        }
+        *whole = cut(whole, region);
+        Some(Self { of, region })
+    }
+}
+
+/// Width and height of the picture that the scene of a file says.
+fn picture_size(origin: &WrittenOrigin) -> Option<(u32, u32)> {
+    let file = SceneFile::parse(origin.scene.as_ref()?, "").ok()?;
+    let render = &file.scene.render;
+    Some((render.width, render.height))
+}
+
+/// The pixels of `region`, which lies in the image.
+fn cut(image: &Image, region: Region) -> Image {
+    let rows = image.pixels.chunks_exact(image.width as usize);
+    let rows = rows.skip(region.y as usize).take(region.height as usize);
+    let columns = region.x as usize..(region.x + region.width) as usize;
+    Image {
+        width: region.width,
+        height: region.height,
+        pixels: rows
+            .flat_map(|row| &row[columns.clone()])
+            .copied()
+            .collect(),
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -87,7 +146,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
         check_output(output, [&arguments.a, &arguments.b])?;
     }
-    let (a, b) = (io::read_image(&arguments.a)?, io::read_image(&arguments.b)?);
+    let (mut a, mut b) = (io::read_image(&arguments.a)?, io::read_image(&arguments.b)?);
+    let part = PartFacts::cut([&arguments.a, &arguments.b], [&mut a.image, &mut b.image]);
     let names = [&arguments.a, &arguments.b].map(|path| path.display().to_string());
     let metrics = Metrics::measure(&a.image, &b.image)
         .with_context(|| format!("{} and {} cannot be compared", names[0], names[1]))?;
@@ -96,7 +156,10 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<()> {
         None => None,
     };
     let flip = mean_flip(&a.image, &b.image)?;
-    let facts = facts(&names, [&a, &b], &metrics, flip, difference);
+    let facts = CompareFacts {
+        part,
+        ..facts(&names, [&a, &b], &metrics, flip, difference)
+    };
     if arguments.json {
         super::say_json(&facts)
     } else {
@@ -178,6 +241,7 @@ fn facts(
             b: metrics.mean_b,
             relative: metrics.relative_means(),
         },
+        part: None,
         differing_pixels: metrics.differing_pixels,
         visibly_differing_pixels: metrics.visibly_differing_pixels,
         non_finite: NonFiniteFacts {
@@ -205,6 +269,14 @@ fn describe(names: &[String; 2], facts: &CompareFacts) -> String {
     let pixels = u64::from(facts.width) * u64::from(facts.height);
     let size = format!("{}×{}", facts.width, facts.height);
     line("size", &size, "linear values, of red, green and blue");
+    if let Some(PartFacts { of, region }) = &facts.part {
+        let place = format!("from pixel ({}, {}) on", region.x, region.y);
+        let meaning = match *of {
+            "a" => "of A, which is larger, is compared with B",
+            _ => "of B, which is larger, is compared with A",
+        };
+        line("part", &place, meaning);
+    }
     line(
         "identical",
         if facts.identical { "yes" } else { "no" },

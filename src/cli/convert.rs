@@ -9,7 +9,7 @@ use clap::Args;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{TriangleMesh, Winding};
 use crate::io::{self, MeshFormat, Model, ModelFormat, READABLE_EXTENSIONS};
-use crate::math::{DMat3, DVec3};
+use crate::math::{DMat3, DVec3, counted};
 use crate::scene::Remeasure;
 
 /// What `raymini convert` takes.
@@ -188,8 +188,9 @@ fn convert_model(
         count => format!(", {count} materials"),
     };
     super::say(&format!(
-        "{name}: {}, {vertices} vertices, {triangles} triangles{changed}{materials}",
-        format.name()
+        "{name}: {}, {vertices} vertices, {}{changed}{materials}",
+        format.name(),
+        counted(triangles, "triangle")
     ))
 }
 
@@ -218,9 +219,9 @@ fn convert_mesh(input: &Path, changes: &Changes, format: MeshFormat, output: &Pa
         ));
     }
     super::say(&format!(
-        "{name}: {}, {} vertices, {} triangles{changed}",
+        "{name}: {}, {} vertices, {}{changed}",
         format.name(),
         mesh.positions.len(),
-        mesh.triangles.len()
+        counted(mesh.triangles.len(), "triangle")
     ))
 }

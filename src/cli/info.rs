@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{TriangleMesh, Winding};
 use crate::io::{self, Model, WrittenError, WrittenOrigin};
-use crate::math::{DBounds, percent};
+use crate::math::{DBounds, counted, percent};
 use crate::render::{Image, Region};
 use crate::scene::{Choice, Material, Object, Scene};
 
@@ -294,6 +294,14 @@ fn png_facts(path: &Path) -> Result<PictureFacts> {
         .read_info()
         .with_context(|| format!("{}: expected a PNG picture", path.display()))?;
     let info = reader.info();
+    // What the header tells holds for a file that was cut off, too.
+    let warnings = match io::read_image(path) {
+        Ok(picture) => picture.warnings,
+        Err(error) => vec![format!(
+            "the picture in it cannot be read, what is said of it is what its header tells: {}",
+            error.reason
+        )],
+    };
     Ok(PictureFacts {
         format: "PNG",
         width: info.width as usize,
@@ -303,7 +311,7 @@ fn png_facts(path: &Path) -> Result<PictureFacts> {
         settings: None,
         region: None,
         error: None,
-        warnings: Vec::new(),
+        warnings,
     })
 }
 
@@ -448,7 +456,7 @@ fn describe_mesh(mesh: &MeshFacts, lines: &mut Lines) {
             let ObjectFacts {
                 name, triangles, ..
             } = object;
-            format!("{name}: {triangles} triangles{worn}")
+            format!("{name}: {}{worn}", counted(*triangles, "triangle"))
         });
         lines.add_all("material", &mesh.materials, |material| {
             format!("{}: {}", material.name, material.kind)
@@ -471,7 +479,10 @@ fn describe_scene(scene: &SceneFacts, lines: &mut Lines) {
     } = scene;
     lines.add(
         "picture",
-        format!("{mode}, {width}×{height}, {samples_per_pixel} samples"),
+        format!(
+            "{mode}, {width}×{height}, {}",
+            counted(*samples_per_pixel, "sample")
+        ),
     );
     lines.add_all("object", &scene.objects, |object| {
         let copies = if object.copies == 1 {
@@ -485,7 +496,10 @@ fn describe_scene(scene: &SceneFacts, lines: &mut Lines) {
             mesh,
             ..
         } = object;
-        format!("{name}: {triangles} triangles{copies}, {mesh}")
+        format!(
+            "{name}: {}{copies}, {mesh}",
+            counted(*triangles, "triangle")
+        )
     });
     let names = match &scene.materials[..] {
         [] => "none".to_owned(),
@@ -533,14 +547,42 @@ fn describe_picture(picture: &PictureFacts, lines: &mut Lines) {
     }
 }
 
+/// All digits of a number that matter, with an exponent where there would be many zeros.
+fn coordinate(value: f64) -> String {
+    if value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
 fn describe_box(bounds: Option<&Box3>) -> String {
     match bounds {
         None => "empty".to_owned(),
         Some(Box3 { min, max }) => {
-            format!(
-                "({}, {}, {}) to ({}, {}, {})",
-                min[0], min[1], min[2], max[0], max[1], max[2]
-            )
+            let [min, max] = [min, max].map(|corner| corner.map(coordinate).join(", "));
+            format!("({min}) to ({max})")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_have_the_digits_that_matter() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-0.25, "-0.25"),
+            (0.000_01, "0.00001"),
+            (0.000_001_5, "1.5e-6"),
+            (123_456_789.5, "123456789.5"),
+            (1e300, "1e300"),
+            (-1e-300, "-1e-300"),
+        ] {
+            assert_eq!(coordinate(value), expected);
         }
     }
 }

@@ -84,8 +84,26 @@ pub fn load_models(
     let work = paths.iter().map(|path| work_of(&path.to_string_lossy()));
     progress.set_total(work.sum());
     // As the user wrote them, for messages.
-    let models = paths.iter().map(|path| read_model(path, cancel, progress));
+    let models = paths.iter().map(|path| {
+        let mut model = read_model(path, cancel, progress)?;
+        if let Some(model) = &mut model {
+            model.warnings.extend(name_warning(path));
+        }
+        Ok(model)
+    });
     models.collect()
+}
+
+/// What is to be said of a file whose name, with its folders', no scene can hold, which is text.
+fn name_warning(path: &Path) -> Option<String> {
+    let absolute = std::path::absolute(path).ok()?;
+    absolute.to_str().is_none().then(|| {
+        format!(
+            "{}: the file's name or that of a folder is not Unicode, which scenes need: a saved scene or the one in a picture cannot find it \
+             again",
+            path.display()
+        )
+    })
 }
 
 /// The models of files as one scene: framed, and lit where they have no lights. Which way is up is for the first to say.

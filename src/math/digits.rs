@@ -1,5 +1,7 @@
 //! Numbers for people.
 
+use std::fmt::Display;
+
 /// A number with three digits, and with an exponent where there would be many zeros.
 #[must_use]
 pub fn three_digits(value: f64) -> String {
@@ -21,9 +23,24 @@ pub fn percent(part: f64) -> String {
     format!("{} %", three_digits(100.0 * part))
 }
 
+/// So many of a thing, whose plural is its name and an s.
+#[must_use]
+pub fn counted(count: impl Display + PartialEq + From<u8> + Copy, thing: &str) -> String {
+    let plural = if count == 1.into() { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_thing_is_no_plural() {
+        assert_eq!(counted(1_usize, "triangle"), "1 triangle");
+        assert_eq!(counted(0_u64, "triangle"), "0 triangles");
+        assert_eq!(counted(1.0, "sample"), "1 sample");
+        assert_eq!(counted(1.5, "sample"), "1.5 samples");
+    }
 
     #[test]
     fn numbers_have_three_digits() {

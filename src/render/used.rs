@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::geometry::is_nothing;
+use crate::math::counted;
 use crate::scene::{AcceleratorChoice, Choice, Material, RenderSettings, Rgb, Scene};
 
 /// What of a scene its render uses; the rest costs nothing.
@@ -70,7 +71,10 @@ impl Used {
         [
             format!("lights: {shining} of {lights} shine"),
             format!("materials: {worn} of {materials} are worn, lobes: {lobes}"),
-            format!("structure: {structure}, over {triangles} triangles"),
+            format!(
+                "structure: {structure}, over {}",
+                counted(triangles, "triangle")
+            ),
         ]
     }
 }

@@ -882,6 +882,52 @@ fn complaints_name_the_options_that_were_given() {
     );
 }
 
+/// What is said before the picture's data does not vouch for it.
+#[test]
+fn info_tells_of_a_picture_that_is_cut_off() {
+    let folder = folder();
+    let (whole, cut) = (folder.path().join("out.png"), folder.path().join("cut.png"));
+    succeed(
+        folder.path(),
+        &["render", "scene.toml", "-o", "out.png", "--spp", "1"],
+    );
+    assert_eq!(
+        facts(folder.path(), "out.png")["warnings"],
+        Value::Array(Vec::new())
+    );
+    let bytes = std::fs::read(whole).expect("is written");
+    // The end of the file and a part of its last rows.
+    std::fs::write(cut, &bytes[..bytes.len() - 60]).expect("is written");
+    let facts = facts(folder.path(), "cut.png");
+    assert_eq!(facts["width"], 64);
+    let warning = facts["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains("not a whole PNG file"), "{warning}");
+}
+
+/// A scene is text, and cannot hold every name of a file.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_mesh_that_no_scene_can_name_is_warned_of() {
+    use std::os::unix::ffi::OsStrExt as _;
+
+    let folder = folder();
+    let name = std::ffi::OsStr::from_bytes(b"t\xff.off");
+    std::fs::copy(folder.path().join("tetra.off"), folder.path().join(name)).expect("is copied");
+    let render = |mesh: &std::ffi::OsStr| {
+        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .arg("render")
+            .arg(mesh)
+            .args(["-o", "out.png", "--spp", "1", "--size", "8x6"])
+            .output()
+            .expect("starts");
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).expect("is text")
+    };
+    assert!(render(name).contains("is not Unicode"));
+    assert!(!render("tetra.off".as_ref()).contains("is not Unicode"));
+}
+
 /// A picture that has no sample of most pixels when the time is up takes the place of none.
 #[test]
 fn what_the_clock_leaves_unfinished_is_called_so() {

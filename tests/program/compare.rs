@@ -237,6 +237,48 @@ fn the_difference_takes_the_place_of_no_picture_that_is_compared() {
     assert!(before == ["a.exr", "b.exr"].map(read));
 }
 
+/// A region has the bits of the whole picture there; of another picture it is no part.
+#[test]
+fn a_region_is_compared_with_its_part_of_the_whole_picture() {
+    let folder = folder();
+    let scene = "[[objects]]\nmesh = \"builtin:ram\"\n[background]\nzenith = [0, 0, 1]\nhorizon = [1, 1, 1]\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("is written");
+    let render = |output: &str, more: &str| {
+        let arguments = format!("render scene.toml -o {output} --spp 2 {more}");
+        let status = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .args(arguments.split(' '))
+            .status();
+        assert!(status.expect("starts").success());
+    };
+    for format in ["exr", "png"] {
+        let [whole, part] = ["whole", "part"].map(|name| format!("{name}.{format}"));
+        render(&whole, "--size 32x24");
+        render(&part, "--size 32x24 --region 10,5,16,9");
+        let region = json!({"x": 10, "y": 5, "width": 16, "height": 9});
+        for (a, b, of) in [(&part, &whole, "b"), (&whole, &part, "a")] {
+            let facts = facts(folder.path(), &[a, b]);
+            assert_eq!(facts["identical"], true, "{facts}");
+            assert_eq!(facts["part"], json!({"of": of, "region": region}));
+            assert_eq!((&facts["width"], &facts["height"]), (&16.into(), &9.into()));
+        }
+        let text = succeed(folder.path(), &[&part, &whole]);
+        assert!(
+            text.contains("from pixel (10, 5) on") && text.contains("of B, which is larger"),
+            "{text}"
+        );
+        assert_eq!(facts(folder.path(), &[&part, &part])["part"], Value::Null);
+    }
+    render("other.exr", "--size 40x24");
+    let output = compare(folder.path(), &["part.exr", "other.exr"]);
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        complaint.contains("the sizes differ: 16×9 and 40×24"),
+        "{complaint}"
+    );
+}
+
 #[test]
 fn mistakes_are_told_with_exit_codes_1_and_2() {
     let folder = folder();

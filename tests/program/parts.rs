@@ -338,7 +338,7 @@ fn info_tells_of_parts_and_materials() {
         "  vertices    7",
         "  faces       4, 1 of them with more than three corners",
         "  triangles   5",
-        "  object      chair: 1 triangles",
+        "  object      chair: 1 triangle",
         "  object      wood: 3 triangles, material wood",
         "  material    chrome: mirror",
         "  material    wood: phong",

@@ -6,7 +6,7 @@ use crate::render::{
 use crate::scene::{Choice, LightSampling, Mode, Scene, SceneError, Stop};
 
 use crate::io::WrittenError;
-use crate::math::{percent, three_digits};
+use crate::math::{counted, percent, three_digits};
 
 /// What renders are measured against.
 #[derive(Clone, Debug)]
@@ -187,7 +187,8 @@ impl Reference {
                     format!(", light_sampling {}", way.name())
                 });
                 format!(
-                    "a render of {samples_per_pixel} samples per pixel, seed {seed}{way}; {}",
+                    "a render of {} per pixel, seed {seed}{way}; {}",
+                    counted(*samples_per_pixel, "sample"),
                     self.describe_error()
                 )
             }
