@@ -13,7 +13,7 @@ use crate::analysis::report::{
     Summary, parse_radiance,
 };
 use crate::control::CancelToken;
-use crate::math::{percent, three_digits};
+use crate::math::{counted, percent, three_digits};
 use crate::render::RunConfig;
 
 /// What `raymini report` takes.
@@ -95,9 +95,9 @@ pub(super) fn run(arguments: &ReportArguments, signals: &Signals) -> Result<Exit
         (Ok(_), 0) => super::tell("interrupted before a render was measured: no report is written"),
         (Ok(true), _) => {}
         (Ok(false), done) => {
-            let renders = if done == 1 { "render" } else { "renders" };
             super::warn(&format!(
-                "interrupted: the report in {folder} holds the {done} {renders} done so far"
+                "interrupted: the report in {folder} holds {} done so far",
+                counted(done, "render")
             ));
         }
     }

@@ -507,7 +507,7 @@ mod signals {
         let (code, said) = complaint(&output);
         assert_eq!(code, Some(130), "{said}");
         assert!(
-            said.contains("interrupted: the report in out holds the "),
+            said.contains("interrupted: the report in out holds "),
             "{said}"
         );
         let printed = String::from_utf8_lossy(&output.stdout);

@@ -8,6 +8,7 @@ mod compare;
 mod convert;
 mod faults;
 mod lost_digits;
+mod meant;
 mod parts;
 mod report;
 mod without_window;

@@ -52,8 +52,8 @@ impl<'a> Refuge<'a> {
         let Err(reason) = write(study, self.folder) else {
             return Ok(());
         };
-        let mut builder = tempfile::Builder::new();
-        let Ok(place) = builder.prefix(&io::rescue_prefix(self.folder)).tempdir() else {
+        let prefix = io::rescue_prefix(self.folder);
+        let Ok(place) = tempfile::Builder::new().prefix(&prefix).tempdir() else {
             return Err(reason);
         };
         if write(study, place.path()).is_err() {
