@@ -54,11 +54,14 @@ pub fn new_picture(folder: &Path, stem: &OsStr) -> PathBuf {
         name.push(ending);
         folder.join(name)
     };
+    let mut path = named(".png");
+    let mut number = 0_u64;
     // A link that leads nowhere is somebody's too.
-    let is_free = |path: &PathBuf| path.symlink_metadata().is_err();
-    let numbered = (1_u64..).map(|number| named(&format!("-{number}.png")));
-    let mut names = std::iter::once(named(".png")).chain(numbered);
-    names.find(is_free).expect("numbers do not end")
+    while path.symlink_metadata().is_ok() {
+        number += 1;
+        path = named(&format!("-{number}.png"));
+    }
+    path
 }
 
 #[cfg(test)]

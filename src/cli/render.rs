@@ -117,6 +117,14 @@ impl RenderArguments {
         Ok(())
     }
 
+    /// What the user has said the most samples of a pixel by.
+    fn samples_key(&self) -> &'static str {
+        match self.spp {
+            Some(_) => "--spp",
+            None => "render.samples_per_pixel",
+        }
+    }
+
     /// The scene with every change that the flags ask for; `None` when cancelled.
     fn load(&self, cancel: &CancelToken) -> Result<Option<LoadedScene>> {
         let changes = [
@@ -255,11 +263,12 @@ fn render_scene(
     let mut facts = Stats::new(known, &prepared, [load_seconds, build_seconds], &hash, plan);
     let stats_path = arguments.stats.as_deref();
     let mut recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
-    let samples_key = match arguments.spp {
-        Some(_) => "--spp",
-        None => "render.samples_per_pixel",
-    };
-    outcome::say((&place, image, &hash), stats, settings, samples_key)?;
+    outcome::say(
+        (&place, image, &hash),
+        stats,
+        settings,
+        arguments.samples_key(),
+    )?;
     let levels = rendered.errors.last().map(time_left::to_levels);
     if let Some(levels) = levels.filter(|levels| !levels.is_empty()) {
         super::say(&format!(
@@ -275,22 +284,28 @@ fn render_scene(
             recorded = stats_path.map_or(Ok(()), |path| facts.write(path));
         }
     }
-    let recorded = match recorded {
-        Ok(()) => Ok(()),
-        Err(error) => {
-            super::say_json(&facts)?;
-            Err(anyhow!("{error:#}; the figures are printed instead"))
-        }
-    };
-    if let (Some(_), Err(error)) = (&failure, &recorded) {
-        super::tell(&format!("error: {error:#}"));
-    }
-    failure.map_or(Ok(()), Err)?;
-    recorded?;
+    settle(failure, recorded, &facts)?;
     if is_out_of_time {
         return Ok(ExitCode::FAILURE);
     }
     Ok(exit_code(signals))
+}
+
+/// Prints the figures where they could not be `recorded`, so that they are not lost.
+///
+/// # Errors
+/// What kept them or the picture from their files; where it is both, the figures' is told.
+fn settle(failure: Option<anyhow::Error>, recorded: Result<()>, facts: &Stats) -> Result<()> {
+    let Err(error) = recorded else {
+        return failure.map_or(Ok(()), Err);
+    };
+    super::say_json(facts)?;
+    let error = anyhow!("{error:#}; the figures are printed instead");
+    let Some(failure) = failure else {
+        return Err(error);
+    };
+    super::tell(&format!("error: {error:#}"));
+    Err(failure)
 }
 
 /// What the effects of the render cost, which is said; `None` when interrupted.

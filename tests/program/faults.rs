@@ -490,7 +490,11 @@ mod signals {
     fn wait_for(path: &Path) {
         let started = Instant::now();
         while !path.exists() {
-            assert!(started.elapsed() < Duration::from_mins(1), "{path:?}");
+            assert!(
+                started.elapsed() < Duration::from_mins(1),
+                "{}",
+                path.display()
+            );
             std::thread::sleep(Duration::from_millis(10));
         }
     }

@@ -42,9 +42,12 @@ fn what_a_folder_of_files_is_made_from_is_not_written_over() {
 /// Nobody is told of an option that he has not given.
 #[test]
 fn complaints_name_the_options_that_were_given() {
+    fn with(more: &str) -> Vec<&str> {
+        let more: Vec<_> = more.split(' ').collect();
+        [&["render", "scene.toml", "-o", "out.png"], &more[..]].concat()
+    }
+
     let folder = folder();
-    let render = ["render", "scene.toml", "-o", "out.png"];
-    let with = |more: &str| [&render[..], &more.split(' ').collect::<Vec<_>>()].concat();
     let said = fail(folder.path(), 2, &with("--size 65536x65536"));
     assert!(
         said.contains("--size") && said.contains("268435456 pixels together"),
