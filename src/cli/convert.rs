@@ -190,7 +190,7 @@ fn convert_model(
     super::say(&format!(
         "{name}: {}, {vertices} vertices, {}{changed}{materials}",
         format.name(),
-        counted(triangles, "triangle")
+        counted(triangles as u64, "triangle", "triangles")
     ))
 }
 
@@ -222,6 +222,6 @@ fn convert_mesh(input: &Path, changes: &Changes, format: MeshFormat, output: &Pa
         "{name}: {}, {} vertices, {}{changed}",
         format.name(),
         mesh.positions.len(),
-        counted(mesh.triangles.len(), "triangle")
+        counted(mesh.triangles.len() as u64, "triangle", "triangles")
     ))
 }

@@ -456,7 +456,10 @@ fn describe_mesh(mesh: &MeshFacts, lines: &mut Lines) {
             let ObjectFacts {
                 name, triangles, ..
             } = object;
-            format!("{name}: {}{worn}", counted(*triangles, "triangle"))
+            format!(
+                "{name}: {}{worn}",
+                counted(*triangles as u64, "triangle", "triangles")
+            )
         });
         lines.add_all("material", &mesh.materials, |material| {
             format!("{}: {}", material.name, material.kind)
@@ -481,7 +484,7 @@ fn describe_scene(scene: &SceneFacts, lines: &mut Lines) {
         "picture",
         format!(
             "{mode}, {width}×{height}, {}",
-            counted(*samples_per_pixel, "sample")
+            counted((*samples_per_pixel).into(), "sample", "samples")
         ),
     );
     lines.add_all("object", &scene.objects, |object| {
@@ -498,7 +501,7 @@ fn describe_scene(scene: &SceneFacts, lines: &mut Lines) {
         } = object;
         format!(
             "{name}: {}{copies}, {mesh}",
-            counted(*triangles, "triangle")
+            counted(*triangles as u64, "triangle", "triangles")
         )
     });
     let names = match &scene.materials[..] {

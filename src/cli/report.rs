@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &ReportArguments, signals: &Signals) -> Result<Exit
         (Ok(false), done) => {
             super::warn(&format!(
                 "interrupted: the report in {folder} holds {} done so far",
-                counted(done, "render")
+                counted(done as u64, "render", "renders")
             ));
         }
     }

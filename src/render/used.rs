@@ -73,7 +73,7 @@ impl Used {
             format!("materials: {worn} of {materials} are worn, lobes: {lobes}"),
             format!(
                 "structure: {structure}, over {}",
-                counted(triangles, "triangle")
+                counted(triangles, "triangle", "triangles")
             ),
         ]
     }

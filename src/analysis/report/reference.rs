@@ -188,7 +188,7 @@ impl Reference {
                 });
                 format!(
                     "a render of {} per pixel, seed {seed}{way}; {}",
-                    counted(*samples_per_pixel, "sample"),
+                    counted((*samples_per_pixel).into(), "sample", "samples"),
                     self.describe_error()
                 )
             }
