@@ -21,6 +21,27 @@ pub fn percent(part: f64) -> String {
     format!("{} %", three_digits(100.0 * part))
 }
 
+/// A number of two places, with a minus sign where that is not all zeros.
+#[must_use]
+pub fn signed(number: f64) -> String {
+    let text = format!("{number:.2}");
+    if text == "-0.00" {
+        "0.00".to_owned()
+    } else {
+        text.replace('-', "−")
+    }
+}
+
+/// A time with three digits: in milliseconds below a tenth of a second.
+#[must_use]
+pub fn time_in_words(seconds: f64) -> String {
+    if (1e-7..0.1).contains(&seconds) {
+        format!("{} ms", three_digits(1000.0 * seconds))
+    } else {
+        format!("{} s", three_digits(seconds))
+    }
+}
+
 /// A number and what it is the number of: "1 face", "12 faces".
 #[must_use]
 pub fn counted(count: u64, one: &str, many: &str) -> String {
@@ -35,6 +56,31 @@ mod tests {
     fn one_thing_is_no_plural() {
         let found = [0, 1, 2].map(|count| counted(count, "face", "faces"));
         assert_eq!(found, ["0 faces", "1 face", "2 faces"]);
+    }
+
+    #[test]
+    fn numbers_that_are_shown_as_0_have_no_sign() {
+        for (number, expected) in [
+            (-0.004, "0.00"),
+            (-0.5, "−0.50"),
+            (0.25, "0.25"),
+            (0.0, "0.00"),
+        ] {
+            assert_eq!(signed(number), expected);
+        }
+    }
+
+    #[test]
+    fn short_times_are_milliseconds() {
+        for (seconds, expected) in [
+            (0.0, "0 s"),
+            (0.0184, "18.4 ms"),
+            (0.000_5, "0.500 ms"),
+            (0.25, "0.250 s"),
+            (16.0, "16.0 s"),
+        ] {
+            assert_eq!(time_in_words(seconds), expected);
+        }
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub mod warp;
 pub use angle::Degrees;
 pub use bounds::{Bounds, DBounds};
 pub use compensated_sum::{CompensatedSum, two_sum};
-pub use digits::{counted, percent, three_digits};
+pub use digits::{counted, percent, signed, three_digits, time_in_words};
 pub use direction::{direction_of, length_of};
 pub use frame::{SceneFrame, power_of_two};
 pub use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};

@@ -1,11 +1,11 @@
 //! Edges between faces: open ones, crowded ones, and the way round that faces turn on both sides.
 
 use super::mesh_use::MeshUse;
-use super::tally::{Tally, counted};
+use super::tally::Tally;
 use super::{Hazard, HazardKind, Place, Severity, stops};
 use crate::control::CancelToken;
 use crate::geometry::{Edges, Shell, Shells, Side, Welded, face_normal};
-use crate::math::length_of;
+use crate::math::{counted, length_of};
 
 /// What a flat sheet may deviate from its plane, of its size: the rounding of coordinates with few digits.
 const FLAT: f64 = 1e-5;

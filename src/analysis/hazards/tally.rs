@@ -1,6 +1,7 @@
 //! How often a hazard was found, and its first few places.
 
 use super::Place;
+use crate::math::counted;
 
 /// A count, and the first few of what is counted.
 #[derive(Clone, Debug, Default)]
@@ -25,9 +26,4 @@ impl Tally {
     pub fn of(&self, one: &str, many: &str) -> String {
         counted(self.count, one, many)
     }
-}
-
-/// A number and what it is the number of: "1 face", "12 faces".
-pub fn counted(count: u64, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
 }
