@@ -23,7 +23,10 @@ use contents::{load_background, load_contents, named_from_root, read_mesh};
 
 pub(super) use contents::work_of;
 pub use missing::{MissingMesh, load_scene_without_missing, missing_meshes};
-pub use warnings::{image_warnings, lost_digits_warning, mesh_warnings, texture_warnings};
+pub use warnings::{
+    READ_FROM_OUTSIDE, STRETCHED, image_warnings, lost_digits_warning, mesh_warnings,
+    texture_warnings,
+};
 
 /// The most bytes of a scene file. Meshes and images lie in files of their own, so 100,000 lights fit. Parsing takes some 80 times the
 /// file's size, and up to 250 times where it is all tables of one short key: every value knows its line and column.

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::analysis::hazards::{self, Hazard, HazardKind, Place, Severity, Subject};
 use crate::control::CancelToken;
+use crate::io::{READ_FROM_OUTSIDE, STRETCHED};
 
 /// What is printed.
 #[derive(Debug, Serialize)]
@@ -71,7 +72,7 @@ fn describe(facts: &Facts) -> String {
     )];
     for warning in &facts.warnings {
         lines.push(format!("warning: {}", shortened(warning)));
-        lines.push("    Repair the file, unless what is left out is not missed.".to_owned());
+        lines.extend(advice_on(warning).map(|advice| format!("    {advice}")));
     }
     for hazard in &facts.hazards {
         let severity = match hazard.severity {
@@ -87,6 +88,26 @@ fn describe(facts: &Facts) -> String {
         lines.push(format!("    {}", hazard.advice));
     }
     lines.join("\n")
+}
+
+/// What to do about a warning of reading files; `None` where it says that itself.
+fn advice_on(warning: &str) -> Option<&'static str> {
+    let says = |words: &[&str]| words.iter().any(|words| warning.contains(words));
+    if says(&[READ_FROM_OUTSIDE]) {
+        Some(
+            "See whether you want this file read. A copy in the folder of the scene file is found on other machines too.",
+        )
+    } else if says(&["write it again"]) {
+        None
+    } else if says(&[STRETCHED]) {
+        Some(
+            "Take an image of all directions, twice as wide as high, unless the stretched one is what you want.",
+        )
+    } else if says(&["left out", "dropped", "no triangles"]) {
+        Some("Repair the file, unless what is left out is not missed.")
+    } else {
+        Some("Look at the picture there; where it is not what you want, repair the file.")
+    }
 }
 
 /// What a hazard is about, with a colon; nothing for the whole picture.
@@ -230,5 +251,35 @@ mod tests {
         ] {
             assert_eq!(coordinate(value), expected);
         }
+    }
+
+    /// A file that is read from elsewhere is not broken, and need not be repaired.
+    #[test]
+    fn advice_is_about_what_the_warning_is_about() {
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().expect("has one")).expect("a folder");
+            std::fs::write(&path, text).expect("is written");
+            path
+        };
+        // The second face has no area.
+        let mesh = "OFF 3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 1\n";
+        write("elsewhere/mesh.off", mesh);
+        let scene = "[[objects]]\nmesh = \"../../elsewhere/mesh.off\"\n";
+        let scene = write("project/scenes/scene.toml", scene);
+        let loaded = crate::cli::load(Some(&scene)).expect("is right");
+        let of = |words: &str| {
+            let mut all = loaded.warnings.iter();
+            let warning = all.find(|warning| warning.contains(words));
+            let warning = warning.unwrap_or_else(|| panic!("{words}: {:?}", loaded.warnings));
+            advice_on(warning).expect("there is something to do")
+        };
+        let outside = of("outside of");
+        assert!(
+            outside.contains("copy") && !outside.contains("Repair"),
+            "{outside}"
+        );
+        assert!(of("dropped").starts_with("Repair the file"));
     }
 }

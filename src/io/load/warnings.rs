@@ -37,7 +37,7 @@ pub fn lost_digits_warning<'a>(
 pub fn image_warnings(name: &str, file: &RadianceFile) -> Vec<String> {
     let (width, height) = (file.map.width(), file.map.height());
     let stretched = format!(
-        "the image is {width}×{height}; one that shows all directions is twice as wide as high, so it is stretched"
+        "the image is {width}×{height}; one that shows all directions is twice as wide as high, {STRETCHED}"
     );
     let is_stretched = u64::from(width) != 2 * u64::from(height);
     file.warnings
@@ -56,6 +56,12 @@ pub fn texture_warnings(name: &str, file: &TextureFile) -> Vec<String> {
         .collect()
 }
 
+/// By these words [`outside_warning`] is known.
+pub const READ_FROM_OUTSIDE: &str = "the scene file reads this from outside of";
+
+/// By these words the warning of a background is known that is no image of all directions.
+pub const STRETCHED: &str = "so it is stretched";
+
 /// What is said when a scene file in `folder` has a mesh or image read from outside of the folder that holds `folder`. Scenes
 /// and meshes in folders side by side are how people keep them; what lies further away the author of the file need not know.
 /// Links are followed: the path may look harmless.
@@ -71,10 +77,5 @@ pub fn outside_warning(path: &str, folder: &Path) -> Option<String> {
     let (file, _) = file_and_part(path);
     let real = std::fs::canonicalize(file).unwrap_or_else(|_| file.into());
     let outside = !real.starts_with(around);
-    outside.then(|| {
-        format!(
-            "{path}: the scene file reads this from outside of {}",
-            around.display()
-        )
-    })
+    outside.then(|| format!("{path}: {READ_FROM_OUTSIDE} {}", around.display()))
 }
