@@ -13,7 +13,7 @@ use super::scene_arguments::{SceneArguments, assigned};
 use super::values;
 use crate::analysis::contributions::LONGER_SIDE;
 use crate::analysis::cost::Trial;
-use crate::analysis::pilot::estimate_time;
+use crate::analysis::pilot::{TimeEstimate, estimate_time};
 use crate::control::CancelToken;
 use crate::render::{
     Bands, Decision, Feature, Interval, PictureMemory, PreparedScene, RunConfig, Used, Work,
@@ -102,6 +102,8 @@ struct Facts {
     bands: usize,
     /// On one thread, for all samples.
     estimated_cpu_seconds: f64,
+    /// The same until noise or the clock ends the render; null where neither does.
+    estimated_cpu_seconds_to_stop: Option<f64>,
     /// Whether the error or the clock may end it before.
     may_stop_sooner: bool,
     /// What the render takes on `threads` threads, stops included.
@@ -166,6 +168,9 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     let run = RunConfig::default();
     let time = estimate_time(scene, &prepared, None, &run)?;
     let time = time.ok_or_else(|| anyhow!("measuring was cancelled"))?;
+    let seconds = seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?;
+    let stop = &scene.render.stop;
+    let is_foreseen = stop.noise.is_some() || stop.seconds.is_some();
     let bands = Bands::of(&prepared, None, &run);
     let picture = bands.as_ref().map_or_else(
         || PictureMemory::of_render(&prepared, None, &run),
@@ -186,8 +191,10 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
             picture: picture.bytes(),
         },
         bands: bands.as_ref().map_or(1, Bands::count),
-        estimated_cpu_seconds: seconds.ok_or_else(|| anyhow!("measuring was cancelled"))?,
-        may_stop_sooner: scene.render.stop != Stop::default(),
+        estimated_cpu_seconds: seconds,
+        estimated_cpu_seconds_to_stop: is_foreseen
+            .then(|| cpu_seconds_to_stop(scene, seconds, &time, run.thread_count())),
+        may_stop_sooner: *stop != Stop::default(),
         estimated_seconds: time.seconds,
         is_bound: time.is_bound,
         threads: run.thread_count(),
@@ -205,6 +212,26 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
     written.map_or(Ok(()), |(contributions, folder)| {
         super::say(&contributions.describe(folder))
     })
+}
+
+/// The processor time of a render that is to end as `time` says, where all its samples take `all_samples` seconds.
+fn cpu_seconds_to_stop(
+    scene: &Scene,
+    all_samples: f64,
+    time: &TimeEstimate,
+    threads: usize,
+) -> f64 {
+    let most = f64::from(scene.render.samples_per_pixel);
+    let of_samples = time.samples.map_or(all_samples, |samples| {
+        all_samples * (samples / most).min(1.0)
+    });
+    // However many samples they take, threads have no more than the time of the render.
+    let of_clock = scene
+        .render
+        .stop
+        .seconds
+        .map(|limit| limit * threads as f64);
+    of_samples.min(of_clock.unwrap_or(f64::INFINITY))
 }
 
 impl PerSample {
@@ -288,18 +315,20 @@ fn describe(facts: &Facts) -> String {
         facts.bytes.textures,
         facts.bytes.picture
     );
-    let sooner = if facts.may_stop_sooner {
-        ", unless render.stop ends it sooner"
-    } else {
-        ""
-    };
-    let _ = writeln!(
-        text,
-        "processor time: about {:.2} s{sooner}",
-        facts.estimated_cpu_seconds
-    );
-    let Interval { value, low, high } = facts.estimated_seconds;
     let about = if facts.is_bound { "at most" } else { "about" };
+    let cpu_seconds = match facts.estimated_cpu_seconds_to_stop {
+        Some(seconds) => format!(
+            "{about} {seconds:.2} s, as render.stop ends it; {:.2} s for all samples",
+            facts.estimated_cpu_seconds
+        ),
+        None if facts.may_stop_sooner => format!(
+            "about {:.2} s, unless render.stop ends it sooner",
+            facts.estimated_cpu_seconds
+        ),
+        None => format!("about {:.2} s", facts.estimated_cpu_seconds),
+    };
+    let _ = writeln!(text, "processor time: {cpu_seconds}");
+    let Interval { value, low, high } = facts.estimated_seconds;
     let threads = match facts.threads {
         1 => "1 thread".to_owned(),
         threads => format!("{threads} threads"),
@@ -310,4 +339,35 @@ fn describe(facts: &Facts) -> String {
     );
     let _ = write!(text, "\n{}", facts.costs.describe());
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: of 100 s for 1000 samples, 25 samples take 2.5 s, and 2 threads have no more than 1 s in half a second.
+    #[test]
+    fn the_processor_time_is_that_of_the_samples_foreseen() {
+        let mut scene = Scene::default();
+        scene.render.samples_per_pixel = 1000;
+        scene.render.stop.noise = Some(0.03);
+        let seconds = Interval {
+            value: 1.25,
+            low: 1.0,
+            high: 1.5,
+        };
+        let time = |samples| TimeEstimate {
+            seconds,
+            is_bound: false,
+            samples,
+        };
+        let foreseen = cpu_seconds_to_stop(&scene, 100.0, &time(Some(25.0)), 2);
+        assert!((foreseen - 2.5).abs() < 1e-9);
+        assert_eq!(cpu_seconds_to_stop(&scene, 100.0, &time(None), 2), 100.0);
+        scene.render.stop.seconds = Some(0.5);
+        assert_eq!(
+            cpu_seconds_to_stop(&scene, 100.0, &time(Some(25.0)), 2),
+            1.0
+        );
+    }
 }
