@@ -176,9 +176,13 @@ pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result
 /// Prepares `scene` with the progress shown; `None` when cancelled.
 fn prepare(scene: &Scene, cancel: &CancelToken) -> Result<Option<PreparedScene>> {
     let progress = Progress::new();
-    let how_far = || (progress.fraction(), "building the tree".to_owned());
+    let how_far = || progress.fraction();
     let prepare = || PreparedScene::prepare_watched(scene, None, cancel, &progress);
-    Ok(progress_bar::show(how_far, prepare)?)
+    Ok(progress_bar::show_stage(
+        "building the tree",
+        how_far,
+        prepare,
+    )?)
 }
 
 /// Renders `scene`, writes the picture to `output` and the stats, and says what it took. A signal ends that early, with what is
@@ -397,12 +401,13 @@ fn render_with_progress(
         let seconds = started.elapsed().as_secs_f64();
         let rate = progress.rays() as f64 / seconds / 1e6;
         let point = progress.latest_error();
-        let noise = point.map_or_else(String::new, |point| {
+        let noise = point.map(|point| {
             let noise = percent(point.error.noise().value);
-            let level = time_left::to_next_level(&point).filter(|_| stop.noise.is_none());
-            let level = level.map_or_else(String::new, |level| format!(", {level}"));
-            format!(", noise {noise}{level}")
+            format!("noise {noise}")
         });
+        let level = point.filter(|_| stop.noise.is_none());
+        let level = level.and_then(|point| time_left::to_next_level(&point));
+        let messages = noise.into_iter().chain([format!("{rate:.1} Mrays/s")]);
         HowFar {
             fraction: progress.share(),
             left: match time_left::left(point.as_ref(), stop, seconds_before + seconds) {
@@ -410,7 +415,7 @@ fn render_with_progress(
                 Left::AtThisPace => None,
                 Left::Unknown => Some("?".to_owned()),
             },
-            message: format!("{rate:.1} Mrays/s{noise}"),
+            messages: messages.chain(level).collect(),
         }
     };
     let keep = |checkpoint| {

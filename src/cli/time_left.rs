@@ -58,7 +58,8 @@ pub(super) fn to_levels(point: &ErrorPoint) -> Vec<String> {
 
 /// When noise falls to the next level.
 pub(super) fn to_next_level(point: &ErrorPoint) -> Option<String> {
-    to_levels(point).into_iter().next()
+    let level = to_levels(point).into_iter().next()?;
+    Some(format!("noise of {level}"))
 }
 
 fn to_level(noise: f64, seconds: Interval) -> String {
@@ -171,6 +172,7 @@ mod tests {
             levels,
             ["3 % at 18 s", "1 % at 2 min 30 s (100 s to 5 min 0 s)"]
         );
-        assert_eq!(to_next_level(&point(None)), levels.into_iter().next());
+        let next = to_next_level(&point(None));
+        assert_eq!(next.as_deref(), Some("noise of 3 % at 18 s"));
     }
 }
