@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use super::layout::{GAP, Layout, SAMPLE_LENGTH, SMALL_SIZE, TEXT_SIZE, TITLE_SIZE, legend_height};
+use super::layout::{
+    GAP, LINE_HEIGHT, Layout, NOTE_HEIGHT, SAMPLE_LENGTH, SMALL_SIZE, TEXT_SIZE, TITLE_SIZE,
+    legend_height, legend_lines,
+};
 use super::scale::Tick;
 use super::{Chart, Curve, Line};
 
@@ -194,9 +197,14 @@ fn legend(chart: &Chart, layout: &Layout) -> Vec<String> {
         let [start, middle, end] = along.map(|x| format!("{x:.2} {y:.2}"));
         lines.extend(stroke_and_markers(curve, &[start, end], &[middle]));
         let x = layout.legend + SAMPLE_LENGTH + GAP;
-        lines.push(text((x, y), "start", &curve.name));
-        if let Some(note) = &curve.note {
-            lines.push(sized_text(SMALL_SIZE, (x, y + 14.0), "start", note));
+        let mut below = y;
+        for (number, line) in legend_lines(&curve.name).iter().enumerate() {
+            below = y + number as f64 * LINE_HEIGHT;
+            lines.push(text((x, below), "start", line));
+        }
+        for line in curve.note.as_deref().map_or_else(Vec::new, legend_lines) {
+            below += NOTE_HEIGHT;
+            lines.push(sized_text(SMALL_SIZE, (x, below), "start", &line));
         }
         top += legend_height(curve);
     }

@@ -14,8 +14,15 @@ pub(super) const LINE_HEIGHT: f64 = 15.0;
 /// Length of the piece of line in the legend.
 pub(super) const SAMPLE_LENGTH: f64 = 36.0;
 
+/// The most letters of a line in the legend, and the most lines of a name.
+const LEGEND_LETTERS: usize = 38;
+const LEGEND_LINES: usize = 6;
+
 /// Between labels and what they belong to.
 pub(super) const GAP: f64 = 8.0;
+
+/// From one line of a note to the next.
+pub(super) const NOTE_HEIGHT: f64 = 14.0;
 
 const LEAST_WIDTH: f64 = 900.0;
 const LEAST_PLOT_WIDTH: f64 = 480.0;
@@ -68,9 +75,12 @@ impl Layout {
         let tick_labels = y_ticks.iter().filter_map(|tick| tick.label.as_deref());
         let y_name = EDGE + TEXT_SIZE / 2.0;
         let left = y_name + TEXT_SIZE / 2.0 + 2.0 * GAP + widest(tick_labels, TEXT_SIZE);
-        let names = chart.curves.iter().map(|curve| &*curve.name);
-        let notes = chart.curves.iter().filter_map(|c| c.note.as_deref());
-        let legend_texts = widest(names, TEXT_SIZE).max(widest(notes, SMALL_SIZE));
+        let of_curves = || chart.curves.iter();
+        let names: Vec<String> = of_curves().flat_map(|c| legend_lines(&c.name)).collect();
+        let notes = of_curves().filter_map(|c| c.note.as_deref());
+        let notes: Vec<String> = notes.flat_map(legend_lines).collect();
+        let width = |lines: &[String], size| widest(lines.iter().map(String::as_str), size);
+        let legend_texts = width(&names, TEXT_SIZE).max(width(&notes, SMALL_SIZE));
         let legend_width = SAMPLE_LENGTH + GAP + legend_texts;
         let level_labels = chart.shown_levels().map(|level| &*level.label);
         let after_plot = GAP + widest(level_labels, TEXT_SIZE) + EDGE;
@@ -164,7 +174,40 @@ fn caption_lines(chart: &Chart) -> Vec<String> {
 
 /// Height of a curve's place in the legend.
 pub(super) fn legend_height(curve: &Curve) -> f64 {
-    if curve.note.is_some() { 36.0 } else { 22.0 }
+    let more_lines = legend_lines(&curve.name).len().saturating_sub(1);
+    let notes = curve
+        .note
+        .as_deref()
+        .map_or(0, |note| legend_lines(note).len());
+    22.0 + (more_lines as f64) * LINE_HEIGHT + notes as f64 * NOTE_HEIGHT
+}
+
+/// A text of the legend in lines that are not too long, broken behind what parts settings and words where there is such a place. Of very
+/// many lines the first are shown.
+pub(super) fn legend_lines(text: &str) -> Vec<String> {
+    let letters: Vec<char> = text.chars().collect();
+    let mut lines = Vec::new();
+    let mut rest = letters.as_slice();
+    while rest.len() > LEGEND_LETTERS {
+        let place = |parts: &[char]| {
+            let last = rest[..LEGEND_LETTERS]
+                .iter()
+                .rposition(|c| parts.contains(c))?;
+            // A short line would only make the others many.
+            (last + 1 > LEGEND_LETTERS / 3).then_some(last + 1)
+        };
+        let end = place(&[';']).or_else(|| place(&[' ']));
+        let end = end.or_else(|| place(&['=', '.', '/', ',']));
+        let (line, after) = rest.split_at(end.unwrap_or(LEGEND_LETTERS));
+        lines.push(line.iter().collect::<String>().trim_end().to_owned());
+        rest = after.strip_prefix(&[' ']).unwrap_or(after);
+    }
+    lines.push(rest.iter().collect());
+    if lines.len() > LEGEND_LINES {
+        lines.truncate(LEGEND_LINES);
+        lines[LEGEND_LINES - 1].push('…');
+    }
+    lines
 }
 
 fn widest<'a>(texts: impl Iterator<Item = &'a str>, size: f64) -> f64 {

@@ -234,6 +234,37 @@ fn chart_labels_of_levels_do_not_meet() {
     assert_eq!(levels[1].1, levels[1].2);
 }
 
+/// Names as long as command lines stand in several lines beside the plot; all of them, where they are not longer than anybody reads.
+#[test]
+fn long_names_do_not_widen_a_chart() {
+    let mut chart = chart(vec![curve(0, &[(1.0, 1.0)]), curve(1, &[(1.0, 2.0)])]);
+    let settings =
+        "render.ambient_occlusion.samples=16; render.light_sampling=bsdf; render.stop.noise=0.003";
+    settings.clone_into(&mut chart.curves[0].name);
+    chart.curves[0].note = Some("slope −0.72 (−1.67 – −0.70); by CPU time −0.71".to_owned());
+    let found = texts(&chart.to_svg());
+    let words: Vec<&str> = found.iter().flat_map(|text| text.split(' ')).collect();
+    let split = [
+        "16;",
+        "render.light_sampling=bsdf;",
+        "render.stop.noise=0.003",
+    ];
+    assert!(
+        split
+            .iter()
+            .all(|part| words.iter().any(|w| w.ends_with(part))),
+        "{found:?}"
+    );
+    for name in [settings.repeat(20), "x".repeat(2000), settings.to_owned()] {
+        chart.curves[0].name = name;
+        let layout = Layout::of(&chart);
+        assert!(layout.width < 1000.0, "{}", layout.width);
+        let below = layout.top + layout::legend_height(&chart.curves[0]);
+        assert!(below <= layout.bottom, "{below}");
+        texts(&chart.to_svg());
+    }
+}
+
 #[test]
 fn chart_colors_and_markers_repeat_after_28() {
     let manner = |color| {
