@@ -1,5 +1,6 @@
 //! `raymini report`: error against run time.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -10,10 +11,10 @@ use super::scene_arguments::SceneArguments;
 use super::{Signals, values};
 use crate::analysis::report::{
     REPORT_FILES, ReferenceOptions, ReportError, ReportOptions, ReportPlan, ReportProgress, Study,
-    Summary, parse_radiance,
+    Summary, Variant, parse_radiance,
 };
 use crate::control::CancelToken;
-use crate::math::{counted, percent, three_digits};
+use crate::math::{counted, percent, time_in_words};
 use crate::render::RunConfig;
 
 /// What `raymini report` takes.
@@ -22,7 +23,7 @@ pub struct ReportArguments {
     #[command(flatten)]
     scene: SceneArguments,
 
-    /// Folder to write report.json, report.csv, report.svg and report.md to
+    /// Folder to write report.md, report.svg, report.png, report.json and report.csv to
     #[arg(short, long, value_name = "DIR", allow_hyphen_values = true, value_parser = values::output())]
     output: PathBuf,
 
@@ -111,7 +112,9 @@ fn carry_out(arguments: &ReportArguments, cancel: &CancelToken, done: &mut usize
     let Some(loaded) = super::load_unless(cancel, arguments.scene.path())? else {
         return Ok(false);
     };
-    let plan = ReportPlan::new(name, loaded, &arguments.options(), cancel).map_err(with_option)?;
+    let mut plan =
+        ReportPlan::new(name, loaded, &arguments.options(), cancel).map_err(with_option)?;
+    plan.command = Some(command_line(std::env::args_os().skip(1)));
     for warning in &plan.warnings {
         super::warn(warning);
     }
@@ -151,6 +154,21 @@ fn carry_out(arguments: &ReportArguments, cancel: &CancelToken, done: &mut usize
     Ok(carried_out?.is_some())
 }
 
+/// The command with these arguments, as a POSIX shell takes it.
+fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
+    let quoted = arguments.map(|argument| {
+        let argument = argument.to_string_lossy();
+        let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+        if !argument.is_empty() && argument.chars().all(is_plain) {
+            argument.into_owned()
+        } else {
+            format!("'{}'", argument.replace('\'', r"'\''"))
+        }
+    });
+    let words = std::iter::once("raymini".to_owned()).chain(quoted);
+    words.collect::<Vec<_>>().join(" ")
+}
+
 /// The error with the option it is about.
 fn with_option(error: ReportError) -> anyhow::Error {
     match error {
@@ -169,16 +187,20 @@ enum Finding {
 /// What came out so far.
 fn findings_of(study: &Study) -> Vec<Finding> {
     let reference = format!("reference: {}", study.reference.describe());
-    let of_variants = study.measured().filter_map(|variant| {
-        let summary = Summary::of(variant, &study.reference)?;
-        Some(findings_of_variant(&variant.name, &summary))
-    });
-    std::iter::once(Finding::Fact(reference))
-        .chain(of_variants.flatten())
-        .collect()
+    let mut findings = vec![Finding::Fact(reference)];
+    let mut load = None;
+    for variant in study.measured() {
+        if let Some(summary) = Summary::of(variant, &study.reference) {
+            findings.extend(findings_of_variant(variant, &summary));
+            load = load.or(summary.load());
+        }
+    }
+    findings.extend(load.map(Finding::Warning));
+    findings
 }
 
-fn findings_of_variant(name: &str, summary: &Summary) -> Vec<Finding> {
+fn findings_of_variant(variant: &Variant, summary: &Summary) -> Vec<Finding> {
+    let name = &variant.name;
     let mut findings = Vec::new();
     let mut say = |text: String| findings.push(Finding::Fact(format!("{name}: {text}")));
     if let Some(last) = summary.points.last() {
@@ -187,19 +209,15 @@ fn findings_of_variant(name: &str, summary: &Summary) -> Vec<Finding> {
         });
         let slope = summary
             .noise_slope
-            .map_or_else(String::new, |slope| format!(", slope {slope:.2}"));
+            .map_or_else(String::new, |slope| format!(", slope {}", slope.in_words()));
         say(format!(
-            "{}{estimated} after {} s{slope}",
+            "{}{estimated} after {}{slope}",
             last.noise_in_words(),
-            three_digits(last.seconds.median)
+            time_in_words(last.seconds.median)
         ));
     }
     if let Some(honesty) = &summary.honesty {
-        let [least, most] = honesty.estimated_over_true;
-        say(format!(
-            "estimated / true error {least:.2} to {most:.2} from 16 samples on, {} of {} intervals held the truth",
-            honesty.intervals_held, honesty.intervals
-        ));
+        say(honesty.in_words());
     }
     let mut warn = |text: String| findings.push(Finding::Warning(format!("{name}: {text}")));
     if let Some(doubt) = summary.doubt() {
@@ -211,17 +229,36 @@ fn findings_of_variant(name: &str, summary: &Summary) -> Vec<Finding> {
             percent(summary.clamped.energy_share)
         ));
     }
-    if summary.non_finite_samples > 0 {
-        warn(format!(
-            "{} samples were infinite or not a number",
-            summary.non_finite_samples
-        ));
-    }
-    if summary.negative_samples > 0 {
-        warn(format!(
-            "{} samples had less than no light",
-            summary.negative_samples
-        ));
+    let counts = [
+        (
+            summary.non_finite_samples,
+            ["sample was", "samples were"],
+            "infinite or not a number",
+        ),
+        (
+            summary.negative_samples,
+            ["sample had", "samples had"],
+            "less than no light",
+        ),
+    ];
+    for (count, [one, many], fault) in counts {
+        if count > 0 {
+            warn(format!("{} {fault}", counted(count, one, many)));
+        }
     }
     findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `printf '%s\n'` of a shell gives back what was meant.
+    #[test]
+    fn a_command_is_quoted_as_a_shell_takes_it() {
+        let arguments = ["report", "my scene.toml", "--compare", "a=1; b=$x", "it's"];
+        let line = command_line(arguments.iter().map(OsString::from));
+        let expected = r"raymini report 'my scene.toml' --compare 'a=1; b=$x' 'it'\''s'";
+        assert_eq!(line, expected);
+    }
 }

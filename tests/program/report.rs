@@ -166,6 +166,13 @@ fn a_report_holds_every_point_of_every_seed_and_variant() {
     assert!(svg.starts_with("<svg") && svg.contains(comparison), "{svg}");
     let page = text(folder.path(), "report.md");
     assert!(page.contains("](report.svg)") && page.contains("estimated / true"));
+    assert!(
+        page.contains("(report.png)")
+            && page
+                .contains("\nraymini report shadow.toml --seeds 2 --compare 'render.filter=tent; ")
+    );
+    let small = read_image(&folder.path().join("out/report.png")).expect("is a picture");
+    assert_eq!((small.image.width, small.image.height), (24, 16));
 }
 
 /// The ball's faces lie up to 0.4 % inside the sphere, less than the noise. Here the error falls fast at first and like that of
@@ -284,7 +291,8 @@ fn a_reference_that_is_worse_than_the_renders_is_told() {
             &[&["shadow.toml"], &few[..], &others].concat(),
         );
         let complaint = String::from_utf8_lossy(&output.stderr);
-        let said = "warning: told.exr: rendered with seed 9, as one of the renders";
+        let said =
+            "warning: told.exr: the reference was rendered with seed 9, as one of the renders";
         assert_eq!(complaint.contains(said), is_shared, "{seed}: {complaint}");
     }
 }
@@ -452,4 +460,76 @@ fn renders_that_stop_have_their_end_in_the_report() {
     assert!(number(&target["took"]["seconds"]) >= number(&last["seconds"]));
     let page = text(folder.path(), "report.md");
     assert!(page.contains("| 1000 % | 2 of 2 | 16 |"), "{page}");
+}
+
+/// A white furnace seen from within: a first hit of white in an even light of 1 is 1, to the last digit or nearly.
+#[test]
+fn an_exact_render_is_not_called_dishonest() {
+    let folder = folder();
+    let scene = r#"
+[camera]
+eye = [0, -4, 0]
+target = [0, 0, 0]
+[background]
+radiance = [1, 1, 1]
+[materials.white]
+diffuse = [1, 1, 1]
+[[objects]]
+mesh = "ball.off"
+material = "white"
+[render]
+mode = "path"
+width = 24
+height = 16
+roulette = false
+"#;
+    std::fs::write(folder.path().join("white.toml"), scene).expect("is written");
+    let few = [
+        "white.toml",
+        "--seeds",
+        "2",
+        "--exact",
+        "1,1,1",
+        "-o",
+        "out",
+    ];
+    let output = report(folder.path(), &few);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.success() && !said.contains("inf") && !said.contains("NaN"),
+        "{said}"
+    );
+    assert!(
+        said.contains("4 pairs of estimated and true error are as exact as numbers are"),
+        "{said}"
+    );
+    assert!(said.contains("no noise but that of rounding"), "{said}");
+    let svg = text(folder.path(), "report.svg");
+    assert!(
+        !svg.contains("10⁻") && svg.contains("as exact as numbers are"),
+        "{svg}"
+    );
+}
+
+/// A picture without shadows comes no nearer to one with them, however long it is rendered.
+#[test]
+fn nobody_foresees_when_another_picture_becomes_this_one() {
+    let folder = folder();
+    let facts = succeed(
+        folder.path(),
+        &[
+            "shadow.toml",
+            "--seeds",
+            "2",
+            "--compare",
+            "render.shadows=off",
+        ],
+    );
+    assert_eq!(facts["shows_another_picture"], false);
+    let variant = &facts["variants"][0];
+    assert_eq!(variant["shows_another_picture"], true);
+    assert_eq!(variant["time_to"]["0.01"], Value::Null);
+    let page = text(folder.path(), "report.md");
+    assert!(page.contains("| not by sampling |"), "{page}");
+    assert!(text(folder.path(), "report.svg").contains("another picture"));
 }

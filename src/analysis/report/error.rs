@@ -39,6 +39,18 @@ pub enum ReportError {
         /// Width and height of what is rendered.
         picture: (u32, u32),
     },
+    /// The picture that is to be the reference holds no radiance.
+    #[error(
+        "{}: this PNG holds what a screen shows with {display}, not the radiance that renders are measured against: render the reference \
+        to an OpenEXR file (.exr), and give that",
+        path.display()
+    )]
+    ReferenceDisplay {
+        /// The picture's file.
+        path: PathBuf,
+        /// The keys of the scene that changed its radiance, with their values.
+        display: String,
+    },
     /// The folder is not there and cannot be made.
     #[error("{}: the folder cannot be made: {reason}", path.display())]
     Folder {

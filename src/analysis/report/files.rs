@@ -5,10 +5,20 @@ use std::path::{Path, PathBuf};
 use super::error::ReportError;
 use super::study::Study;
 use super::{to_chart, to_csv, to_json, to_markdown};
-use crate::io;
+use crate::io::{self, ImageFileError};
+use crate::scene::Output;
 
 /// What a report is written to, the file to read first in front.
-pub const REPORT_FILES: [&str; 4] = ["report.md", "report.svg", "report.json", "report.csv"];
+pub const REPORT_FILES: [&str; 5] = [
+    "report.md",
+    "report.svg",
+    PICTURE_FILE,
+    "report.json",
+    "report.csv",
+];
+
+/// The small picture of what was rendered.
+pub(super) const PICTURE_FILE: &str = "report.png";
 
 /// Makes the folder, and sees whether the files can be written: before work is spent on what could not be.
 ///
@@ -81,15 +91,32 @@ impl<'a> Refuge<'a> {
 /// What the system says.
 fn write(study: &Study, folder: &Path) -> Result<(), ReportError> {
     let texts = [
-        to_markdown(study),
-        to_chart(study).to_svg(),
-        to_json(study),
-        to_csv(study),
+        ("report.md", to_markdown(study)),
+        ("report.svg", to_chart(study).to_svg()),
+        ("report.json", to_json(study)),
+        ("report.csv", to_csv(study)),
     ];
-    for (name, text) in REPORT_FILES.into_iter().zip(texts) {
+    for (name, text) in texts {
         let path = folder.join(name);
         let written = io::write_atomically(&path, |file| file.write_all(text.as_bytes()));
         written.map_err(|reason| ReportError::File { path, reason })?;
     }
-    Ok(())
+    write_picture(study, folder)
+}
+
+/// Writes what the scene as it is looks like, where that is known.
+fn write_picture(study: &Study, folder: &Path) -> Result<(), ReportError> {
+    let (Some(picture), Some(base)) = (&study.picture, study.variants.first()) else {
+        return Ok(());
+    };
+    let path = folder.join(PICTURE_FILE);
+    let output = Output::default();
+    let written = io::write_image(picture, &[], &base.scene.display, &output, &path);
+    written.map_err(|error| match error {
+        ImageFileError::Unwritable { path, reason } => ReportError::File { path, reason },
+        error @ ImageFileError::UnknownFormat { .. } => ReportError::File {
+            path,
+            reason: std::io::Error::other(error),
+        },
+    })
 }

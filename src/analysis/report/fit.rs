@@ -2,6 +2,13 @@
 
 use serde::Serialize;
 
+/// The shallowest slope that is followed beyond a curve: independent samples fall with −0.5, and what falls by less than half of that is
+/// held up by something that samples do not cure.
+const SHALLOWEST: f64 = -0.25;
+
+/// How many times as far as it was measured a curve is followed: beyond, a slope that is off by a tenth is off by years.
+const FARTHEST: f64 = 100.0;
+
 /// When a curve is down to a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TimeTo {
@@ -35,15 +42,16 @@ pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// When a curve of (seconds, noise) falls to `level`: between two points along the straight line on logarithmic axes, after the
-/// last along `slope`. `None` where there is no curve, or a slope that does not lead there.
+/// last along `slope`. `None` where there is no curve, or a slope that does not lead there or is too shallow to trust, and where it leads
+/// more than a hundred times as far as the curve goes.
 #[must_use]
 pub fn time_to(curve: &[(f64, f64)], level: f64, slope: Option<f64>) -> Option<TimeTo> {
     let Some(reached) = curve.iter().position(|&(_, noise)| noise <= level) else {
         let &(seconds, noise) = curve.last()?;
-        let slope = slope.filter(|&slope| slope < 0.0)?;
-        let seconds = seconds * (level / noise).powf(slope.recip());
-        return seconds.is_finite().then_some(TimeTo {
-            seconds,
+        let slope = slope.filter(|&slope| slope <= SHALLOWEST)?;
+        let times = (level / noise).powf(slope.recip());
+        return (times <= FARTHEST).then_some(TimeTo {
+            seconds: seconds * times,
             predicted: true,
             at_most: false,
         });
@@ -112,6 +120,10 @@ mod tests {
         assert_eq!(time_to(&curve, 0.05, Some(0.1)), None);
         assert_eq!(time_to(&curve, 0.05, None), None);
         assert_eq!(time_to(&curve, 1e-300, Some(-1e-6)), None);
+        assert_eq!(time_to(&curve, 0.09, Some(-0.24)), None);
+        // By hand: a ninth of the noise takes 81 times as long, an eleventh 121 times.
+        assert!(time_to(&curve, 0.1 / 9.0, Some(-0.5)).is_some());
+        assert_eq!(time_to(&curve, 0.1 / 11.0, Some(-0.5)), None);
         assert_eq!(time_to(&[], 0.05, Some(-0.5)), None);
         assert_eq!(time_to(&[(1.0, f64::NAN)], 0.05, Some(-0.5)), None);
         // Where the error vanishes at once, the way there is not known.

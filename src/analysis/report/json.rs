@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::fit::TimeTo;
+use super::honesty::Honesty;
 use super::reference::{Origin, Reference};
 use super::study::{Machine, Study, Variant};
-use super::summary::{Efficiency, Honesty, Summary, SummaryPoint, Target};
+use super::summary::{Efficiency, Summary, SummaryPoint};
+use super::target::Target;
 use crate::analysis::bench::Spread;
 use crate::render::{Clamped, Interval, NOISE_TARGETS};
 use crate::scene::Choice;
@@ -17,6 +19,12 @@ use crate::scene::Choice;
 struct ReportFacts<'a> {
     version: &'static str,
     scene: &'a str,
+    date: &'a str,
+    /// What makes the report again, as a shell takes it; null where no command made it.
+    command: Option<&'a str>,
+    triangles: u64,
+    /// What looked wrong before anything was rendered.
+    warnings: &'a [String],
     /// Whether every variant has been rendered with every seed.
     finished: bool,
     machine: &'a Machine,
@@ -54,6 +62,13 @@ struct VariantFacts<'a> {
     points: Vec<PointFacts>,
     slope: Option<f64>,
     noise_slope: Option<f64>,
+    /// The least and the largest of the slopes of one seed each.
+    noise_slope_range: Option<[f64; 2]>,
+    cpu_noise_slope: Option<f64>,
+    cpu_noise_slope_range: Option<[f64; 2]>,
+    /// CPU seconds over threads × wall seconds; null where it is not known.
+    cpu_share: Option<f64>,
+    shows_another_picture: bool,
     /// Null where there is no estimate from 16 samples on.
     honesty: Option<Honesty>,
     /// Samples from which on most of what is measured is not the renders' noise; null where it always is.
@@ -112,6 +127,10 @@ pub fn to_json(study: &Study) -> String {
     let facts = ReportFacts {
         version: env!("CARGO_PKG_VERSION"),
         scene: &study.scene_name,
+        date: &study.date,
+        command: study.command.as_deref(),
+        triangles: study.triangles,
+        warnings: &study.warnings,
         finished: study.next().is_none(),
         machine: &study.machine,
         reference: ReferenceFacts::new(&study.reference),
@@ -180,7 +199,12 @@ impl<'a> VariantFacts<'a> {
             build_seconds_range: range(summary.build_seconds),
             points: summary.points.iter().map(PointFacts::from).collect(),
             slope: summary.slope,
-            noise_slope: summary.noise_slope,
+            noise_slope: summary.noise_slope.map(|slope| slope.value),
+            noise_slope_range: summary.noise_slope.map(|slope| slope.range),
+            cpu_noise_slope: summary.cpu_noise_slope.map(|slope| slope.value),
+            cpu_noise_slope_range: summary.cpu_noise_slope.map(|slope| slope.range),
+            cpu_share: summary.cpu_share,
+            shows_another_picture: summary.shows_another_picture,
             honesty: summary.honesty,
             reference_outweighs_from: summary.reference_outweighs_from,
             efficiency: summary.efficiency,
@@ -256,6 +280,11 @@ mod tests {
         let interval = &report["points"][3]["estimated_percentile_999_interval"];
         assert_eq!(*interval, json!([0.4, 0.625]));
         assert_eq!(report["reference_outweighs_from"], Value::Null);
+        assert_eq!(report["triangles"], 12);
+        assert_eq!(report["shows_another_picture"], false);
+        let ends = [0, 1].map(|end| report["noise_slope_range"][end].as_f64());
+        assert!(ends[0] <= ends[1] && ends[0].is_some());
+        assert!(report["cpu_noise_slope"].is_number());
         assert_eq!(report["time_to"]["0.10"]["predicted"], false);
         assert_eq!(report["time_to"]["0.03"]["predicted"], true);
         let variant = report["variants"][0].as_object().expect("an object");

@@ -1,14 +1,22 @@
 //! The report as a page to read.
 
+mod escape;
+#[cfg(test)]
+mod tests;
+
 use super::digits::samples;
+use super::files::PICTURE_FILE;
 use super::fit::TimeTo;
-use super::reference::{Origin, ROUNDED};
+use super::honesty::Honesty;
+use super::reference::Origin;
 use super::study::{Study, Variant};
-use super::summary::{Honesty, Summary, SummaryPoint, Target};
-use super::svg::{correction, seeds_in_words, settings, signed};
+use super::summary::{Slope, Summary, SummaryPoint};
+use super::svg::{correction, seeds_in_words, settings};
+use super::target::Target;
 use crate::analysis::bench::Spread;
-use crate::math::{percent, three_digits};
+use crate::math::{counted, percent, signed, three_digits, time_in_words};
 use crate::render::NOISE_TARGETS;
+use escape::{block, plain};
 
 /// From this share of a measured mean square on, true errors depend much on how well the reference's own error is known.
 const LARGE_SHARE: f64 = 0.25;
@@ -22,20 +30,24 @@ pub fn to_markdown(study: &Study) -> String {
         .measured()
         .filter_map(|variant| Some((variant, Summary::of(variant, &study.reference)?)))
         .collect();
-    let mut parts = vec![format!("# Error against run time: {}", study.scene_name)];
+    let mut parts = vec![format!(
+        "# Error against run time: {}",
+        plain(&study.scene_name)
+    )];
     parts.push("![Noise against render time](report.svg)".to_owned());
     if let Some((variant, summary)) = variants.first() {
         parts.push(in_short(study, variant, summary));
     }
-    for (variant, summary) in &variants {
-        if let Some(doubt) = summary.doubt() {
-            parts.push(format!("**{}**: {doubt}.", code(variant, &variants)));
-        }
-    }
-    parts.push(how_to_read(study));
+    parts.extend(cautions(study, &variants));
+    parts.extend(what_was_rendered(study));
     parts.push("## Summary".to_owned());
     parts.push(summaries(&variants));
     parts.extend(targets(&variants));
+    parts.push(how_to_read(study));
+    parts.push("## Reference".to_owned());
+    parts.push(reference(study, &variants));
+    parts.push("## Settings".to_owned());
+    parts.push(machine_and_settings(study, &variants));
     parts.push("## Points".to_owned());
     for (variant, summary) in &variants {
         if variants.len() > 1 {
@@ -45,11 +57,66 @@ pub fn to_markdown(study: &Study) -> String {
     }
     parts.push("## Numerical failures".to_owned());
     parts.push(failures(&variants));
-    parts.push("## Reference".to_owned());
-    parts.push(reference(study, &variants));
-    parts.push("## Settings".to_owned());
-    parts.push(machine_and_settings(study, &variants));
     parts.join("\n\n") + "\n"
+}
+
+/// What must be known before any number is believed: what looked wrong before and after the renders, and how busy the machine was.
+fn cautions(study: &Study, variants: &[(&Variant, Summary)]) -> Option<String> {
+    let before = study
+        .warnings
+        .iter()
+        .map(|warning| format!("{}.", plain(warning)));
+    let doubts = variants.iter().filter_map(|(variant, summary)| {
+        Some(format!(
+            "{}: {}.",
+            code(variant, variants),
+            summary.doubt()?
+        ))
+    });
+    let too_few = variants.iter().filter_map(|(variant, summary)| {
+        let honesty = summary.honesty.filter(Honesty::holds_too_few)?;
+        // Where the reference or the picture is at fault, that has been said.
+        let is_told = summary.shows_another_picture || summary.doubt().is_some();
+        (!is_told).then(|| {
+            format!(
+                "{}: {} of {} intervals held the truth, which is too few for 95 %: of independent ones so few would in less than one \
+                report of a hundred. Those of one render are not independent, so that one unlucky seed counts several times.",
+                code(variant, variants),
+                honesty.intervals_held,
+                honesty.intervals
+            )
+        })
+    });
+    let load = variants.iter().find_map(|(_, summary)| summary.load());
+    let load = load.map(|load| {
+        let (first, rest) = load.split_at(load.chars().next().map_or(0, char::len_utf8));
+        format!("{}{rest}.", first.to_uppercase())
+    });
+    let all = before.chain(doubts).chain(too_few).chain(load);
+    let lines: Vec<String> = all.map(|line| format!("- {line}")).collect();
+    (!lines.is_empty()).then(|| format!("**Beware:**\n\n{}", lines.join("\n")))
+}
+
+/// The picture, where there is one, and when and how it was made.
+fn what_was_rendered(study: &Study) -> Vec<String> {
+    let image = &study.reference.image;
+    let facts = format!(
+        "{} × {} pixels, {}. Measured on {}, begun {}.",
+        image.width,
+        image.height,
+        counted(study.triangles, "triangle", "triangles"),
+        plain(&study.machine.describe()),
+        study.date
+    );
+    let picture = study
+        .picture
+        .as_ref()
+        .map(|_| format!("[![What was rendered]({PICTURE_FILE})]({PICTURE_FILE})"));
+    let again = study
+        .command
+        .as_ref()
+        .map(|command| format!("To make it again:\n\n{}", block("sh", command)));
+    picture.into_iter().chain([facts]).chain(again).collect()
 }
 
 /// What came out, in a paragraph.
@@ -67,7 +134,7 @@ fn in_short(study: &Study, variant: &Variant, summary: &Summary) -> String {
     let slope = summary.noise_slope.map_or_else(String::new, |slope| {
         format!(
             " Noise falls as render time to the power of {}.",
-            signed(slope)
+            signed(slope.value)
         )
     });
     let unfinished = if study.next().is_some() {
@@ -76,11 +143,16 @@ fn in_short(study: &Study, variant: &Variant, summary: &Summary) -> String {
         ""
     };
     format!(
-        "With {} samples per pixel and after {} s of rendering the picture has **{}** (median of {seeds}){estimated}.{slope}{unfinished}",
-        samples(last.samples_per_pixel),
-        three_digits(last.seconds.median),
+        "With {} per pixel and after {} of rendering the picture has **{}** (median of {seeds}){estimated}.{slope}{unfinished}",
+        in_samples(last.samples_per_pixel),
+        time_in_words(last.seconds.median),
         last.noise_in_words(),
     )
+}
+
+fn in_samples(number: f64) -> String {
+    let plural = if number == 1.0 { "" } else { "s" };
+    format!("{} sample{plural}", samples(number))
 }
 
 fn how_to_read(study: &Study) -> String {
@@ -116,16 +188,15 @@ fn code(variant: &Variant, variants: &[(&Variant, Summary)]) -> String {
         .first()
         .is_some_and(|(base, _)| std::ptr::eq(*base, variant));
     if is_base {
-        variant.name.clone()
+        plain(&variant.name)
     } else {
-        // In a table a bar ends the cell, in code too.
-        format!("`{}`", variant.name.replace('|', "\\|"))
+        escape::code(&variant.name)
     }
 }
 
 fn summaries(variants: &[(&Variant, Summary)]) -> String {
     let rows = variants.iter().map(|(variant, summary)| {
-        let slope = |slope: Option<f64>| slope.map_or(NONE.to_owned(), signed);
+        let slope = |slope: Option<Slope>| slope.map_or(NONE.to_owned(), |slope| slope.in_words());
         let number = |value: f64| {
             if value.is_finite() {
                 three_digits(value)
@@ -138,23 +209,29 @@ fn summaries(variants: &[(&Variant, Summary)]) -> String {
             .map_or_else(|| [NONE; 2].map(str::to_owned), honesty);
         let mut row = vec![
             code(variant, variants),
-            number(summary.build_seconds.median),
+            time_in_words(summary.build_seconds.median),
             slope(summary.noise_slope),
-            slope(summary.slope),
+            slope(summary.cpu_noise_slope),
+            summary.slope.map_or(NONE.to_owned(), signed),
+            summary
+                .cpu_share
+                .map_or(NONE.to_owned(), |share| format!("{:.0} %", 100.0 * share)),
             ratios,
             held,
             number(summary.efficiency.wall),
             number(summary.efficiency.cpu),
         ];
-        row.extend(summary.time_to.map(time));
+        row.extend(summary.time_to.map(|to| time(to, summary)));
         row
     });
-    let times = NOISE_TARGETS.map(|noise| format!("to {:.0} % (s)", 100.0 * noise));
+    let times = NOISE_TARGETS.map(|noise| format!("to {:.0} %", 100.0 * noise));
     let mut head = vec![
         "variant",
-        "build (s)",
-        "slope of noise",
+        "build",
+        "slope of noise (range)",
+        "slope by CPU time (range)",
         "slope of RMSE",
+        "CPU",
         "estimated / true",
         "95 % intervals held",
         "efficiency, wall",
@@ -162,10 +239,14 @@ fn summaries(variants: &[(&Variant, Summary)]) -> String {
     ];
     head.extend(times.iter().map(String::as_str));
     table(&head, &rows.collect::<Vec<_>>())
-        + "\n\nEstimates are compared with true errors, RMSE and noise, at all points from 16 samples on: the smallest and largest \
-        ratio of their medians, and how often the intervals of the renders held the truth. Efficiency is 1 / (relMSE · seconds) at the last point. Times are seconds of rendering until the median noise is \
-        that low: between points by interpolation, *predicted* beyond the last point by following the slope, ≤ where already \
-        the first point is below."
+        + "\n\nSlopes are fitted to the medians, ranges are those of the slopes of one seed each. Other programs on the machine disturb \
+        those by CPU time least. *CPU* is the processor time of the renders over what their threads could have had. Estimates are compared with \
+        true errors, RMSE and noise, at all points from 16 samples on: the smallest and largest ratio of their medians, and how often the \
+        intervals of the renders held the truth; pairs that are both no more than rounding are *exact*, and are not compared. Efficiency \
+        is 1 / (relMSE · seconds) at the end of each render, the median over the seeds. Times are those of rendering until the median \
+        noise is that low: between points by interpolation, *predicted* beyond the last point by following the slope by CPU time, ≤ where already \
+        the first point is below. Nothing is predicted from slopes above −0.25, for more than 100 times the time that was measured, or \
+        where more than noise is measured."
 }
 
 /// What it took to the noise at which renders stop, where any stops at one.
@@ -175,7 +256,7 @@ fn targets(variants: &[(&Variant, Summary)]) -> Option<String> {
             || [NONE; 3].map(str::to_owned),
             |took| {
                 let with_range = |value: f64, [least, most]: [f64; 2]| {
-                    let [value, least, most] = [value, least, most].map(three_digits);
+                    let [value, least, most] = [value, least, most].map(time_in_words);
                     format!("{value} ({least} – {most})")
                 };
                 [
@@ -185,7 +266,15 @@ fn targets(variants: &[(&Variant, Summary)]) -> Option<String> {
                 ]
             },
         );
+        let others = [
+            (target.out_of_samples, "ran out of samples"),
+            (target.out_of_time, "ran out of time"),
+        ];
+        let others = others.into_iter().filter(|(count, _)| *count > 0);
         let reached = format!("{} of {}", target.reached, target.renders);
+        let others = others.map(|(count, why)| format!("{count} {why}"));
+        let reached = [reached].into_iter().chain(others).collect::<Vec<_>>();
+        let reached = reached.join("; ");
         let start = [code(variant, variants), percent(target.noise), reached];
         start.into_iter().chain(took).collect()
     };
@@ -198,8 +287,8 @@ fn targets(variants: &[(&Variant, Summary)]) -> Option<String> {
         "stops at noise",
         "renders there",
         "samples per pixel",
-        "seconds (range)",
-        "CPU seconds (range)",
+        "render time (range)",
+        "CPU time (range)",
     ];
     (!rows.is_empty()).then(|| {
         table(&head, &rows)
@@ -208,28 +297,38 @@ fn targets(variants: &[(&Variant, Summary)]) -> Option<String> {
 }
 
 fn honesty(honesty: Honesty) -> [String; 2] {
-    let [least, most] = honesty.estimated_over_true;
-    let ratios = if least.is_finite() && most.is_finite() {
+    let ratios = honesty.ratios().map_or(NONE.to_owned(), |[least, most]| {
         format!("{least:.2} – {most:.2}")
-    } else {
-        NONE.to_owned()
-    };
-    [
-        ratios,
-        format!("{} of {}", honesty.intervals_held, honesty.intervals),
-    ]
+    });
+    let compared = (honesty.intervals > 0).then(|| {
+        let few = if honesty.holds_too_few() {
+            ", too few"
+        } else {
+            ""
+        };
+        format!("{} of {}{few}", honesty.intervals_held, honesty.intervals)
+    });
+    let exact = honesty.as_exact_as_numbers;
+    let exact = (exact > 0).then(|| format!("{exact} exact"));
+    let held: Vec<String> = compared.into_iter().chain(exact).collect();
+    [ratios, held.join("; ")]
 }
 
-fn time(time: Option<TimeTo>) -> String {
+fn time(time: Option<TimeTo>, summary: &Summary) -> String {
     let Some(TimeTo {
         seconds,
         predicted,
         at_most,
     }) = time
     else {
-        return NONE.to_owned();
+        let why = if summary.shows_another_picture {
+            "not by sampling"
+        } else {
+            NONE
+        };
+        return why.to_owned();
     };
-    let seconds = three_digits(seconds);
+    let seconds = time_in_words(seconds);
     match (predicted, at_most) {
         (true, _) => format!("{seconds} (predicted)"),
         (false, true) => format!("≤ {seconds}"),
@@ -254,7 +353,7 @@ fn points(summary: &Summary) -> String {
             let ratio = noise / true_noise.median;
             [
                 format!("{} ({} – {})", percent(noise), percent(low), percent(high)),
-                if ratio.is_finite() {
+                if ratio.is_finite() && !point.is_exact() {
                     format!("{ratio:.2}")
                 } else {
                     NONE.to_owned()
@@ -271,8 +370,8 @@ fn points(summary: &Summary) -> String {
             estimated.unwrap_or_else(|| [NONE; 4].map(str::to_owned));
         vec![
             samples(point.samples_per_pixel),
-            with_range(point.seconds, three_digits),
-            three_digits(point.cpu_seconds.median),
+            with_range(point.seconds, time_in_words),
+            time_in_words(point.cpu_seconds.median),
             with_range(true_noise, percent),
             estimated_noise,
             ratio,
@@ -285,8 +384,8 @@ fn points(summary: &Summary) -> String {
     table(
         &[
             "samples per pixel",
-            "seconds (range)",
-            "CPU seconds",
+            "render time (range)",
+            "CPU time",
             "true noise (range)",
             "estimated noise (95 % interval)",
             "estimated / true",
@@ -327,7 +426,7 @@ fn failures(variants: &[(&Variant, Summary)]) -> String {
 fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
     let mut sentences = vec![format!(
         "Renders are measured against {}.",
-        study.reference.describe()
+        plain(&study.reference.describe())
     )];
     if let Origin::Rendered {
         light_sampling,
@@ -345,17 +444,15 @@ fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
             None => "Its seed is none of those that are measured",
         };
         sentences.push(format!(
-            "{independent}; no sample of it is clamped. It took {} s to render.",
-            three_digits(*render_seconds)
+            "{independent}; no sample of it is clamped. It took {} to render.",
+            time_in_words(*render_seconds)
         ));
         if *non_finite_samples > 0 {
             sentences.push(format!(
-                "**{non_finite_samples} of its samples are infinite or not a number.**"
+                "**{} infinite or not a number.**",
+                counted(*non_finite_samples, "sample of it is", "samples of it are")
             ));
         }
-    }
-    if study.reference.is_rounded() {
-        sentences.push(format!("**Beware: {ROUNDED}.**"));
     }
     let own = study.reference.known_errors().map(|[_, relmse]| relmse);
     let shares = variants.iter().filter_map(|(_, summary)| {
@@ -370,11 +467,13 @@ fn reference(study: &Study, variants: &[(&Variant, Summary)]) -> String {
             percent(share.min(1.0))
         ));
     }
-    if variants.len() > 1 {
-        sentences.push(
-            "A variant that shows something else than the scene as it is has the difference in its true error."
-                .to_owned(),
-        );
+    let others = variants.iter().filter(|(_, s)| s.shows_another_picture);
+    let others: Vec<String> = others.map(|(v, _)| code(v, variants)).collect();
+    if !others.is_empty() {
+        sentences.push(format!(
+            "What shows another picture than the scene as it is has the difference in its true error: {}.",
+            others.join(", ")
+        ));
     }
     sentences.join(" ")
 }
@@ -386,81 +485,10 @@ fn machine_and_settings(study: &Study, variants: &[(&Variant, Summary)]) -> Stri
         study.machine.describe()
     )];
     if let Some((base, _)) = variants.first() {
-        parts.push(format!(
-            "```text\n{}\n```",
-            settings(&base.settings).join("\n")
-        ));
+        parts.push(block("text", &settings(&base.settings).join("\n")));
     }
     parts.push(
         "All numbers are in [report.json](report.json), and those of every render in [report.csv](report.csv).".to_owned(),
     );
     parts.join("\n\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::analysis::report::test_data;
-    use crate::render::Ending;
-
-    #[test]
-    fn the_page_has_the_numbers_in_tables() {
-        let page = to_markdown(&test_data::study());
-        for line in [
-            "![Noise against render time](report.svg)",
-            "With 8 samples per pixel and after 8.00 s of rendering the picture has **5.00 % noise** (median of 3 seeds); \
-             the renders themselves say 5.00 %, without a reference. Noise falls as render time to the power of −1.00.",
-            "| as the scene says | 0.500 | −1.00 | −1.00 | — | — | 50.0 | 25.0 | 4.00 | 13.3 (predicted) | 40.0 (predicted) |",
-            "### `render.a=1, \"b\"`",
-            "| 1 | 1.00 (1.00 – 1.00) | 2.00 | 40.0 % (32.0 % – 48.0 %) | — | — | 0.200 | — | 0.625 | — |",
-            "| as the scene says | 6 | 0 | 0 | 0 % | 0 |",
-            "stop.noise = 0.03",
-        ] {
-            assert!(page.lines().any(|l| l == line), "{line}: {page}");
-        }
-        for row in page.lines().filter(|line| line.starts_with('|')) {
-            assert!(row.ends_with('|'), "{row}");
-        }
-        assert!(
-            !page.contains("NaN") && !page.contains("done yet"),
-            "{page}"
-        );
-    }
-
-    #[test]
-    fn the_page_has_the_time_to_the_noise_that_was_asked_for() {
-        let mut study = test_data::study();
-        assert!(!to_markdown(&study).contains("stops at noise"));
-        study.variants[0].scene.render.stop.noise = Some(0.03);
-        study.variants[0].trials[1].stats.ending = Ending::Noise;
-        study.variants[0].trials[1].stats.render_seconds = 2.0;
-        study.variants[0].trials[1].stats.samples_per_pixel = 24.0;
-        let page = to_markdown(&study);
-        let row = "| as the scene says | 3.00 % | 1 of 3 | 24 | 2.00 (2.00 – 2.00) | 0 (0 – 0) |";
-        assert!(page.lines().any(|line| line == row), "{page}");
-    }
-
-    #[test]
-    fn the_page_warns_of_a_noisy_reference_and_of_renders_to_come() {
-        let mut study = test_data::study();
-        study.variants[1].trials.pop();
-        study.reference = test_data::rendered_reference(0.01, 0.001);
-        let page = to_markdown(&study);
-        assert!(page.contains("**Not all renders are done yet.**"), "{page}");
-        assert!(page.contains("**Up to 40.0 % of the measured"), "{page}");
-        study.reference = test_data::rendered_reference(0.01, 0.0001);
-        let page = to_markdown(&study);
-        assert!(
-            !page.contains("**Up to") && !page.contains("half of"),
-            "{page}"
-        );
-        study.reference = test_data::file_reference(Some(0.0025));
-        let page = to_markdown(&study);
-        let expected = "\n\n**as the scene says**: from 8 samples per pixel on, more than half of the mean square";
-        assert!(page.contains(expected), "{page}");
-        assert!(
-            page.contains("before.exr; its own error, estimated: 5.00 % noise, RMSE 0.0250."),
-            "{page}"
-        );
-    }
 }

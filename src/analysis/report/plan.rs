@@ -1,15 +1,18 @@
 //! From what somebody wants to know to the renders that tell.
 
 use std::path::Path;
+use std::time::SystemTime;
 
+use super::date;
 use super::error::{ComparisonError, ReportError};
 use super::files::{Refuge, make_folder};
 use super::options::{ReferenceOptions, ReportOptions};
 use super::progress::ReportProgress;
-use super::reference::{Origin, ROUNDED, Reference};
+use super::reference::Reference;
+use super::reference_file::read_reference;
 use super::study::{Machine, Study, Variant};
 use crate::control::CancelToken;
-use crate::io::{self, LoadedScene, WrittenOrigin, scene_file};
+use crate::io::{self, LoadedScene, scene_file};
 use crate::render::{PictureMemory, RunConfig};
 use crate::scene::{LightSampling, Mode, RenderSettings, Scene, SceneError};
 
@@ -18,6 +21,8 @@ use crate::scene::{LightSampling, Mode, RenderSettings, Scene, SceneError};
 pub struct ReportPlan {
     /// What looks wrong and is no reason to stop, in sentences.
     pub warnings: Vec<String>,
+    /// What makes the report again, as a shell takes it, for the page to tell; `None` where no command does.
+    pub command: Option<String>,
     scene_name: String,
     variants: Vec<Variant>,
     seeds: u32,
@@ -77,26 +82,32 @@ impl ReportPlan {
                     text: text.clone(),
                     reason,
                 })?;
+            if let Some(same) = variants[1..].iter().find(|v| v.scene == changed.scene) {
+                warnings.push(format!(
+                    "{text}: it is the same as {}, and is measured once",
+                    same.name
+                ));
+                continue;
+            }
+            let note = note_on(&loaded.scene, &changed.scene);
             let own = all_warnings(&changed).into_iter();
             let own = own.filter(|warning| !of_scene.contains(warning));
-            let own = own.chain(note_on(&loaded.scene, &changed.scene).map(str::to_owned));
+            let own = own.chain(note.map(|note| note.in_words().to_owned()));
             warnings.extend(own.map(|warning| format!("{text}: {warning}")));
-            variants.push(variant(&name, &changed.scene));
+            variants.push(Variant {
+                shows_another_picture: note == Some(Note::AnotherPicture),
+                ..variant(&name, &changed.scene)
+            });
         }
 
         let RenderSettings { width, height, .. } = loaded.scene.render;
         let reference = match &options.reference {
             ReferenceOptions::File(path) => {
-                let (reference, own_warnings) = read_reference(path, (width, height))?;
-                warnings.extend(own_warnings);
-                let mut renders = variants.iter().flat_map(|v| seeds_of(v, options.seeds));
-                if let Some(seed) = seed_of_picture(path).filter(|&own| renders.any(|s| s == own)) {
-                    warnings.push(format!(
-                        "{}: rendered with seed {seed}, as one of the renders that are measured against it, whose error may come out \
-                         too small: choose another with --set render.seed=N",
-                        path.display()
-                    ));
-                }
+                let seeds = variants.iter().flat_map(|v| seeds_of(v, options.seeds));
+                let seeds: Vec<u64> = seeds.collect();
+                let (reference, in_file) = read_reference(path, (width, height), &seeds)?;
+                let name = path.display();
+                warnings.extend(in_file.iter().map(|warning| format!("{name}: {warning}")));
                 Wanted::Given(reference)
             }
             ReferenceOptions::Exact(radiance) => {
@@ -116,6 +127,7 @@ impl ReportPlan {
         };
         Ok(Self {
             warnings,
+            command: None,
             scene_name,
             variants,
             seeds: options.seeds,
@@ -174,6 +186,11 @@ impl ReportPlan {
         };
         let mut study = Study {
             scene_name: self.scene_name,
+            date: date::in_words(SystemTime::now()),
+            command: self.command,
+            warnings: self.warnings,
+            triangles: self.variants[0].scene.triangle_count(),
+            picture: None,
             machine: Machine::this(run.thread_count()),
             reference,
             seeds: self.seeds,
@@ -275,8 +292,36 @@ fn compared(
     Ok((assignments.join("; "), changed))
 }
 
+/// What is to be known of the curve of a variant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Note {
+    /// Nothing is changed at all.
+    NoChange,
+    /// What is changed decides nothing.
+    SameRenders,
+    /// The difference is in what is measured.
+    AnotherPicture,
+}
+
+impl Note {
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::NoChange => "it changes nothing: its renders are those of the scene as it is",
+            Self::SameRenders => {
+                "render.adaptive decides nothing without a stop at a noise or a time: both curves are of the same renders"
+            }
+            Self::AnotherPicture => {
+                "it shows another picture than the scene as it is: the difference counts as noise, which no sample cures"
+            }
+        }
+    }
+}
+
 /// What is to be known of the curve of a scene that was changed from `base`.
-fn note_on(base: &Scene, changed: &Scene) -> Option<&'static str> {
+fn note_on(base: &Scene, changed: &Scene) -> Option<Note> {
+    if base == changed {
+        return Some(Note::NoChange);
+    }
     let stop = &changed.render.stop;
     let mut like_base = changed.clone();
     like_base.display = base.display;
@@ -284,9 +329,7 @@ fn note_on(base: &Scene, changed: &Scene) -> Option<&'static str> {
     like_base.render.adaptive = base.render.adaptive;
     if like_base == *base && changed.render.adaptive != base.render.adaptive {
         let is_without_stop = stop.noise.is_none() && stop.seconds.is_none();
-        return is_without_stop.then_some(
-            "render.adaptive decides nothing without a stop at a noise or a time: both curves are of the same renders",
-        );
+        return is_without_stop.then_some(Note::SameRenders);
     }
     // What only says how the same picture is found.
     like_base.render = RenderSettings {
@@ -302,9 +345,7 @@ fn note_on(base: &Scene, changed: &Scene) -> Option<&'static str> {
         ..like_base.render
     };
     like_base.render.ambient_occlusion.samples = base.render.ambient_occlusion.samples;
-    (like_base != *base).then_some(
-        "it shows another picture than the scene as it is: the difference counts as noise, which no sample cures",
-    )
+    (like_base != *base).then_some(Note::AnotherPicture)
 }
 
 fn all_warnings(loaded: &LoadedScene) -> Vec<String> {
@@ -319,6 +360,7 @@ fn variant(name: &str, scene: &Scene) -> Variant {
         name: name.to_owned(),
         scene: scene.clone(),
         settings: settings(&scene.render),
+        shows_another_picture: false,
         trials: Vec::new(),
     }
 }
@@ -358,47 +400,6 @@ fn free_seed(variants: &[Variant], seeds: u32) -> u64 {
     free.expect("there are more seeds than renders")
 }
 
-/// The seed that the picture at `path` was rendered with, where the file tells.
-fn seed_of_picture(path: &Path) -> Option<u64> {
-    let text = WrittenOrigin::of_file(path).ok()?.scene?;
-    let scene: toml::Table = text.parse().ok()?;
-    match scene.get("render").and_then(|render| render.get("seed")) {
-        Some(seed) => seed.as_integer()?.try_into().ok(),
-        None => Some(RenderSettings::default().seed),
-    }
-}
-
-/// The picture at `path`, and what looks wrong with it.
-fn read_reference(
-    path: &Path,
-    picture: (u32, u32),
-) -> Result<(Reference, Vec<String>), ReportError> {
-    let file = io::read_image(path)?;
-    let name = path.display().to_string();
-    let in_file = file.warnings.iter();
-    let mut warnings: Vec<String> = in_file.map(|w| format!("{name}: {w}")).collect();
-    let is_rounded = file.format == "PNG";
-    if is_rounded {
-        warnings.push(format!("{name}: {ROUNDED}"));
-    }
-    let image = file.image;
-    if (image.width, image.height) != picture {
-        return Err(ReportError::ReferenceSize {
-            path: path.to_owned(),
-            reference: (image.width, image.height),
-            picture,
-        });
-    }
-    let told = WrittenOrigin::of_file(path).unwrap_or_default().error;
-    let is_error = |value: f64| value.is_finite() && value >= 0.0;
-    let origin = Origin::File {
-        name,
-        error: told.filter(|told| is_error(told.rmse) && is_error(told.relmse)),
-        is_rounded,
-    };
-    Ok((Reference { image, origin }, warnings))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -423,22 +424,53 @@ mod tests {
             change(&mut changed.render);
             note_on(&base, &changed)
         };
-        assert_eq!(note(&|_| ()), None);
+        assert_eq!(note(&|_| ()), Some(Note::NoChange));
         assert_eq!(note(&|r| r.light_sampling = LightSampling::Bsdf), None);
         assert_eq!(note(&|r| r.ambient_occlusion.samples += 1), None);
         assert_eq!(note(&|r| r.stop.noise = Some(0.1)), None);
-        let bounces = note(&|r| r.max_bounces += 1).expect("another picture");
-        assert!(bounces.contains("another picture"), "{bounces}");
+        let bounces = note(&|r| r.max_bounces += 1);
+        assert_eq!(bounces, Some(Note::AnotherPicture));
         let mut wider = base.clone();
         wider.camera.vertical_fov.0 += 1.0;
-        assert_eq!(note_on(&base, &wider), Some(bounces));
-        let adaptive = note(&|r| r.adaptive = !r.adaptive).expect("is told of");
-        assert!(adaptive.contains("same renders"), "{adaptive}");
+        assert_eq!(note_on(&base, &wider), bounces);
+        let adaptive = note(&|r| r.adaptive = !r.adaptive);
+        assert_eq!(adaptive, Some(Note::SameRenders));
         let with_stop = note(&|r| {
             r.adaptive = !r.adaptive;
             r.stop.noise = Some(0.1);
         });
         assert_eq!(with_stop, None);
+    }
+
+    #[test]
+    fn variants_that_are_the_same_are_measured_once() {
+        let loaded = LoadedScene {
+            scene: io::demo_scene(),
+            warnings: Vec::new(),
+        };
+        let comparisons = [
+            "render.shadow_samples=4",
+            "render.max_bounces=3",
+            ";render.shadow_samples=4",
+        ];
+        let options = ReportOptions {
+            comparisons: comparisons.map(str::to_owned).into(),
+            ..ReportOptions::default()
+        };
+        let cancel = CancelToken::new();
+        let plan = ReportPlan::new("scene".to_owned(), loaded, &options, &cancel);
+        let plan = plan.expect("is right");
+        let others: Vec<bool> = plan.variants[1..]
+            .iter()
+            .map(|variant| variant.shows_another_picture)
+            .collect();
+        assert_eq!(others, [false, true]);
+        let said = ";render.shadow_samples=4: it is the same as render.shadow_samples=4, and is measured once";
+        assert!(
+            plan.warnings.iter().any(|w| w == said),
+            "{:?}",
+            plan.warnings
+        );
     }
 
     #[test]

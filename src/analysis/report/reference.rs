@@ -18,8 +18,8 @@ pub struct Reference {
 }
 
 /// What is wrong with a reference that is a PNG.
-pub(super) const ROUNDED: &str =
-    "a PNG holds what a screen shows: exposure, tone curve, the end at 1 and rounding are in it";
+const ROUNDED: &str =
+    "it holds what a screen shows: exposure, tone curve, the end at 1 and rounding are in it";
 
 /// Where a reference is from.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub enum Origin {
         error: Option<WrittenError>,
         /// Whether it holds what a screen shows, rounded, as a PNG does.
         is_rounded: bool,
+        /// The seed it shares with a render that is measured against it, where it is known to.
+        shared_seed: Option<u64>,
     },
     /// Made by this program, independently of what is measured against it.
     Rendered {
@@ -156,6 +158,26 @@ impl Reference {
         matches!(&self.origin, Origin::File { is_rounded, .. } if *is_rounded)
     }
 
+    /// What makes the errors measured against it wrong, in sentences.
+    pub(super) fn cautions(&self) -> Vec<String> {
+        let Origin::File {
+            is_rounded,
+            shared_seed,
+            ..
+        } = &self.origin
+        else {
+            return Vec::new();
+        };
+        let rounded = is_rounded.then(|| format!("the reference is a PNG: {ROUNDED}"));
+        let shared = shared_seed.map(|seed| {
+            format!(
+                "the reference was rendered with seed {seed}, as one of the renders that are measured against it, whose error may come \
+                out too small: choose another with --set render.seed=N"
+            )
+        });
+        rounded.into_iter().chain(shared).collect()
+    }
+
     /// Whether more than half of the mean square relative error `measured` against it is not that of the renders. `most` is what
     /// theirs may be at most, where they can tell.
     ///
@@ -186,9 +208,9 @@ impl Reference {
                 let way = light_sampling.map_or_else(String::new, |way| {
                     format!(", light_sampling {}", way.name())
                 });
+                let samples = counted(u64::from(*samples_per_pixel), "sample", "samples");
                 format!(
-                    "a render of {} per pixel, seed {seed}{way}; {}",
-                    counted((*samples_per_pixel).into(), "sample", "samples"),
+                    "a render of {samples} per pixel, seed {seed}{way}; {}",
                     self.describe_error()
                 )
             }

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use super::picture::small;
 use super::reference::Reference;
 use super::trial::Trial;
-use crate::render::{RenderProgress, RunConfig};
+use crate::render::{Image, RenderProgress, RunConfig};
 use crate::scene::{RenderSettings, Scene, SceneError};
 
 /// What is measured, and what has been so far.
@@ -12,6 +13,16 @@ use crate::scene::{RenderSettings, Scene, SceneError};
 pub struct Study {
     /// What people call the scene.
     pub scene_name: String,
+    /// When it was begun, in words.
+    pub date: String,
+    /// What makes the report again, as a shell takes it; `None` where no command made it.
+    pub command: Option<String>,
+    /// What looked wrong before anything was rendered, in sentences.
+    pub warnings: Vec<String>,
+    /// Of the scene as it is, copies counted.
+    pub triangles: u64,
+    /// What the first render of the scene as it is showed, small; `None` before.
+    pub picture: Option<Image>,
     /// Where it is measured.
     pub machine: Machine,
     /// What all renders are measured against.
@@ -76,6 +87,8 @@ pub struct Variant {
     pub scene: Scene,
     /// Its render settings as a scene file says them.
     pub settings: toml::Table,
+    /// Whether it is not the picture of the scene as it is that is rendered, whatever number of samples it gets.
+    pub shows_another_picture: bool,
     /// In the order of seeds.
     pub trials: Vec<Trial>,
 }
@@ -116,7 +129,12 @@ impl Study {
         let number = u32::try_from(variant.trials.len()).expect("fewer than seeds");
         let seed = variant.seed(number);
         let trial = Trial::render(&variant.scene, seed, &self.reference, run, progress)?;
-        Ok(trial.map(|trial| variant.trials.push(trial)))
+        Ok(trial.map(|(trial, image)| {
+            variant.trials.push(trial);
+            if index == 0 && number == 0 {
+                self.picture = Some(small(&image));
+            }
+        }))
     }
 
     /// The variants that have been rendered at least once.

@@ -4,18 +4,20 @@ use serde::Serialize;
 
 use super::digits::samples;
 use super::fit::{TimeTo, log_slope, time_to};
+use super::honesty::{Honesty, is_rounding};
 use super::reference::Reference;
 use super::study::Variant;
+use super::target::Target;
 use super::trial::{Measurement, Trial, TrueErrors};
 use crate::analysis::bench::Spread;
-use crate::math::percent;
-use crate::render::{Clamped, Ending, ErrorEstimate, Interval, NOISE_TARGETS, RenderStats};
+use crate::math::{percent, signed};
+use crate::render::{Clamped, ErrorEstimate, Interval, NOISE_TARGETS};
 
 /// Samples from which points count for slopes: with fewer, what a render does once weighs too much.
 const SLOPE_FROM: f64 = 4.0;
 
-/// Samples from which renders are taken at their word.
-const HONEST_FROM: f64 = 16.0;
+/// Below this share of the processor time that their threads could have had, something kept renders from it.
+const BUSY_SHARE: f64 = 0.7;
 
 /// What was measured of a variant, over its seeds.
 #[derive(Clone, Debug)]
@@ -27,7 +29,13 @@ pub struct Summary {
     /// Exponent with which the true RMSE falls with render time, from 4 samples on.
     pub slope: Option<f64>,
     /// The same of the true noise.
-    pub noise_slope: Option<f64>,
+    pub noise_slope: Option<Slope>,
+    /// The same of the true noise with processor time, which other programs on the machine hardly change.
+    pub cpu_noise_slope: Option<Slope>,
+    /// The processor time of the renders over what their threads could have had in their time, `0..=1`; `None` where that is not known.
+    pub cpu_share: Option<f64>,
+    /// Whether it shows another picture than the scene as it is, so that no sample brings it to the reference.
+    pub shows_another_picture: bool,
     /// At the last point.
     pub efficiency: Efficiency,
     /// How well the renders know their own error; `None` where none says from 16 samples on.
@@ -35,7 +43,8 @@ pub struct Summary {
     /// Samples from which on, to the last point, more than half of the measured mean square is not the renders': it is the error of
     /// the reference, or a difference that no sample cures. `None` where the last point is not like that.
     pub reference_outweighs_from: Option<f64>,
-    /// When the median of the true noise falls to each of [`NOISE_TARGETS`].
+    /// When the median of the true noise falls to each of [`NOISE_TARGETS`]: beyond the points along [`Self::cpu_noise_slope`], where
+    /// nothing but noise is measured.
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
     /// What it took to the noise at which the renders stop; `None` where they stop at none.
     pub target: Option<Target>,
@@ -49,32 +58,22 @@ pub struct Summary {
     pub unmeasured_pixels: u64,
 }
 
-/// What it took renders to the noise at which they were to stop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Target {
-    /// What was asked for, as √relmse.
-    pub noise: f64,
-    /// How many renders say that they are there.
-    pub reached: usize,
-    /// Of how many.
-    pub renders: usize,
-    /// What those took that are; `None` where none is.
-    pub took: Option<Took>,
+/// An exponent with which noise falls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Fitted to the medians over the seeds.
+    pub value: f64,
+    /// The least and the largest of those fitted to one seed each.
+    pub range: [f64; 2],
 }
 
-/// Medians over renders; what is called a range holds the least and the largest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Took {
-    /// Mean over the pixels.
-    pub samples_per_pixel: f64,
-    /// Wall time of rendering.
-    pub seconds: f64,
-    /// Its range.
-    pub seconds_range: [f64; 2],
-    /// Processor time of the threads that render.
-    pub cpu_seconds: f64,
-    /// Its range.
-    pub cpu_seconds_range: [f64; 2],
+impl Slope {
+    /// The slope, and its range over the seeds.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let [least, most] = self.range.map(signed);
+        format!("{} ({least} – {most})", signed(self.value))
+    }
 }
 
 /// The same moment of all trials.
@@ -113,23 +112,15 @@ pub struct Estimated {
     pub relmse: Spread,
     /// Medians of the ends of the interval.
     pub relmse_interval: [f64; 2],
-    /// How many of the renders have the truth in their intervals, that of the RMSE and that of relmse.
+    /// How many of the renders have the truth in their intervals, that of the RMSE and that of relmse. Those that are as exact as numbers
+    /// are do not count.
     pub intervals_held: [usize; 2],
+    /// How many of the renders have no error but that of rounding, and say so.
+    pub as_exact_as_numbers: usize,
     /// What the worst channel's error exceeds in one pixel of a thousand.
     pub percentile_999: Spread,
     /// Medians of the ends of the interval.
     pub percentile_999_interval: [f64; 2],
-}
-
-/// What the renders say of themselves against the truth, at all points from 16 samples on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Honesty {
-    /// The smallest and the largest estimate over the truth, medians over the seeds, of RMSE and noise.
-    pub estimated_over_true: [f64; 2],
-    /// How many of the 95 % intervals hold the truth, of RMSE and relmse of every render.
-    pub intervals_held: usize,
-    /// Number of these intervals.
-    pub intervals: usize,
 }
 
 /// What time buys: 1 / (relMSE · seconds), median. Four times as much halves the noise after the same time.
@@ -152,10 +143,20 @@ impl SummaryPoint {
     #[must_use]
     pub fn noise_in_words(&self) -> String {
         let noise = self.true_noise().median;
+        if self.is_exact() {
+            return "no noise but that of rounding".to_owned();
+        }
         if noise == 0.0 && self.measured_relmse.median > 0.0 {
             return "no noise that the reference's own error would not explain".to_owned();
         }
         format!("{} noise", percent(noise))
+    }
+
+    /// Whether there is no error but that of rounding, and the renders say nothing else.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        let says_so = |estimated: Estimated| is_rounding(estimated.relmse.median);
+        is_rounding(self.measured_relmse.median) && self.estimated.is_none_or(says_so)
     }
 
     /// The estimated noise.
@@ -191,23 +192,39 @@ impl Summary {
         let ends: Option<Vec<_>> = ends.collect();
         let end = ends.as_ref().and_then(|ends| point(ends, reference));
         let points: Vec<_> = before.chain(end).collect();
-        let curve = |error: fn(&SummaryPoint) -> f64, from: f64| -> Vec<(f64, f64)> {
+        let curve = |time: fn(&SummaryPoint) -> f64, error: fn(&SummaryPoint) -> f64, from: f64| {
             let late = points.iter().filter(|p| p.samples_per_pixel >= from);
-            late.map(|p| (p.seconds.median, error(p))).collect()
+            late.map(|p| (time(p), error(p))).collect::<Vec<_>>()
         };
+        let seconds: fn(&SummaryPoint) -> f64 = |point| point.seconds.median;
+        let cpu_seconds: fn(&SummaryPoint) -> f64 = |point| point.cpu_seconds.median;
         let noise: fn(&SummaryPoint) -> f64 = |point| point.true_noise().median;
-        let noise_slope = log_slope(&curve(noise, SLOPE_FROM));
-        let noise_curve = curve(noise, 0.0);
+        let noise_slope = |time: fn(&SummaryPoint) -> f64, own_time: fn(&Measurement) -> f64| {
+            let value = log_slope(&curve(time, noise, SLOPE_FROM))?;
+            let range = slopes_of_seeds(trials, reference, own_time);
+            let range = range.map_or([value; 2], |range| [range.min, range.max]);
+            Some(Slope { value, range })
+        };
+        let cpu_noise_slope = noise_slope(cpu_seconds, |m| m.cpu_seconds);
+        let reference_outweighs_from = reference_outweighs_from(&points, reference);
+        let is_noise = !variant.shows_another_picture && reference_outweighs_from.is_none();
+        let followed = cpu_noise_slope
+            .filter(|_| is_noise)
+            .map(|slope| slope.value);
+        let noise_curve = curve(seconds, noise, 0.0);
         let pixels = reference.image.pixels.len() as u64;
         Some(Self {
             build_seconds: spread(trials.iter().map(|trial| trial.build_seconds))?,
-            slope: log_slope(&curve(|point| point.true_rmse.median, SLOPE_FROM)),
-            noise_slope,
-            honesty: honesty(&points, trials.len()),
-            reference_outweighs_from: reference_outweighs_from(&points, reference),
+            slope: log_slope(&curve(seconds, |point| point.true_rmse.median, SLOPE_FROM)),
+            noise_slope: noise_slope(seconds, |m| m.seconds),
+            cpu_noise_slope,
+            cpu_share: cpu_share(trials),
+            shows_another_picture: variant.shows_another_picture,
+            honesty: Honesty::of(&points, trials.len()),
+            reference_outweighs_from,
             efficiency: efficiency(&ends.unwrap_or_default(), reference),
-            time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, noise_slope)),
-            target: target(variant),
+            time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, followed)),
+            target: Target::of(variant),
             non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
             negative_samples: trials.iter().map(|t| t.stats.negative_samples).sum(),
             clamped: Clamped {
@@ -239,9 +256,48 @@ impl Summary {
             samples(from)
         ))
     }
+
+    /// What kept the renders from the processor, where they had less of it than their threads could have had.
+    #[must_use]
+    pub fn load(&self) -> Option<String> {
+        let share = self.cpu_share.filter(|&share| share < BUSY_SHARE)?;
+        Some(format!(
+            "the renders had {:.0} % of the processor time that their threads could have had: other programs were busy, or the picture is \
+            too small to share among so many threads. Times are longer than they need be, and slopes against them are uncertain",
+            100.0 * share
+        ))
+    }
 }
 
-fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
+/// The exponents with which the noise of each trial falls with its own `time`, where there are any.
+fn slopes_of_seeds(
+    trials: &[Trial],
+    reference: &Reference,
+    time: fn(&Measurement) -> f64,
+) -> Option<Spread> {
+    let slopes = trials.iter().filter_map(|trial| {
+        let late = trial.measurements.iter();
+        let late = late.filter(|m| m.samples_per_pixel >= SLOPE_FROM);
+        let points = late.map(|m| (time(m), m.true_errors(reference).relmse.sqrt()));
+        log_slope(&points.collect::<Vec<_>>())
+    });
+    spread(slopes)
+}
+
+/// The processor time of `trials` over what their threads could have had.
+fn cpu_share(trials: &[Trial]) -> Option<f64> {
+    let ends = || {
+        trials
+            .iter()
+            .filter_map(|t| Some((t, t.measurements.last()?)))
+    };
+    let had: f64 = ends().map(|(_, end)| end.cpu_seconds).sum();
+    let possible = ends().map(|(trial, end)| trial.stats.threads as f64 * end.seconds);
+    let possible: f64 = possible.sum();
+    (possible > 0.0).then(|| (had / possible).min(1.0))
+}
+
+pub(super) fn spread(values: impl Iterator<Item = f64>) -> Option<Spread> {
     Spread::of(values.collect())
 }
 
@@ -271,11 +327,20 @@ fn estimated(moments: &[Moment<'_>], reference: &Reference) -> Option<Estimated>
     let measurements = moments.iter().map(|(_, measurement)| *measurement);
     let estimates: Option<Vec<ErrorEstimate>> = measurements.clone().map(|m| m.estimated).collect();
     let estimates = estimates?;
-    let truths: Vec<_> = measurements.map(|m| m.true_errors(reference)).collect();
+    let truths: Vec<_> = measurements
+        .clone()
+        .map(|m| m.true_errors(reference))
+        .collect();
+    let exact = measurements
+        .zip(&estimates)
+        .map(|(m, estimate)| is_rounding(m.measured.relmse) && is_rounding(estimate.relmse.value));
+    let exact: Vec<bool> = exact.collect();
     let held = |interval: fn(&ErrorEstimate) -> Interval, truth: fn(&TrueErrors) -> f64| {
-        let both = estimates.iter().zip(&truths);
-        both.filter(|(estimate, errors)| interval(estimate).contains(truth(errors)))
-            .count()
+        let all = estimates.iter().zip(&truths).zip(&exact);
+        all.filter(|((estimate, errors), is_exact)| {
+            !**is_exact && interval(estimate).contains(truth(errors))
+        })
+        .count()
     };
     let of = |value: &dyn Fn(&ErrorEstimate) -> f64| spread(estimates.iter().map(value));
     let ends = |interval: fn(&ErrorEstimate) -> Interval| {
@@ -292,32 +357,9 @@ fn estimated(moments: &[Moment<'_>], reference: &Reference) -> Option<Estimated>
             held(|estimate| estimate.rmse, |truth| truth.mse.sqrt()),
             held(|estimate| estimate.relmse, |truth| truth.relmse),
         ],
+        as_exact_as_numbers: exact.iter().filter(|is_exact| **is_exact).count(),
         percentile_999: of(&|estimate| estimate.percentile_999.value)?,
         percentile_999_interval: ends(|estimate| estimate.percentile_999)?,
-    })
-}
-
-fn honesty(points: &[SummaryPoint], trials: usize) -> Option<Honesty> {
-    let late = points.iter().filter(|p| p.samples_per_pixel >= HONEST_FROM);
-    let pairs = late.filter_map(|point| Some((point, point.estimated?)));
-    let honesty = pairs.map(|(point, estimated)| {
-        let ratios = [
-            estimated.rmse.median / point.true_rmse.median,
-            (estimated.relmse.median / point.true_relmse.median).sqrt(),
-        ];
-        Honesty {
-            estimated_over_true: [ratios[0].min(ratios[1]), ratios[0].max(ratios[1])],
-            intervals_held: estimated.intervals_held.iter().sum(),
-            intervals: 2 * trials,
-        }
-    });
-    honesty.reduce(|a, b| Honesty {
-        estimated_over_true: [
-            a.estimated_over_true[0].min(b.estimated_over_true[0]),
-            a.estimated_over_true[1].max(b.estimated_over_true[1]),
-        ],
-        intervals_held: a.intervals_held + b.intervals_held,
-        intervals: a.intervals + b.intervals,
     })
 }
 
@@ -345,28 +387,6 @@ fn efficiency(ends: &[Moment<'_>], reference: &Reference) -> Efficiency {
     }
 }
 
-fn target(variant: &Variant) -> Option<Target> {
-    let trials = &variant.trials;
-    let reached = || trials.iter().filter(|t| t.stats.ending == Ending::Noise);
-    let of = |value: fn(&RenderStats) -> f64| spread(reached().map(|t| value(&t.stats)));
-    let took = || {
-        let (seconds, cpu_seconds) = (of(|s| s.render_seconds)?, of(|s| s.cpu_seconds)?);
-        Some(Took {
-            samples_per_pixel: of(|s| s.samples_per_pixel)?.median,
-            seconds: seconds.median,
-            seconds_range: [seconds.min, seconds.max],
-            cpu_seconds: cpu_seconds.median,
-            cpu_seconds_range: [cpu_seconds.min, cpu_seconds.max],
-        })
-    };
-    Some(Target {
-        noise: variant.scene.render.stop.noise?,
-        reached: reached().count(),
-        renders: trials.len(),
-        took: took(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -389,7 +409,8 @@ mod tests {
             (noise.min, 0.04),
             (noise.max, 0.06),
             (summary.slope.expect("is there"), -1.0),
-            (summary.noise_slope.expect("is there"), -1.0),
+            (summary.noise_slope.expect("is there").value, -1.0),
+            (summary.cpu_noise_slope.expect("is there").value, -1.0),
             (summary.efficiency.wall, 50.0),
             (summary.efficiency.cpu, 25.0),
             (last.estimated_noise().expect("is there").median, 0.05),
@@ -405,24 +426,6 @@ mod tests {
         assert_eq!(times.map(|time| time.predicted), [false, true, true]);
         assert_eq!(summary.non_finite_samples, 6);
         assert_eq!(summary.unmeasured_pixels, 0);
-    }
-
-    /// By hand: an RMSE of 0.1 with the interval from 0.08 to 0.125 where 0.1 / 1.1 is true, and a relmse of 0.04 with that from
-    /// 0.032 to 0.05 where four times as much is.
-    #[test]
-    fn estimates_are_held_against_the_truth() {
-        let mut study = test_data::study();
-        assert_eq!(summary_of(&study).honesty, None, "fewer than 16 samples");
-        for trial in &mut study.variants[0].trials {
-            let mut measurement = test_data::measurement(16.0, 16.0, 0.01, 0.04);
-            measurement.measured.mse = 0.01 / 1.21;
-            measurement.measured.relmse = 0.16;
-            trial.measurements.push(measurement);
-        }
-        let honesty = summary_of(&study).honesty.expect("is there");
-        let [least, most] = honesty.estimated_over_true;
-        assert!((least - 0.5).abs() < 1e-9 && (most - 1.1).abs() < 1e-9);
-        assert_eq!((honesty.intervals_held, honesty.intervals), (3, 6));
     }
 
     /// The noise of the data after 1, 2, 4 and 8 samples has the squares 0.16, 0.04, 0.01 and 0.0025. A reference with as much as the
@@ -453,24 +456,56 @@ mod tests {
         }
     }
 
+    /// What holds the error up is not followed to a time; what is on the curve is read off it.
     #[test]
-    fn the_time_to_the_noise_that_was_asked_for_is_that_of_the_renders_that_reached_it() {
+    fn nobody_foresees_when_another_picture_or_a_bad_reference_is_left_behind() {
         let mut study = test_data::study();
-        let variant = &mut study.variants[0];
-        assert_eq!(target(variant), None);
-        variant.scene.render.stop.noise = Some(0.05);
-        let nobody = target(variant).expect("is asked for");
-        assert_eq!((nobody.reached, nobody.took), (0, None));
-        for (trial, seconds) in variant.trials.iter_mut().zip([8.0, 6.0]) {
-            trial.stats.ending = Ending::Noise;
-            trial.stats.render_seconds = seconds;
-            trial.stats.cpu_seconds = 2.0 * seconds;
+        study.variants[0].shows_another_picture = true;
+        let [ten, three, one] = summary_of(&study).time_to;
+        assert!(ten.is_some_and(|time| !time.predicted));
+        assert_eq!((three, one), (None, None));
+        study.variants[0].shows_another_picture = false;
+        assert!(summary_of(&study).time_to[1].is_some());
+        study.reference = test_data::file_reference(Some(0.002));
+        assert_eq!(summary_of(&study).time_to[1], None);
+    }
+
+    /// By hand: of three seeds one is kept from the processor twice as long from 4 to 8 samples as before, so that its noise halves in four
+    /// times the time; its processor time is as it was.
+    #[test]
+    fn slopes_have_the_range_of_the_seeds_and_processor_time_is_not_disturbed() {
+        let mut study = test_data::study();
+        let late = &mut study.variants[0].trials[2].measurements[3];
+        late.seconds = 16.0;
+        let summary = summary_of(&study);
+        let [wall, cpu] =
+            [summary.noise_slope, summary.cpu_noise_slope].map(|s| s.expect("is there"));
+        for (found, expected) in [
+            (wall.value, -1.0),
+            (wall.range[0], -1.0),
+            (wall.range[1], -0.5),
+            (cpu.range[0], -1.0),
+            (cpu.range[1], -1.0),
+        ] {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
-        let target = target(variant).expect("is asked for");
-        assert_eq!((target.noise, target.reached, target.renders), (0.05, 2, 3));
-        let took = target.took.expect("two are there");
-        assert_eq!((took.seconds, took.seconds_range), (7.0, [6.0, 8.0]));
-        assert_eq!(took.cpu_seconds_range, [12.0, 16.0]);
+    }
+
+    /// Two processors are busy for each second of the data.
+    #[test]
+    fn renders_that_others_keep_from_the_processor_are_told_of() {
+        let mut study = test_data::study();
+        assert_eq!(summary_of(&study).cpu_share, None, "no threads are known");
+        for (threads, share, is_told) in [(2, 1.0, false), (4, 0.5, true)] {
+            for trial in &mut study.variants[0].trials {
+                trial.stats.threads = threads;
+            }
+            let summary = summary_of(&study);
+            assert_eq!(summary.cpu_share, Some(share));
+            let said = summary.load();
+            assert_eq!(said.is_some(), is_told, "{said:?}");
+            assert!(said.is_none_or(|said| said.contains("had 50 % of the processor time")));
+        }
     }
 
     fn summary_of(study: &Study) -> Summary {

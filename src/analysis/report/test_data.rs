@@ -85,6 +85,7 @@ pub fn file_reference(relmse: Option<f64>) -> Reference {
                 samples_per_pixel: 128.0,
             }),
             is_rounded: false,
+            shared_seed: None,
         },
         ..Reference::exact([1.0; 3], 2, 1)
     }
@@ -97,6 +98,7 @@ fn variant(name: &str, factors: [f64; 3]) -> Variant {
         name: name.to_owned(),
         scene: Scene::default(),
         settings: settings.parse().expect("is TOML"),
+        shows_another_picture: false,
         trials: trials.map(|(seed, factor)| trial(seed, factor)).collect(),
     }
 }
@@ -105,6 +107,11 @@ fn variant(name: &str, factors: [f64; 3]) -> Variant {
 pub fn study() -> Study {
     Study {
         scene_name: "room.toml".to_owned(),
+        date: "2026-11-28 01:05 UTC".to_owned(),
+        command: None,
+        warnings: Vec::new(),
+        triangles: 12,
+        picture: None,
         machine: Machine {
             cpu: "A CPU".to_owned(),
             threads: 2,

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::reference::Reference;
 use crate::analysis::{SquaredErrors, percentile_999_between};
 use crate::render::{
-    ErrorEstimate, PreparedScene, RenderProgress, RenderStats, Round, RunConfig, Watch,
+    ErrorEstimate, Image, PreparedScene, RenderProgress, RenderStats, Round, RunConfig, Watch,
     render_watched,
 };
 use crate::scene::{Scene, SceneError};
@@ -82,7 +82,7 @@ fn without(measured: f64, own: Option<f64>) -> f64 {
 }
 
 impl Trial {
-    /// Prepares and renders `scene` with this seed, and measures it against `reference`. `None` when cancelled.
+    /// Prepares and renders `scene` with this seed, and measures it against `reference`. Returns the picture too; `None` when cancelled.
     ///
     /// # Errors
     /// What about the scene cannot be rendered.
@@ -95,7 +95,7 @@ impl Trial {
         reference: &Reference,
         run: &RunConfig,
         progress: &RenderProgress,
-    ) -> Result<Option<Self>, SceneError> {
+    ) -> Result<Option<(Self, Image)>, SceneError> {
         let mut scene = scene.clone();
         scene.render.seed = seed;
         let started = Instant::now();
@@ -126,13 +126,15 @@ impl Trial {
             ..Watch::default()
         };
         let outcome = render_watched(&prepared, None, run, progress, watch);
-        Ok(outcome.map(|outcome| Self {
-            seed,
-            build_seconds,
-            measurements: measurements
-                .into_inner()
-                .unwrap_or_else(PoisonError::into_inner),
-            stats: outcome.stats,
+        Ok(outcome.map(|outcome| {
+            let measurements = measurements.into_inner();
+            let trial = Self {
+                seed,
+                build_seconds,
+                measurements: measurements.unwrap_or_else(PoisonError::into_inner),
+                stats: outcome.stats,
+            };
+            (trial, outcome.image)
         }))
     }
 }

@@ -4,8 +4,7 @@ use egui::{Align, Grid, Layout, RichText, Ui, Vec2};
 
 use super::chart::{chart_ui, color_of, legend_ui};
 use crate::analysis::report::{Chart, Study, Summary, TimeTo, to_chart};
-use crate::gui::widgets::counted;
-use crate::math::{percent, three_digits};
+use crate::math::{counted, percent, signed, three_digits, time_in_words};
 use crate::render::NOISE_TARGETS;
 
 /// Height of the chart, in points.
@@ -44,7 +43,7 @@ impl Findings {
                 study.scene_name,
                 image.width,
                 image.height,
-                counted(seeds, "seed", "seeds")
+                counted(seeds as u64, "seed", "seeds")
             ),
             chart: to_chart(study),
             variants: summaries.collect(),
@@ -86,8 +85,8 @@ impl Findings {
         let last = self.variants.first().and_then(|(_, s)| s.points.last());
         let Some(last) = last else { return };
         let noise = last.noise_in_words();
-        let seconds = three_digits(last.seconds.median);
-        let text = format!("{noise} after {seconds} s");
+        let time = time_in_words(last.seconds.median);
+        let text = format!("{noise} after {time}");
         ui.label(RichText::new(text).strong().size(15.0))
             .on_hover_text("True error relative to the picture's brightness (root of relmse), median over the seeds");
         let subject = RichText::new(&self.subject).size(12.5);
@@ -148,27 +147,29 @@ impl Findings {
     fn faults(&self) -> impl Iterator<Item = String> {
         self.variants.iter().flat_map(|(name, summary)| {
             let clamped = &summary.clamped;
+            let taken = percent(clamped.energy_share);
             let faults = [
                 (
                     summary.non_finite_samples,
-                    "samples were infinite or not a number".to_owned(),
+                    ["sample was", "samples were"],
+                    "infinite or not a number".to_owned(),
                 ),
                 (
                     summary.negative_samples,
-                    "samples had less than no light".to_owned(),
+                    ["sample had", "samples had"],
+                    "less than no light".to_owned(),
                 ),
                 (
                     clamped.samples,
-                    format!(
-                        "samples were limited by clamping, which took {} of the light",
-                        percent(clamped.energy_share)
-                    ),
+                    ["sample was", "samples were"],
+                    format!("limited by clamping, which took {taken} of the light"),
                 ),
             ];
-            let faults = faults.into_iter().filter(|(count, _)| *count > 0);
+            let faults = faults.into_iter().filter(|(count, ..)| *count > 0);
             faults
-                .map(|(count, fault)| format!("{count} {fault}"))
+                .map(|(count, [one, many], fault)| format!("{} {fault}", counted(count, one, many)))
                 .chain(summary.doubt())
+                .chain(summary.load())
                 .map(move |fault| format!("{name}: {fault}"))
         })
     }
@@ -186,9 +187,7 @@ fn cells(summary: &Summary) -> Vec<String> {
     let mut cells = vec![
         number(last.map(|point| point.true_noise().median), percent),
         number(last.map(|point| point.seconds.median), three_digits),
-        number(summary.noise_slope, |slope| {
-            format!("{slope:.2}").replace('-', "−")
-        }),
+        number(summary.noise_slope.map(|slope| slope.value), signed),
         number(Some(summary.efficiency.wall), three_digits),
     ];
     let time = |time: Option<TimeTo>| {
@@ -200,7 +199,7 @@ fn cells(summary: &Summary) -> Vec<String> {
                     (_, true) => "≤ ",
                     _ => "",
                 };
-                format!("{mark}{} s", three_digits(time.seconds))
+                format!("{mark}{}", time_in_words(time.seconds))
             },
         )
     };

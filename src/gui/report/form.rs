@@ -74,9 +74,9 @@ impl Problem {
             ReportError::Comparison { index, reason, .. } => {
                 (Place::Comparison(*index), in_the_window(reason))
             }
-            ReportError::Reference(_) | ReportError::ReferenceSize { .. } => {
-                (Place::Reference, error.to_string())
-            }
+            ReportError::Reference(_)
+            | ReportError::ReferenceSize { .. }
+            | ReportError::ReferenceDisplay { .. } => (Place::Reference, error.to_string()),
             ReportError::Scene(_) | ReportError::Render(_) | ReportError::Memory(_) => {
                 (Place::Scene, error.to_string())
             }
