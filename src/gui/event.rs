@@ -7,12 +7,12 @@ use std::sync::Arc;
 use super::app::Stale;
 use super::commands::TextureUse;
 use super::compare::{Distance, Side};
+use super::dialogs::Opened;
 use super::dialogs::files::Answer;
 use super::dialogs::missing::Missing;
 use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
-use super::opened_picture::OpenedPicture;
 use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureBuffer, PictureId};
 use super::ray_view::WantedRays;
 use super::recovering::Recovered;
@@ -23,9 +23,9 @@ use crate::analysis::contributions::{Contribution, Contributor};
 use crate::analysis::cost::Costs;
 use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
-use crate::io::{self, LoadedScene, Model, RadianceFile, ReadAgain, TextureFile};
+use crate::io::{self, LoadedScene, Model, Moves, RadianceFile, ReadAgain, TextureFile};
 use crate::render::{PreparedScene, RenderStats, SampleTrace};
-use crate::scene::{Material, RadianceMap, Scene, TextureImage};
+use crate::scene::{Absent, Material, RadianceMap, Scene, TextureImage, is_absent};
 
 /// What was read again. What has the content of what was known is that itself, and no copy of it: nothing is to be done for it.
 #[derive(Debug)]
@@ -87,9 +87,14 @@ impl Reloaded {
     }
 }
 
-/// Puts what is called `name` in place of `read`, where it is equal to that.
-fn keep_equal<T: PartialEq>(read: &mut Arc<T>, known: &BTreeMap<String, Arc<T>>, name: &str) {
-    if let Some(there) = known.get(name).filter(|there| **there == *read) {
+/// Puts what is called `name` in place of `read`, where it is equal to that. What stood for a missing file never is what was read.
+fn keep_equal<T: Absent + PartialEq>(
+    read: &mut Arc<T>,
+    known: &BTreeMap<String, Arc<T>>,
+    name: &str,
+) {
+    let is_it = |there: &&Arc<T>| !is_absent(there) && **there == *read;
+    if let Some(there) = known.get(name).filter(is_it) {
         read.clone_from(there);
     }
 }
@@ -102,12 +107,12 @@ pub enum Event {
         /// The files it came from.
         paths: Vec<PathBuf>,
         /// The scene, or why there is none.
-        result: Result<Box<LoadedScene>, String>,
-        /// The picture of it in the file, where that is one of a render.
-        picture: Option<OpenedPicture>,
+        result: Result<Box<Opened>, String>,
     },
-    /// A scene file lacks meshes.
-    MeshesMissing(Missing),
+    /// A scene lacks files.
+    FilesMissing(Missing),
+    /// It was looked where missing files are, or why not.
+    Located(Result<Moves, String>),
     /// An image that was dropped on the window tells what was rendered, so it is to be opened.
     RenderDropped(PathBuf),
     /// Mesh files; what becomes of them is still to be decided.

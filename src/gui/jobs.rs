@@ -54,6 +54,8 @@ pub enum Lane {
     Dialog,
     /// Reading a folder for the path field.
     List,
+    /// Looking where missing files are.
+    Locate,
     /// Measuring error against run time.
     Report,
     /// Measuring what effects cost.
@@ -84,7 +86,7 @@ pub enum Lane {
     Reload,
 }
 
-const LANES: usize = 27;
+const LANES: usize = 28;
 
 impl Lane {
     /// Whether a job of this lane must end on its own, also when the window closes or another is started after it: half a file is worse

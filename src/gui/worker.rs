@@ -17,15 +17,18 @@ use eframe::wgpu;
 use super::app::Stale;
 use super::commands::TextureUse;
 use super::costs::PAIRS;
-use super::dialogs::missing::Missing;
+use super::dialogs::Opened;
+use super::dialogs::missing::{Lacking, Missing};
 use super::event::{Event, Reloaded};
 use super::jobs::Job;
+use super::keeping::{Lost, Session};
 use super::opened_picture::{self, OpenedPicture};
 use super::picture_buffer::PictureBuffer;
 use super::preview::geometry::GpuGeometry;
 use super::preview::least_triangles;
 pub use super::preview::pack::preview_mesh;
 use super::preview::sky::GpuSky;
+use super::recovering::recover;
 use super::report::Findings;
 use super::time_estimate::Subject;
 use crate::analysis::cost::{Costs, Trial};
@@ -102,35 +105,86 @@ pub fn load_scene(job: &Job<Event>, paths: Vec<PathBuf>, progress: &Progress) {
         return;
     };
     if let ([path], Err(_)) = (&paths[..], &result)
-        && io::is_scene_file(path)
+        && (io::is_scene_file(path) || render.is_some())
     {
-        let meshes = io::missing_meshes(path, &job.cancel);
-        if !meshes.is_empty() {
-            let path = path.clone();
-            return job.send(Event::MeshesMissing(Missing { path, meshes }));
+        let files = io::missing_files(path, &job.cancel);
+        if !files.is_empty() {
+            let of = Lacking::File(path.clone());
+            return job.send(Event::FilesMissing(Missing::new(of, files)));
         }
     }
     let picture = match (render, &mut result) {
         (Some(path), Ok(loaded)) => OpenedPicture::of(path, loaded, &job.cancel, progress),
         _ => None,
     };
-    let result = result.map(Box::new);
-    job.send(Event::SceneLoaded {
-        paths,
-        result,
-        picture,
+    let result = result.map(|loaded| {
+        Box::new(Opened {
+            paths: paths.clone(),
+            loaded,
+            picture,
+            moved: None,
+        })
     });
+    job.send(Event::SceneLoaded { paths, result });
 }
 
-/// Loads a scene file without the meshes whose files are not there.
-pub fn load_scene_without_missing(job: &Job<Event>, path: PathBuf, progress: &Progress) {
-    let loaded = io::load_scene_without_missing(&path, &job.cancel, progress);
-    if let Some(result) = unless_cancelled(loaded) {
-        job.send(Event::SceneLoaded {
-            paths: vec![path],
-            result: result.map(Box::new),
-            picture: None,
-        });
+/// Loads the scene at `path`, which lacks files, with those of them that were found elsewhere. Where these are of no use, that is asked
+/// again.
+pub fn load_scene_without_missing(
+    job: &Job<Event>,
+    path: PathBuf,
+    missing: Missing,
+    progress: &Progress,
+) {
+    let is_render = io::is_render_file(&path);
+    if is_render {
+        opened_picture::announce(&path, progress);
+    }
+    let loaded = io::load_scene_without_missing(&path, &missing.found, &job.cancel, progress);
+    let result = match unless_cancelled(loaded) {
+        None => return,
+        Some(Err(problem)) if !missing.found.is_empty() => {
+            return job.send(Event::FilesMissing(missing.again(problem)));
+        }
+        Some(result) => result,
+    };
+    let paths = vec![path];
+    let result = result.map(|read| {
+        let warnings = read.warnings();
+        let (mut loaded, moved) = (read.loaded, read.moved);
+        loaded.warnings.extend(warnings);
+        let picture = is_render
+            .then(|| OpenedPicture::of(&paths[0], &mut loaded, &job.cancel, progress))
+            .flatten();
+        Box::new(Opened {
+            paths: paths.clone(),
+            loaded,
+            picture,
+            moved,
+        })
+    });
+    job.send(Event::SceneLoaded { paths, result });
+}
+
+/// Reads lost work, with those of its `missing` files that were found elsewhere. Where these are of no use, that is asked again. Its render
+/// moves to `session`.
+pub fn restore(
+    job: &Job<Event>,
+    lost: Lost,
+    missing: Missing,
+    session: Option<&Arc<Session>>,
+    progress: &Progress,
+) {
+    let recovered = recover(&lost, &missing.found, session, &job.cancel, progress);
+    match recovered.transpose() {
+        None => {}
+        Some(Err(problem)) if !missing.found.is_empty() => {
+            job.send(Event::FilesMissing(missing.again(problem)));
+        }
+        Some(result) => {
+            let result = result.map(Box::new);
+            job.send(Event::Restored { lost, result });
+        }
     }
 }
 

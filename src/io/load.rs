@@ -22,7 +22,10 @@ use crate::scene::{Background, Scene, SceneError, Textures};
 use contents::{load_background, load_contents, named_from_root, read_mesh};
 
 pub(super) use contents::work_of;
-pub use missing::{MissingMesh, load_scene_without_missing, missing_meshes};
+pub use missing::{
+    LoadedWithout, MissingFile, MissingKind, Moves, load_scene_without_missing, missing_files,
+    moved_along,
+};
 pub use warnings::{
     READ_FROM_OUTSIDE, STRETCHED, image_warnings, lost_digits_warning, mesh_warnings,
     texture_warnings,
@@ -304,6 +307,12 @@ fn load_render_file(
     cancel: &CancelToken,
     progress: &Progress,
 ) -> Result<Option<LoadedScene>, LoadError> {
+    let (text, name) = text_of_render(path)?;
+    load_text(&text, &name, path, cancel, progress)
+}
+
+/// The text of the scene of which a picture was rendered, and what errors call it.
+fn text_of_render(path: &Path) -> Result<(String, String), LoadError> {
     let origin = WrittenOrigin::of_file(path).and_then(|origin| {
         let missing = "this picture does not tell what was rendered, as pictures of RayMini do";
         origin.scene.ok_or_else(|| missing.to_owned())
@@ -312,8 +321,7 @@ fn load_render_file(
         path: path.to_owned(),
         reason,
     })?;
-    let name = format!("the scene in {}", path.display());
-    load_text(&text, &name, path, cancel, progress)
+    Ok((text, format!("the scene in {}", path.display())))
 }
 
 /// The scene of a `text` that errors call `name`, beside the file at `path`.

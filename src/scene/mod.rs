@@ -3,6 +3,7 @@
 //!
 //! Right-handed world with no fixed up axis; lengths in scene units, angles in degrees, colour linear RGB.
 
+mod absent;
 mod background;
 mod camera;
 mod display;
@@ -28,6 +29,7 @@ use std::sync::Arc;
 use crate::geometry::TriangleMesh;
 use crate::math::DBounds;
 
+pub use absent::{Absent, is_absent};
 pub use background::{Background, ImageAxes};
 pub use camera::{Bookmark, Camera, CameraAxes};
 pub use display::{Display, Output, PngBits, ToneCurve};
@@ -108,7 +110,7 @@ impl Scene {
         mesh.is_some_and(|mesh| !mesh.triangles.is_empty())
     }
 
-    /// The material of `object`; the default one where it names none.
+    /// The material of `object` as it looks: the default one where it names none, and without images whose files are not there.
     ///
     /// # Errors
     /// The name that no material has.
@@ -116,9 +118,9 @@ impl Scene {
         match &object.material {
             None => Ok(Material::default()),
             Some(name) => {
-                self.materials
-                    .get(name)
-                    .cloned()
+                let material = self.materials.get(name).cloned();
+                material
+                    .map(|material| self.without_absent_images(material))
                     .ok_or_else(|| SceneError::UnknownMaterial {
                         object: object.name.clone(),
                         material: name.clone(),

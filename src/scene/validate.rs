@@ -75,6 +75,8 @@ impl Scene {
 
     /// What of materials does not show on objects, as their meshes lack what it takes.
     fn lost_textures(&self) -> impl Iterator<Item = String> {
+        let objects = self.objects.iter();
+        let there = objects.filter(|object| !self.lacks_mesh(object));
         let lost = |object: &Object| {
             let material = self.materials.get(object.material.as_ref()?)?;
             let (textures, mesh) = (material.textures()?, self.meshes.get(&object.mesh)?);
@@ -89,7 +91,7 @@ impl Scene {
             let name = &object.name;
             Some(format!("the material of object \"{name}\" has {missing}"))
         };
-        self.objects.iter().filter_map(lost)
+        there.filter_map(lost)
     }
 
     /// The materials that reflect more light than arrives, where light bounces: their names, and the largest share of the light

@@ -279,14 +279,24 @@ fn mistakes_are_told_with_file_and_line_and_exit_code_1() {
     };
     write("key.toml", "[render]\nwidht = 3\n");
     write("mesh.toml", "\n[[objects]]\nmesh = \"none.off\"\n");
+    write("sky.toml", "\n[background]\nimage = \"none.exr\"\n");
+    write(
+        "paint.toml",
+        "[materials.clay]\nkind = \"phong\"\ndiffuse_image = \"none.png\"\n",
+    );
     write("broken.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
     write("broken.toml", "[[objects]]\nmesh = \"broken.off\"\n");
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (
             &["render", "key.toml", "-o", "x.png"],
             "key.toml:2:1: unknown key `widht`; the nearest known one is `width`",
         ),
         (&["render", "mesh.toml", "-o", "x.png"], "mesh.toml:3:8: "),
+        (&["render", "sky.toml", "-o", "x.png"], "sky.toml:3:9: "),
+        (
+            &["render", "paint.toml", "-o", "x.png"],
+            "paint.toml:3:17: ",
+        ),
         (&["render", "broken.off", "-o", "x.png"], "broken.off:6: "),
         (&["render", "broken.toml", "-o", "x.png"], "broken.off:6: "),
         (

@@ -152,61 +152,6 @@ fn the_same_file_is_opened_as_it_was_saved_just_now() {
     assert!(!window.app().document().is_modified());
 }
 
-/// What is there can be worked with, and no object is lost by that.
-#[test]
-fn a_scene_opens_without_a_mesh_that_is_missing_and_gets_it_later() {
-    let files = Files::new();
-    let two = "\n[[objects]]\nname = \"ram\"\nmesh = \"meshes/ram.off\"\nmaterial = \"clay\"\n";
-    let path = files.write("two.toml", &(SCENE.to_owned() + two));
-    let mut window = Window::open(&files.path("room.toml"));
-    let open = |window: &mut Window| {
-        window.press(Modifiers::COMMAND, Key::O);
-        window.enter_path(&path);
-        window.until("it is asked", |app| {
-            matches!(app.dialog(), Some(Dialog::Missing(_)))
-        });
-    };
-    open(&mut window);
-    assert!(window.says("two.toml lacks 1 mesh"));
-    let mesh = files.path("meshes").join("ram.off");
-    assert!(window.says(&format!("ram: there is no file {}", mesh.display())));
-    window.click("Cancel");
-    assert_eq!(window.app().document().name(), "room");
-    open(&mut window);
-    window.click("Open without");
-    window.until("it is open", |app| app.document().name() == "two");
-    window.settle();
-    assert!(!window.app().document().is_modified());
-    assert_eq!(window.scene().objects.len(), 2);
-    let warning = &window.app().messages().banners()[0];
-    assert!(
-        warning.text.contains("ram has no triangles"),
-        "{}",
-        warning.text
-    );
-    window.render();
-    let without = window.hash();
-    let alone = load(&files.path("room.toml"));
-    assert_eq!(without, library_hash(&alone));
-
-    // Saving keeps what it is called, and the mesh shows once it is there.
-    window.operate("Add light");
-    window.press(Modifiers::COMMAND, Key::S);
-    window.until("it is saved", |app| !app.document().is_modified());
-    let saved = std::fs::read_to_string(&path).unwrap();
-    assert!(saved.contains("\"meshes/ram.off\""), "{saved}");
-    // Files are looked at once a second.
-    std::thread::sleep(Duration::from_millis(1200));
-    std::fs::create_dir(files.path("meshes")).unwrap();
-    // Moved there, it is older than the scene.
-    std::fs::rename(files.path("pyramid.off"), &mesh).unwrap();
-    window.until("it is read", |app| {
-        let name = mesh.to_string_lossy();
-        app.document().scene.meshes[&*name].triangles.len() == 10
-    });
-    assert!(!window.app().document().is_modified());
-}
-
 #[test]
 fn lights_are_added_and_removed() {
     let files = Files::new();

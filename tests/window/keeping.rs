@@ -140,28 +140,6 @@ fn closing_the_window_leaves_nothing_behind() {
     assert_eq!(sessions.count(), 0);
 }
 
-/// What cannot be restored stays on disk, and the message says where.
-#[test]
-fn work_whose_mesh_is_gone_stays() {
-    let files = Files::new();
-    let data = files.path("data");
-    edit_and_die(&files, &data);
-    std::fs::remove_file(files.path("pyramid.off")).unwrap();
-    let mut window = Window::start_keeping(Vec::new(), true, Some(data.clone()));
-    asks(&mut window);
-    window.click("Restore");
-    window.until("a banner says why not", |app| {
-        !app.messages().banners().is_empty()
-    });
-    let banner = &window.app().messages().banners()[0];
-    assert_eq!(banner.title, "Cannot restore the unsaved work");
-    assert!(banner.text.contains("sessions"), "{}", banner.text);
-    window.harness.state_mut().on_exit();
-    drop(window);
-    let mut window = Window::start_keeping(Vec::new(), true, Some(data));
-    asks(&mut window);
-}
-
 #[test]
 fn a_window_looks_like_the_last_one() {
     let files = Files::new();
@@ -430,7 +408,7 @@ fn a_render_goes_on_beside_what_was_edited_since() {
 }
 
 /// The folders of renders in the sessions of `data`.
-fn renders(data: &Path) -> Vec<PathBuf> {
+pub fn renders(data: &Path) -> Vec<PathBuf> {
     let entries = |folder: &Path| {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         entries.map(|entry| entry.path()).collect::<Vec<_>>()

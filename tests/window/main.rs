@@ -12,6 +12,7 @@ mod import;
 mod keeping;
 mod live;
 mod materials;
+mod missing;
 mod names;
 mod panel;
 mod pictures;

@@ -406,6 +406,27 @@ fn changed_files(look: &Look, album: &mut Album) {
     album.take(&mut window, "mesh read again");
 }
 
+/// A scene some of whose files are not there, asked about and opened.
+fn missing_files(look: &Look, album: &mut Album) {
+    let files = Files::new();
+    let gone = "\n[[objects]]\nname = \"ram\"\nmesh = \"gone/ram.off\"\n[background]\nimage = \"gone/sky.exr\"\n";
+    let path = files.write("lacking.toml", &format!("{SCENE}{gone}"));
+    let mut window = Window::start_as(vec![path], look, None);
+    window.until("it is asked about what is missing", |app| {
+        matches!(app.dialog(), Some(Dialog::Missing(_)))
+    });
+    album.take(&mut window, "missing files");
+    window.click("Locate ram.off");
+    window.enter_path(&files.path("pyramid.off"));
+    window.until_says("found at");
+    album.take(&mut window, "missing file located");
+    window.click("Open without");
+    window.until("it is open", |app| app.document().name() == "lacking");
+    window.settle();
+    window.click("Select Background");
+    album.take(&mut window, "opened without a file");
+}
+
 /// Closing the window while something would be lost.
 fn closing(look: &Look, album: &mut Album) {
     let files = Files::new();
@@ -464,6 +485,7 @@ fn take_all(name: &str, look: &Look) {
     recovery(&files, look, &mut album);
     results(look, &mut album);
     changed_files(look, &mut album);
+    missing_files(look, &mut album);
     closing(look, &mut album);
     extremes(&files, look, &mut album);
     println!("{} in {:.0?}", album.folder.display(), started.elapsed());

@@ -1,6 +1,6 @@
 //! How windows end, and what the next one brings back beside what is edited in it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::driver::{Files, SCENE, Window, set_samples};
 use crate::keeping::{asks, copy_folder, edit_and_die, open, render_until_kept};
@@ -53,6 +53,36 @@ fn an_end_that_nobody_was_asked_about_loses_nothing() {
     assert_eq!(window.scene().lights.len(), 2);
     window.click("Cancel");
     window.until("threads have stopped", |app| app.render_threads() == 0);
+}
+
+/// The scene of the work that is kept in `data`.
+pub fn kept_scene(data: &Path) -> PathBuf {
+    let sessions = std::fs::read_dir(data.join("sessions")).unwrap();
+    let scenes = sessions.map(|session| session.unwrap().path().join("scene.toml"));
+    let mut scenes = scenes.filter(|scene| scene.is_file());
+    scenes.next().expect("work is kept")
+}
+
+/// What cannot be restored stays on disk, and the message says where.
+#[test]
+fn work_that_cannot_be_read_stays() {
+    let files = Files::new();
+    let data = files.path("data");
+    edit_and_die(&files, &data);
+    std::fs::write(kept_scene(&data), "no scene").unwrap();
+    let mut window = Window::start_keeping(Vec::new(), true, Some(data.clone()));
+    asks(&mut window);
+    window.click("Restore");
+    window.until("a banner says why not", |app| {
+        !app.messages().banners().is_empty()
+    });
+    let banner = &window.app().messages().banners()[0];
+    assert_eq!(banner.title, "Cannot restore the unsaved work");
+    assert!(banner.text.contains("sessions"), "{}", banner.text);
+    window.harness.state_mut().on_exit();
+    drop(window);
+    let mut window = Window::start_keeping(Vec::new(), true, Some(data));
+    asks(&mut window);
 }
 
 /// Opens a window on a mesh, has what is lost in `data` restored, and edits before it is read: by then it is asked about that.

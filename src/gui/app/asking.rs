@@ -56,11 +56,7 @@ impl App {
                 self.decide_about_lost_work(lost, answer);
             }
             Some(Dialog::Waiting(purpose)) => self.waiting_ui(ctx, purpose),
-            Some(Dialog::Missing(missing)) => match missing.show_ui(ctx) {
-                None => self.dialog = Some(Dialog::Missing(missing)),
-                Some(true) => self.load_without_missing(missing.path),
-                Some(false) => {}
-            },
+            Some(Dialog::Missing(missing)) => self.missing_ui(ctx, missing),
             Some(Dialog::Overwrite(overwrite)) => self.overwrite_ui(ctx, overwrite),
             Some(Dialog::Path(mut field)) => match field.show_ui(ctx) {
                 PathOutcome::Cancelled => self.after_saving = None,
@@ -160,6 +156,7 @@ impl App {
             (FilePurpose::SetBackground, Some(path)) => self.set_background(path),
             (FilePurpose::SetTexture(texture), Some(path)) => self.set_texture(path, texture),
             (FilePurpose::Compare, Some(path)) => self.compare_with_file(path),
+            (FilePurpose::Locate(_), Some(path)) => self.locate(&path),
             (FilePurpose::ReportFolder | FilePurpose::ReportReference, Some(path)) => {
                 self.report.set_path(purpose, &path);
             }
@@ -236,6 +233,7 @@ impl App {
             | FilePurpose::SetTexture(_)
             | FilePurpose::ReportReference
             | FilePurpose::Compare => folder.join(""),
+            FilePurpose::Locate(_) => self.folder_of_located().unwrap_or_else(|| folder.join("")),
             FilePurpose::ReportFolder => self.report.folder(),
             FilePurpose::SetBackground => match &self.document.scene.background {
                 // Others are likely beside it.

@@ -73,6 +73,7 @@ impl App {
                 paths,
                 loaded,
                 picture: None,
+                moved: None,
             }),
             Err(error) => self.not_opened(&paths, &error),
         }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{App, WaitingRender};
+use crate::gui::dialogs::missing::{Lacking, Missing};
 use crate::gui::dialogs::recovery::Answer;
 use crate::gui::dialogs::{Dialog, Intent};
 use crate::gui::document::same_scene;
@@ -18,9 +19,10 @@ use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::keeping::{self, About, Begun, Lost, Place, Session};
 use crate::gui::picture::{Outcome, Picture};
-use crate::gui::recovering::{Interrupted, Recovered, recover};
+use crate::gui::recovering::{Hindrance, Interrupted, Recovered, missing_files};
 use crate::gui::start::Survivor as _;
 use crate::gui::top_bar::View;
+use crate::gui::worker;
 use crate::scene::Scene;
 
 /// Time between two writes of work that goes on changing.
@@ -270,15 +272,27 @@ impl App {
         }
     }
 
+    /// Reads lost work. Where it lacks files, it is asked about those first.
     fn restore(&mut self, lost: Lost) {
         let progress = self.begin_loading(lost.about.name.clone());
         let session = self.keeping.session.clone();
         self.jobs.start(Lane::Load, move |job| {
-            let result = recover(&lost, session.as_ref(), &job.cancel, &progress).transpose();
-            if let Some(result) = result {
-                let result = result.map(Box::new);
-                job.send(Event::Restored { lost, result });
+            let files = missing_files(&lost, &job.cancel);
+            let missing = Missing::new(Lacking::Work(lost.clone()), files);
+            if missing.files.is_empty() {
+                worker::restore(job, lost, missing, session.as_ref(), &progress);
+            } else {
+                job.send(Event::FilesMissing(missing));
             }
+        });
+    }
+
+    /// Reads lost work with what was found of its missing files, and without the rest.
+    pub(super) fn restore_without_missing(&mut self, lost: Lost, missing: Missing) {
+        let progress = self.begin_loading(lost.about.name.clone());
+        let session = self.keeping.session.clone();
+        self.jobs.start(Lane::Load, move |job| {
+            worker::restore(job, lost, missing, session.as_ref(), &progress);
         });
     }
 
@@ -304,12 +318,18 @@ impl App {
     pub(super) fn put_restored(&mut self, lost: Lost, recovered: Recovered) {
         let Recovered {
             scene,
+            moved,
             saved,
             render,
+            warnings,
         } = recovered;
         let About { name, path } = lost.about.clone();
         let is_saved = saved.is_none();
+        let title = format!("Restored {name} with remarks");
         let before = self.open_document(scene, name, path, saved);
+        if !warnings.is_empty() {
+            self.messages.warning(title, warnings.join("\n"));
+        }
         if is_saved {
             self.jobs.start(Lane::Discard, move |_| lost.discard());
         } else {
@@ -318,9 +338,11 @@ impl App {
             let news = format!("Restored what was not saved{undo}");
             self.messages.news(news);
         }
+        self.take_moved(moved);
         match render {
             Some(Ok(interrupted)) => self.go_on_with(interrupted),
-            Some(Err(reason)) => self.tell_lost_render(&reason),
+            Some(Err(Hindrance::Lost(reason))) => self.tell_lost_render(&reason),
+            Some(Err(Hindrance::Waits(reason))) => self.tell_waiting_render(&reason),
             None => {}
         }
     }
@@ -330,10 +352,7 @@ impl App {
         if self.picture.as_ref().is_some_and(Picture::is_running) {
             // One that nobody goes on with stays on disk.
             drop(interrupted);
-            return self.messages.warning(
-                "The interrupted render waits",
-                "Another one runs. It is offered again at the next start.",
-            );
+            return self.tell_waiting_render("Another one runs");
         }
         self.is_live = false;
         self.waiting_render = Some(WaitingRender {
@@ -360,6 +379,11 @@ impl App {
         let text = format!("{reason}.\nThe scene is here: Render begins anew.");
         let title = "The interrupted render cannot go on";
         self.messages.warning(title, text);
+    }
+
+    fn tell_waiting_render(&mut self, reason: &str) {
+        let text = format!("{reason}. It is offered again at the next start.");
+        self.messages.warning("The interrupted render waits", text);
     }
 
     pub(super) fn render_not_kept(&mut self, reason: &str) {

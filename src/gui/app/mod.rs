@@ -38,6 +38,7 @@ mod importing;
 mod keeping;
 mod layout;
 mod live;
+mod locating;
 mod looks;
 mod measuring;
 mod news;

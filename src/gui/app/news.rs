@@ -55,12 +55,11 @@ impl App {
 
     fn take_event(&mut self, ctx: &egui::Context, event: Event) {
         match event {
-            Event::SceneLoaded {
-                paths,
-                result,
-                picture,
-            } => self.scene_loaded(paths, result.map(|loaded| *loaded), picture),
-            Event::MeshesMissing(missing) => self.meshes_missing(missing),
+            Event::SceneLoaded { paths, result } => {
+                self.scene_loaded(&paths, result.map(|opened| *opened));
+            }
+            Event::FilesMissing(missing) => self.files_missing(missing),
+            Event::Located(result) => self.located(result),
             Event::ModelsLoaded {
                 paths,
                 replaces,

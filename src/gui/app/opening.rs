@@ -8,17 +8,15 @@ use super::{App, Loading, WaitingRender};
 use crate::control::Progress;
 use crate::gui::commands::TextureUse;
 use crate::gui::costs::CostState;
-use crate::gui::dialogs::missing::Missing;
 use crate::gui::dialogs::{Dialog, Intent, Opened};
 use crate::gui::document::{Document, name_of};
 use crate::gui::jobs::Lane;
-use crate::gui::opened_picture::OpenedPicture;
 use crate::gui::panels::with_image;
 use crate::gui::picture::{Outcome, Picture};
 use crate::gui::selection::Selection;
 use crate::gui::top_bar::View;
 use crate::gui::worker;
-use crate::io::{self, LoadedScene, RadianceFile, TextureFile};
+use crate::io::{self, RadianceFile, TextureFile};
 use crate::render::SketchStore;
 use crate::scene::{Material, Scene};
 
@@ -39,20 +37,6 @@ impl App {
         let progress = self.begin_loading(what(&paths));
         self.jobs.start(Lane::Load, move |job| {
             worker::load_scene(job, paths, &progress);
-        });
-    }
-
-    /// The scene at a path lacks meshes.
-    pub(super) fn meshes_missing(&mut self, missing: Missing) {
-        self.loading = None;
-        self.ask(Dialog::Missing(missing));
-    }
-
-    /// Loads the scene file at `path` without the meshes that are not there.
-    pub(super) fn load_without_missing(&mut self, path: PathBuf) {
-        let progress = self.begin_loading(what(std::slice::from_ref(&path)));
-        self.jobs.start(Lane::Load, move |job| {
-            worker::load_scene_without_missing(job, path, &progress);
         });
     }
 
@@ -150,22 +134,12 @@ impl App {
         progress
     }
 
-    /// `picture`: that in the file, where it is one of a render.
-    pub(super) fn scene_loaded(
-        &mut self,
-        paths: Vec<PathBuf>,
-        result: Result<LoadedScene, String>,
-        picture: Option<OpenedPicture>,
-    ) {
+    /// A scene was read from `paths`, or why not.
+    pub(super) fn scene_loaded(&mut self, paths: &[PathBuf], result: Result<Opened, String>) {
         self.loading = None;
-        let loaded = match result {
-            Ok(loaded) => loaded,
-            Err(error) => return self.not_opened(&paths, &error),
-        };
-        let opened = Opened {
-            paths,
-            loaded,
-            picture,
+        let opened = match result {
+            Ok(opened) => opened,
+            Err(error) => return self.not_opened(paths, &error),
         };
         if self.document.is_modified() {
             self.ask(Dialog::Unsaved(Intent::Open(Box::new(opened))));
@@ -197,6 +171,7 @@ impl App {
             paths,
             loaded,
             picture,
+            moved,
         } = opened;
         let paths = &paths[..];
         let file = match paths {
@@ -211,6 +186,7 @@ impl App {
         if let Some(before) = before {
             self.messages.news(format!("Undo brings {before} back"));
         }
+        self.take_moved(moved);
         if !loaded.warnings.is_empty() {
             let title = format!("Opened {} with remarks", what(paths));
             self.messages.warning(title, loaded.warnings.join("\n"));

@@ -8,7 +8,9 @@ use super::desktop;
 use crate::gui::commands::TextureUse;
 use crate::gui::event::Event;
 use crate::gui::jobs::Job;
-use crate::io::{RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS, TEXTURE_EXTENSIONS};
+use crate::io::{
+    MissingKind, RADIANCE_EXTENSIONS, READABLE_EXTENSIONS, RENDER_EXTENSIONS, TEXTURE_EXTENSIONS,
+};
 
 /// What a path is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +33,8 @@ pub enum FilePurpose {
     ReportReference,
     /// A picture to compare with.
     Compare,
+    /// A file in place of one that is missing.
+    Locate(MissingKind),
 }
 
 impl FilePurpose {
@@ -48,6 +52,8 @@ impl FilePurpose {
             Self::ReportFolder => "Folder of the report",
             Self::ReportReference => "Reference of the report",
             Self::Compare => "Compare with image",
+            Self::Locate(MissingKind::Mesh) => "Locate the mesh",
+            Self::Locate(_) => "Locate the image",
         }
     }
 
@@ -60,7 +66,8 @@ impl FilePurpose {
             Self::SetBackground
             | Self::SetTexture(_)
             | Self::ReportFolder
-            | Self::ReportReference => "Use",
+            | Self::ReportReference
+            | Self::Locate(_) => "Use",
             Self::SaveScene | Self::SavePicture => "Save",
             Self::Compare => "Compare",
         }
@@ -83,9 +90,13 @@ impl FilePurpose {
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
             Self::Open => [&["toml"], READABLE_EXTENSIONS, RENDER_EXTENSIONS].concat(),
-            Self::AddMesh => READABLE_EXTENSIONS.to_vec(),
-            Self::SetBackground => RADIANCE_EXTENSIONS.to_vec(),
+            Self::AddMesh | Self::Locate(MissingKind::Mesh) => READABLE_EXTENSIONS.to_vec(),
+            Self::SetBackground | Self::Locate(MissingKind::Background) => {
+                RADIANCE_EXTENSIONS.to_vec()
+            }
             Self::SetTexture(_) => TEXTURE_EXTENSIONS.to_vec(),
+            // Also those within files of meshes.
+            Self::Locate(MissingKind::Texture) => [TEXTURE_EXTENSIONS, &["gltf", "glb"]].concat(),
             Self::SaveScene => vec!["toml"],
             Self::SavePicture => vec!["png", "exr"],
             Self::ReportFolder => Vec::new(),
@@ -145,7 +156,11 @@ fn choose(purpose: FilePurpose, suggestion: &Path) -> Option<Vec<PathBuf>> {
             .add_filter("Images of radiance", &extensions)
             .pick_file()
             .map(|path| vec![path]),
-        FilePurpose::SetTexture(_) => dialog
+        FilePurpose::Locate(MissingKind::Mesh) => dialog
+            .add_filter("Meshes", &extensions)
+            .pick_file()
+            .map(|path| vec![path]),
+        FilePurpose::SetTexture(_) | FilePurpose::Locate(_) => dialog
             .add_filter("Images", &extensions)
             .pick_file()
             .map(|path| vec![path]),

@@ -22,6 +22,7 @@ use super::keeping::Lost;
 use super::opened_picture::OpenedPicture;
 use super::recovering::Recovered;
 use crate::io::LoadedScene;
+use crate::scene::Scene;
 
 pub use shortcuts::shortcuts_ui;
 
@@ -40,7 +41,7 @@ pub enum Dialog {
     Running,
     /// Pictures that took long are about to be lost with the window.
     Pictures,
-    /// A scene lacks meshes.
+    /// A scene lacks files.
     Missing(Missing),
     /// Meshes were read, and it is to be said what becomes of them.
     Import(Box<Import>),
@@ -96,6 +97,8 @@ pub struct Opened {
     pub loaded: LoadedScene,
     /// The picture of it in the file, where that is one of a render.
     pub picture: Option<OpenedPicture>,
+    /// The scene with files that were found elsewhere, in whose place something stands in `loaded`; `None` where there are none.
+    pub moved: Option<Scene>,
 }
 
 /// What the user was about to do when unsaved work stood in the way.

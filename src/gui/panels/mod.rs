@@ -11,7 +11,7 @@ mod presets;
 mod settings;
 mod tree;
 
-use egui::Ui;
+use egui::{RichText, Ui};
 
 pub(super) use background::with_image;
 pub(super) use settings::StructureInUse;
@@ -112,6 +112,17 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
 
 /// The properties of the selected part.
 fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
+    for path in missing_files(state.scene, state.selection) {
+        let text = format!("File missing: {path}");
+        ui.label(
+            RichText::new(text)
+                .small()
+                .color(ui.visuals().warn_fg_color),
+        )
+        .on_hover_text(
+            "It shows as soon as the file is there; until then the scene keeps its path",
+        );
+    }
     match state.selection.clone() {
         Selection::Camera => camera::camera_ui(ui, state),
         Selection::Background => background::background_ui(ui, state),
@@ -119,6 +130,26 @@ fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         Selection::Light(index) => light::light_ui(ui, state, index),
         Selection::Material(name) => material::material_ui(ui, state, &name),
     }
+}
+
+/// The files of the selected part that are not there.
+fn missing_files<'a>(scene: &'a Scene, selection: &Selection) -> Vec<&'a str> {
+    let (object, material) = match selection {
+        Selection::Camera | Selection::Light(_) => return Vec::new(),
+        Selection::Background => return scene.absent_background().into_iter().collect(),
+        Selection::Material(name) => (None, Some(name)),
+        Selection::Object(index) => {
+            let object = scene.objects.get(*index);
+            let material = object.and_then(|object| object.material.as_ref());
+            (object, material)
+        }
+    };
+    let mesh = object.filter(|object| scene.lacks_mesh(object));
+    let mesh = mesh.map(|object| &*object.mesh);
+    let material = material.and_then(|name| scene.materials.get(name));
+    let textures = material.into_iter();
+    let textures = textures.flat_map(|material| scene.absent_textures(material));
+    mesh.into_iter().chain(textures).collect()
 }
 
 /// A button for a command about the selected part.

@@ -28,6 +28,9 @@ const LONG_NAME: usize = 20;
 /// every part then, wherever the list is scrolled to. Of more, only those near the visible ones are there.
 const MOST_ROWS: usize = 200;
 
+/// What is said beside a part whose file is not there.
+const FILE_MISSING: &str = "file missing";
+
 /// The scene's parts: a click selects.
 pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     egui::ScrollArea::vertical()
@@ -39,13 +42,14 @@ pub fn tree_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
             let added = Added::now(ui, state.selection);
             part_ui(ui, state, &Selection::Camera, Icon::Camera, "Camera", "");
             let background = background_icon(state.scene);
+            let detail = state.scene.absent_background().map_or("", |_| FILE_MISSING);
             part_ui(
                 ui,
                 state,
                 &Selection::Background,
                 background,
                 "Background",
-                "",
+                detail,
             );
             let count = state.scene.objects.len();
             let new = added.then(|| state.selection.object()).flatten();
@@ -147,9 +151,6 @@ fn place_of_material(state: &PanelState<'_>) -> Option<usize> {
 fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
     for index in rows {
         let object = &state.scene.objects[index];
-        let triangles = state.scene.meshes.get(&object.mesh).map_or(0, |mesh| {
-            (mesh.triangles.len() as u64).saturating_mul(object.copies.total())
-        });
         let name = if object.name.is_empty() {
             format!("Object {}", index + 1)
         } else {
@@ -157,7 +158,11 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
         };
         let material = state.scene.material_of(object).unwrap_or_default();
         let icon = Icon::Object(material_color(state.scene, &material));
-        let detail = format!("{} triangles", grouped(triangles));
+        let detail = if state.scene.lacks_mesh(object) {
+            FILE_MISSING.to_owned()
+        } else {
+            format!("{} triangles", grouped(state.scene.triangles_of(object)))
+        };
         part_ui(ui, state, &Selection::Object(index), icon, &name, &detail);
     }
 }
@@ -188,6 +193,12 @@ fn materials_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
             users => counted(users, "object", "objects"),
         };
         let material = &state.scene.materials[name];
+        let is_bare = state.scene.absent_textures(material).next().is_some();
+        let detail = if is_bare {
+            FILE_MISSING.to_owned()
+        } else {
+            detail
+        };
         // Of rows that are scrolled out of sight, nothing is rendered.
         let row = Rect::from_min_size(ui.cursor().min, Vec2::splat(icons::SIDE));
         let is_seen = ui.is_rect_visible(row);

@@ -19,7 +19,7 @@ use crate::geometry::TriangleMesh;
 use crate::gui::worker::Gpu;
 use crate::math::{DVec2, Vec3};
 use crate::render::Meaning;
-use crate::scene::{Object, Scene, TextureImage};
+use crate::scene::{Object, Scene, TextureImage, is_absent};
 
 /// A corner's place on the image, and its colour, linear in 16 bits per channel.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -100,7 +100,7 @@ impl<'a> Wanted<'a> {
         let mesh = scene.meshes.get(&object.mesh)?;
         let is_mapped = mesh.texture_coordinates.is_some();
         let image = |name: &Option<String>| scene.textures.get(name.as_ref()?);
-        let of = |name| image(name).filter(|_| is_mapped);
+        let of = |name| image(name).filter(|image| is_mapped && !is_absent(image));
         let (image, normals) = (of(&textures.diffuse_image), of(&textures.normal_image));
         let has_colors = textures.vertex_colors && mesh.colors.is_some();
         let varies = image.is_some() || normals.is_some() || has_colors;

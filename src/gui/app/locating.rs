@@ -1,0 +1,130 @@
+//! Scenes some of whose files are not there: the question about them, where the user says they are, and what is opened then.
+
+use std::path::{Path, PathBuf};
+
+use super::App;
+use super::opening::what;
+use crate::gui::dialogs::Dialog;
+use crate::gui::dialogs::files::FilePurpose;
+use crate::gui::dialogs::missing::{Choice, Lacking, Missing};
+use crate::gui::event::Event;
+use crate::gui::jobs::Lane;
+use crate::gui::worker;
+use crate::io::{self, MissingFile, Moves};
+use crate::scene::Scene;
+
+impl App {
+    /// A scene lacks files.
+    pub(super) fn files_missing(&mut self, missing: Missing) {
+        self.loading = None;
+        self.ask(Dialog::Missing(missing));
+    }
+
+    /// Asks about files that are not there.
+    pub(super) fn missing_ui(&mut self, ctx: &egui::Context, missing: Missing) {
+        match missing.show_ui(ctx) {
+            None => self.dialog = Some(Dialog::Missing(missing)),
+            Some(Choice::Open) => self.open_without_missing(missing),
+            Some(Choice::Locate(path)) => {
+                let purpose = FilePurpose::Locate(missing.kind_of(&path));
+                let located = Some(path);
+                // It comes back when that is answered.
+                let missing = Missing { located, ..missing };
+                self.asked_later.push_front(Dialog::Missing(missing));
+                self.ask_for_path(purpose);
+            }
+            Some(Choice::Cancel) => {
+                if let Lacking::Work(lost) = &missing.of {
+                    let name = &lost.about.name;
+                    let news =
+                        format!("The unsaved work on {name} is offered again at the next start");
+                    self.messages.news(news);
+                }
+            }
+        }
+    }
+
+    /// Opens what lacks files with those that were found, and without the rest.
+    fn open_without_missing(&mut self, missing: Missing) {
+        let path = match missing.of.clone() {
+            Lacking::File(path) => path,
+            Lacking::Work(lost) => return self.restore_without_missing(lost, missing),
+        };
+        let progress = self.begin_loading(what(std::slice::from_ref(&path)));
+        self.jobs.start(Lane::Load, move |job| {
+            worker::load_scene_without_missing(job, path, missing, &progress);
+        });
+    }
+
+    /// The question whose file is being located.
+    fn question_of_located(&mut self) -> Option<&mut Missing> {
+        let asked = self.dialog.iter_mut().chain(&mut self.asked_later);
+        let mut questions = asked.filter_map(|dialog| match dialog {
+            Dialog::Missing(missing) => Some(missing),
+            _ => None,
+        });
+        questions.find(|missing| missing.located.is_some())
+    }
+
+    /// The file that is being located is at `path`, as the user says.
+    pub(super) fn locate(&mut self, path: &Path) {
+        let Some(missing) = self.question_of_located() else {
+            return;
+        };
+        let Some(from) = missing.located.clone() else {
+            return;
+        };
+        let files = missing.files.clone();
+        let to = PathBuf::from(io::absolute_image(&path.to_string_lossy(), Path::new(".")));
+        self.jobs.start(Lane::Locate, move |job| {
+            job.send(Event::Located(look_at(from, to, &files)));
+        });
+    }
+
+    /// It was looked where files are, or why not.
+    pub(super) fn located(&mut self, result: Result<Moves, String>) {
+        let Some(missing) = self.question_of_located() else {
+            return;
+        };
+        match result {
+            Ok(found) => missing.take_found(found),
+            Err(problem) => (missing.located, missing.problem) = (None, Some(problem)),
+        }
+    }
+
+    /// Where the file dialog starts that looks for what is being located: what was moved is likely near what names it.
+    pub(super) fn folder_of_located(&self) -> Option<PathBuf> {
+        let asked = self.dialog.iter().chain(&self.asked_later);
+        let mut questions = asked.filter_map(|dialog| match dialog {
+            Dialog::Missing(missing) if missing.located.is_some() => Some(missing),
+            _ => None,
+        });
+        let missing = questions.next()?;
+        let scene = match &missing.of {
+            Lacking::File(path) => Some(path),
+            Lacking::Work(lost) => lost.about.path.as_ref(),
+        };
+        let file = scene.or(missing.located.as_ref())?;
+        Some(super::reloading::absolute(file).parent()?.join(""))
+    }
+
+    /// Puts `moved`, the scene that was just opened with what was found elsewhere, in its place, as a step to undo.
+    pub(super) fn take_moved(&mut self, moved: Option<Scene>) {
+        let Some(scene) = moved else { return };
+        self.document.scene = scene;
+        let name = "locating files".to_owned();
+        self.document.record_edit_as(&self.selection, name);
+        let news = "The scene has its files where they were found; saving writes that";
+        self.messages.news(news);
+    }
+}
+
+/// Where the file that was at `from`, which is at `to` as the user says, and other `files` are that moved with it.
+fn look_at(from: PathBuf, to: PathBuf, files: &[MissingFile]) -> Result<Moves, String> {
+    if !to.is_file() {
+        return Err(format!("There is no file {}", to.display()));
+    }
+    let mut moves = io::moved_along(&from, &to, files);
+    moves.insert(from, to);
+    Ok(moves)
+}
