@@ -120,7 +120,7 @@ fn fitted(room: usize, elapsed: f64, left: &str, messages: &[String]) -> String 
         let all = times.chain(said[..count].iter().map(|&text| text.to_owned()));
         all.collect::<Vec<_>>().join(", ")
     };
-    let fewer = said.len().saturating_sub(1);
+    let fewer = said.len() - usize::from(said.len() > 1);
     let lines = [with(left, said.len()), with(left, fewer)];
     let shorter = (1..=said.len()).rev().map(|count| with(short, count));
     // A long name says something without its end too.
