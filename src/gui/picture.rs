@@ -81,8 +81,7 @@ pub struct Picture {
     pub reading: Progress,
     /// How it ended.
     pub outcome: Outcome,
-    /// Whether another took its place because the scene was edited while this one was looked at, and it is nothing to remember.
-    is_replaced: bool,
+    standing: Standing,
     /// Whether it is in a file.
     is_saved: bool,
     /// Whether its own job prepares its scene first.
@@ -113,6 +112,17 @@ pub struct Picture {
     elapsed: Option<Duration>,
     canvas: Canvas,
     next_look: NextLook,
+}
+
+/// What a render is to whoever looks at it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Standing {
+    /// Somebody asked for it.
+    AskedFor,
+    /// It only follows what is edited, and is soon another.
+    Follows,
+    /// Another took its place because the scene was edited while this one was looked at, and it is nothing to remember.
+    Replaced,
 }
 
 /// What there was before the rules by which a render ends were those of now.
@@ -152,7 +162,7 @@ impl Picture {
             progress,
             reading: Progress::new(),
             outcome: Outcome::Running,
-            is_replaced: false,
+            standing: Standing::AskedFor,
             is_saved: false,
             is_preparing: false,
             first_tile: None,
@@ -338,15 +348,24 @@ impl Picture {
         }
     }
 
-    /// Takes note that another takes its place because the scene was edited. Only one that took long is remembered then.
+    /// Takes note that another takes its place because the scene was edited. It is remembered then if it took long, or was asked for and is
+    /// done.
     pub fn replace(&mut self) {
-        self.is_replaced = !self.is_long();
+        let is_made_on_the_way = self.is_running() || self.standing == Standing::Follows;
+        if is_made_on_the_way && !self.is_long() {
+            self.standing = Standing::Replaced;
+        }
+    }
+
+    /// Takes note that it only follows what is edited.
+    pub fn follow(&mut self) {
+        self.standing = Standing::Follows;
     }
 
     /// Whether another took its place, and it is nothing to remember.
     #[must_use]
     pub fn is_replaced(&self) -> bool {
-        self.is_replaced
+        self.standing == Standing::Replaced
     }
 
     /// Whether it took so long that it is not given up without being asked for.

@@ -57,6 +57,31 @@ fn a_live_picture_follows_every_change_until_it_is_told_not_to() {
     assert!(window.says("settings changed since"));
 }
 
+/// What Live makes on the way is nothing to remember; a render that was asked for is, however short it was.
+#[test]
+fn a_render_that_was_asked_for_is_not_lost_to_live_pictures() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.render();
+    let asked_for = window.hash();
+    window.click("Live");
+    for step in [0.1, 0.2] {
+        move_camera(&mut window, step);
+        wait_for_picture(&mut window);
+        let entries = window.app().renders().entries();
+        let hashes: Vec<_> = entries.iter().map(|entry| entry.facts.hash()).collect();
+        assert_eq!(hashes, [Some(asked_for.as_str())]);
+        assert_eq!(window.app().picture().unwrap().number, 2);
+    }
+    // One that is asked for while Live is on is no other.
+    window.render();
+    let asked_for = window.hash();
+    move_camera(&mut window, 0.3);
+    wait_for_picture(&mut window);
+    let newest = window.app().renders().entries().last().unwrap();
+    assert_eq!(newest.facts.hash(), Some(asked_for.as_str()));
+}
+
 /// Opens the room with a live picture that is done.
 fn open_live(files: &Files) -> Window {
     let mut window = Window::open(&files.path("room.toml"));

@@ -5,9 +5,9 @@
 
 use std::time::Duration;
 
-use super::{App, PreparedState};
+use super::{App, PreparedState, WaitingRender};
 use crate::control::Progress;
-use crate::gui::document::same_geometry_but_places;
+use crate::gui::document::{same_geometry_but_places, same_picture};
 use crate::gui::jobs::Lane;
 use crate::gui::picture::Picture;
 use crate::gui::preview_image::PreviewImage;
@@ -27,9 +27,17 @@ impl App {
             if is_there {
                 self.view = View::Picture;
             } else {
-                self.ask_for_render();
+                self.follow_scene();
             }
         }
+    }
+
+    /// Starts a render of the scene as it is, which makes room for the next without being remembered: nobody asked for this one alone.
+    pub(super) fn follow_scene(&mut self) {
+        self.ask_for(WaitingRender {
+            follows: true,
+            ..WaitingRender::new()
+        });
     }
 
     /// Starts a render anew whose scene was edited while it is looked at, where it runs and has not run for long, or is to follow every
@@ -49,8 +57,29 @@ impl App {
             |p: &Picture| (is_given_up(p) || is_followed) && self.is_outdated(p) && !takes_over(p);
         if picture.is_some_and(is_wanted) {
             self.replace_picture();
-            self.ask_for_render();
+            if self.is_live {
+                self.follow_scene();
+            } else {
+                self.ask_for_render();
+            }
         }
+    }
+
+    /// Has the picture stay as it is until something else is edited, also where a render follows every change.
+    pub(super) fn pass_over_edits(&mut self) {
+        let part = self.wanted_part();
+        if let Some(picture) = &mut self.picture {
+            picture.pass_over(&self.document.scene, part);
+        }
+    }
+
+    /// Whether all that was edited since `picture` began was edited beside it: while it was paused or not looked at, or before its render was
+    /// cancelled.
+    pub(super) fn goes_on_as_it_was(&self, picture: &Picture) -> bool {
+        let passed_over = picture.passed_over();
+        passed_over.is_some_and(|(scene, part)| {
+            part == self.wanted_part() && same_picture(scene, &self.document.scene)
+        })
     }
 
     /// Has the picture follow what was edited in this frame, before it is drawn. Where the processor draws the window, a frame takes longer than

@@ -23,6 +23,7 @@
 //! - `measuring`: what effects cost
 //! - `surviving`: going on in another window when the graphics device is lost
 //! - `timing`: how long a render will take
+//! - `waiting`: the render that was asked for, until its geometry is there
 //! - `news`: what jobs have to say
 //! - `obeying`: what the user asks for by name
 //! - `tracing`: the rays of a pixel, and the structure they pass
@@ -56,10 +57,10 @@ mod testing;
 mod timing;
 mod tools;
 mod tracing;
+mod waiting;
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use super::balls::Balls;
 use super::box_view::BoxView;
@@ -81,7 +82,6 @@ use super::messages::Messages;
 use super::picture::Picture;
 use super::preview_image::PreviewImage;
 use super::ray_view::RayView;
-use super::recovering::Interrupted;
 use super::region::RegionTool;
 use super::renders::{Freed, Renders};
 use super::report::ReportWindow;
@@ -102,6 +102,7 @@ use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore};
 use crate::scene::{Object, Scene, SceneError};
 
 pub use reloading::Stale;
+use waiting::WaitingRender;
 
 /// How the window starts.
 #[derive(Clone, Debug, Default)]
@@ -221,27 +222,6 @@ struct PreparedState {
     prepared: Option<PreparedScene>,
     scene: Scene,
     bounds: DBounds,
-}
-
-/// A render that was asked for.
-#[derive(Debug)]
-struct WaitingRender {
-    asked: Instant,
-    /// What it goes on with; `None` where it is one of the scene as it is.
-    interrupted: Option<Interrupted>,
-    /// Whether it takes up the samples of the present one, which ended by other rules.
-    continues: bool,
-}
-
-impl WaitingRender {
-    /// One of the scene as it is, asked for now.
-    fn new() -> Self {
-        Self {
-            asked: Instant::now(),
-            interrupted: None,
-            continues: false,
-        }
-    }
 }
 
 /// Files being read.

@@ -255,7 +255,10 @@ impl App {
         }
         // What follows every change follows this one, but for the times of a report, which it would spoil.
         let is_followed = self.is_live && !self.report.is_running();
-        self.waiting_render = is_followed.then(WaitingRender::new);
+        self.waiting_render = is_followed.then(|| WaitingRender {
+            follows: true,
+            ..WaitingRender::new()
+        });
     }
 
     /// Ends the present picture, where it is not ended, and puts it among the renders where it is one to remember.

@@ -206,7 +206,7 @@ impl App {
         self.ask_for(WaitingRender::new());
     }
 
-    fn ask_for(&mut self, render: WaitingRender) {
+    pub(super) fn ask_for(&mut self, render: WaitingRender) {
         if self.picture.as_ref().is_some_and(Picture::is_running) {
             self.replace_picture();
             self.cancel_render();
@@ -289,6 +289,7 @@ impl App {
             asked,
             interrupted,
             continues,
+            follows,
         } = waiting;
         let reached = self
             .picture
@@ -334,6 +335,9 @@ impl App {
         picture.number = self.render_count + 1;
         picture.file = self.document.file_number();
         picture.is_preparing = preparation.is_some();
+        if follows {
+            picture.follow();
+        }
         picture.why_black = why_black(&scene).ok().flatten();
         if goes_on {
             // What was edited beside it before, it goes on beside.
@@ -470,7 +474,7 @@ impl App {
         if !picture.is_paused() {
             picture.pause();
         } else if self.is_live && !same_picture(&picture.scene, &self.document.scene) {
-            self.ask_for_render();
+            self.follow_scene();
         } else {
             picture.resume(&self.document.scene, part);
         }
@@ -520,14 +524,6 @@ impl App {
         self.waiting_render = None;
         self.jobs.cancel(Lane::Render);
         self.end_picture(Outcome::Cancelled);
-    }
-
-    /// Has the picture stay as it is until something else is edited, also where a render follows every change.
-    pub(super) fn pass_over_edits(&mut self) {
-        let part = self.wanted_part();
-        if let Some(picture) = &mut self.picture {
-            picture.pass_over(&self.document.scene, part);
-        }
     }
 
     pub(super) fn end_picture(&mut self, outcome: Outcome) {
@@ -592,14 +588,6 @@ impl App {
     pub(super) fn is_outdated(&self, picture: &Picture) -> bool {
         picture.buffer.part() != self.wanted_part()
             || !same_picture(&picture.scene, &self.document.scene)
-    }
-
-    /// Whether all that was edited since `picture` began was edited while it was paused, or the render of it was cancelled.
-    pub(super) fn goes_on_as_it_was(&self, picture: &Picture) -> bool {
-        let passed_over = picture.passed_over();
-        passed_over.is_some_and(|(scene, part)| {
-            part == self.wanted_part() && same_picture(scene, &self.document.scene)
-        })
     }
 }
 
