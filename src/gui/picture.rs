@@ -82,6 +82,8 @@ pub struct Picture {
     /// How it ended.
     pub outcome: Outcome,
     standing: Standing,
+    /// Whether something else was on the screen when that was last noted.
+    is_unseen: bool,
     /// Whether it is in a file.
     is_saved: bool,
     /// Whether its own job prepares its scene first.
@@ -163,6 +165,7 @@ impl Picture {
             reading: Progress::new(),
             outcome: Outcome::Running,
             standing: Standing::AskedFor,
+            is_unseen: false,
             is_saved: false,
             is_preparing: false,
             first_tile: None,
@@ -471,6 +474,11 @@ impl Picture {
     /// Takes note that nobody wants it anew for what was edited since it began, up to `scene` and `part`.
     pub fn pass_over(&mut self, scene: &Scene, part: Part) {
         self.passed_over = Some((scene.clone(), part));
+    }
+
+    /// Takes note whether it is on the screen; returns whether it is again, after it was not.
+    pub fn note_seen(&mut self, is_seen: bool) -> bool {
+        std::mem::replace(&mut self.is_unseen, !is_seen) && is_seen
     }
 
     /// Whether it is paused.

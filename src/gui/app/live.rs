@@ -26,6 +26,8 @@ impl App {
             let is_there = self.picture.as_ref().is_some_and(|p| !self.is_outdated(p));
             if is_there {
                 self.view = View::Picture;
+                // What was passed over before is to be followed from now on.
+                self.pass_over_edits();
             } else {
                 self.follow_scene();
             }
@@ -41,9 +43,14 @@ impl App {
     }
 
     /// Starts a render anew whose scene was edited while it is looked at, where it runs and has not run for long, or is to follow every
-    /// change. In the preview, editing goes on beside it. It goes on where only the rules by which it ends were edited.
+    /// change. In the preview, or while another picture is looked at, editing goes on beside it, and to look at it again starts nothing. It goes
+    /// on where only the rules by which it ends were edited.
     pub(super) fn restart_edited_render(&mut self) {
         let is_shown = self.view == View::Picture && self.shown_render.is_none();
+        let present = self.picture.as_mut();
+        if present.is_some_and(|picture| picture.note_seen(is_shown)) && !self.is_live {
+            self.pass_over_edits();
+        }
         let picture = self.picture.as_ref().filter(|_| is_shown);
         let can_start = self.problem().is_none() && !self.report.is_running();
         // What is edited in a pause shows in the preview, and in the picture when Render is pressed.
