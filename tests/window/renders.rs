@@ -162,6 +162,24 @@ fn the_line_under_a_narrow_picture_is_not_cut_off() {
     assert!(window.rect("Show render 1").width() >= galley.size().x);
 }
 
+/// Until a click on Forget is no second one of a double click.
+fn wait_after_forgetting(window: &mut Window) {
+    window.harness.run_steps(40);
+}
+
+/// The next render comes under the pointer, and the second of two quick clicks is not meant for it.
+#[test]
+fn a_double_click_forgets_one_render() {
+    let files = Files::new();
+    let mut window = three_renders(&files);
+    let forget = window.rect("Forget").center();
+    window.clicks_at(forget, 2);
+    assert_eq!(past(&window), [1, 2]);
+    wait_after_forgetting(&mut window);
+    window.click_at(forget);
+    assert_eq!(past(&window), [1]);
+}
+
 /// The last render is forgotten as any other, and the one before is looked at.
 #[test]
 fn the_last_render_is_forgotten_too() {
@@ -172,6 +190,7 @@ fn the_last_render_is_forgotten_too() {
         window.click("Forget");
         assert_eq!(past(&window), left);
         assert!(window.app().picture().is_none());
+        wait_after_forgetting(&mut window);
     }
     assert_eq!(window.app().view(), View::Preview);
     window.click("Render");

@@ -15,7 +15,7 @@ use crate::io;
 
 impl App {
     /// What the picture of render `number` is called in a comparison.
-    fn name_in_comparison(&self, number: usize) -> String {
+    pub(super) fn name_in_comparison(&self, number: usize) -> String {
         let present = self.picture.as_ref().filter(|p| p.number == number);
         let past = self.renders.entry(number).map(|entry| &entry.facts.name);
         let name = present.map(|picture| &picture.name).or(past);

@@ -424,25 +424,13 @@ mod tests {
 
     use super::*;
     use crate::gui::app::testing;
-    use crate::gui::picture_buffer::PictureBuffer;
-    use crate::render::RenderProgress;
 
     /// What is on disk of a render may take seconds to read.
     #[test]
     fn how_far_an_interrupted_render_is_read_is_told_until_it_goes_on() {
         let mut window = testing::window(None);
         let app = window.state_mut();
-        let scene = app.document.scene.clone();
-        let part = app.wanted_part();
-        let buffer = PictureBuffer::new(part, Vec::new(), scene.display).expect("it fits");
-        let picture = Picture::new(
-            1,
-            ["demo", "Demo"].map(str::to_owned),
-            scene,
-            Arc::new(buffer),
-            RenderProgress::default(),
-            Instant::now(),
-        );
+        let picture = testing::picture(app);
         picture.reading.set_total(1000);
         picture.reading.advance(420);
         app.picture = Some(picture);

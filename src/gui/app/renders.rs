@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::App;
 use crate::gui::commands::Command;
+use crate::gui::dialogs::{Dialog, question};
 use crate::gui::jobs::{Lane, drop_elsewhere};
 use crate::gui::opened_picture::OpenedPicture;
 use crate::gui::picture::Picture;
@@ -47,13 +48,40 @@ impl App {
             Asked::Show(number) => self.show_render(number),
             Asked::Restore(number) => self.restore_render(number),
             Asked::Compare(number) => self.compare_with(number),
-            Asked::Forget(number) => self.forget_render(number),
+            Asked::Forget(number) => self.ask_to_forget(ctx, number),
             Asked::Command(command) => self.carry_out(ctx, command),
         }
     }
 
+    /// Takes render `number` out of the list, once nobody minds what is lost by that.
+    fn ask_to_forget(&mut self, ctx: &egui::Context, number: usize) {
+        if self
+            .renders
+            .is_just_forgotten(ctx.input(|input| input.time))
+        {
+            return;
+        }
+        let picture = self.picture_of_mut(number);
+        if picture.is_some_and(|picture| picture.is_unsaved_work()) {
+            self.ask(Dialog::Forget(number));
+        } else {
+            self.forget_render(ctx, number);
+        }
+    }
+
+    /// Asks about the picture of render `number`, which is in no file, before it is forgotten.
+    pub(super) fn forget_ui(&mut self, ctx: &egui::Context, number: usize) {
+        let name = self.name_in_comparison(number);
+        match question::forget_ui(ctx, &name) {
+            Some(true) => self.forget_render(ctx, number),
+            Some(false) => {}
+            None => self.dialog = Some(Dialog::Forget(number)),
+        }
+    }
+
     /// Takes render `number`, which does not run, out of the list. Where it is looked at, another one is then.
-    fn forget_render(&mut self, number: usize) {
+    fn forget_render(&mut self, ctx: &egui::Context, number: usize) {
+        self.renders.forgotten_at = Some(ctx.input(|input| input.time));
         let is_shown = self.shown_number() == Some(number);
         let is_present = |picture: &mut Picture| picture.number == number && !picture.is_running();
         if let Some(present) = self.picture.take_if(is_present) {
@@ -214,5 +242,52 @@ impl App {
                 worker::make_thumbnails(job, &missing);
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui_kittest::kittest::Queryable as _;
+    use std::time::Duration;
+
+    use super::*;
+    use crate::gui::app::testing;
+    use crate::gui::picture::{LONG, Outcome};
+
+    /// What took long, is in no file and cannot be undone is asked about, as when the window closes.
+    #[test]
+    fn a_long_render_that_is_not_saved_is_not_forgotten_without_a_question() {
+        let mut window = testing::window(None);
+        let app = window.state_mut();
+        let mut picture = testing::picture(app);
+        picture.first_tile = Some(Duration::ZERO);
+        picture.go_on_after(LONG, 0.5);
+        picture.end(Outcome::Cancelled);
+        (app.picture, app.view, app.renders.open) = (Some(picture), View::Picture, true);
+        let click = |window: &mut egui_kittest::Harness<'_, App>, name: &str| {
+            window.run_steps(3);
+            window.get_by_label(name).click();
+            window.run_steps(3);
+        };
+        click(&mut window, "Forget");
+        let asks = "Forget the picture without saving it?";
+        assert!(window.query_by_label(asks).is_some());
+        click(&mut window, "Keep");
+        assert!(window.query_by_label(asks).is_none());
+        assert!(window.state().picture.is_some());
+        click(&mut window, "Forget");
+        click(&mut window, "Forget without saving");
+        assert!(window.state().picture.is_none());
+        assert!(window.state().renders.entries().is_empty());
+        // What is in a file is there again.
+        let app = window.state_mut();
+        let mut picture = testing::picture(app);
+        picture.go_on_after(LONG, 0.5);
+        picture.end(Outcome::Cancelled);
+        picture.set_saved(true);
+        (app.picture, app.view) = (Some(picture), View::Picture);
+        window.run_steps(40);
+        click(&mut window, "Forget");
+        assert!(window.state().picture.is_none() && window.state().dialog.is_none());
     }
 }

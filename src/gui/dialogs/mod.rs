@@ -41,6 +41,8 @@ pub enum Dialog {
     Running,
     /// Pictures that took long are about to be lost with the window.
     Pictures,
+    /// The picture of the render with this number, which took long, is about to be lost.
+    Forget(usize),
     /// A scene lacks files.
     Missing(Missing),
     /// Meshes were read, and it is to be said what becomes of them.

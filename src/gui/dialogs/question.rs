@@ -98,7 +98,7 @@ pub fn running_ui(ctx: &egui::Context, what: Stoppable, share: Option<f64>) -> O
             None => "The window closes as soon as it is done.".to_owned(),
         };
         ui.label(RichText::new(text).weak());
-        stay_or_close_ui(
+        keep_or_lose_ui(
             ui,
             ("Go on", "Leave the window open"),
             (
@@ -111,14 +111,14 @@ pub fn running_ui(ctx: &egui::Context, what: Stoppable, share: Option<f64>) -> O
     response.inner.or(is_over.then_some(false))
 }
 
-/// Two buttons, each a name and a tooltip: to leave the window open, which is what is likely wanted, and to close it. Returns whether it is to
-/// close, once that is decided.
-fn stay_or_close_ui(ui: &mut Ui, stay: (&str, &str), close: (&str, &str)) -> Option<bool> {
+/// Two buttons, each a name and a tooltip: to keep what there is, which is what is likely wanted, and to lose it. Returns whether it is to be
+/// lost, once that is decided.
+fn keep_or_lose_ui(ui: &mut Ui, keep: (&str, &str), lose: (&str, &str)) -> Option<bool> {
     buttons_ui(ui, |ui| {
-        let stays = ui.add(primary_button(stay.0)).on_hover_text(stay.1);
-        let closes = ui.button(close.0).on_hover_text(close.1);
-        let stays = stays.clicked().then_some(false);
-        closes.clicked().then_some(true).or(stays)
+        let keeps = ui.add(primary_button(keep.0)).on_hover_text(keep.1);
+        let loses = ui.button(lose.0).on_hover_text(lose.1);
+        let keeps = keeps.clicked().then_some(false);
+        loses.clicked().then_some(true).or(keeps)
     })
 }
 
@@ -145,7 +145,7 @@ pub fn pictures_ui(ctx: &egui::Context, names: &[&str]) -> Option<bool> {
         let text =
             format!("{they} in no file, took {least} s or more to render, and would be lost.");
         ui.label(RichText::new(text).weak());
-        stay_or_close_ui(
+        keep_or_lose_ui(
             ui,
             (
                 "Leave open",
@@ -154,6 +154,31 @@ pub fn pictures_ui(ctx: &egui::Context, names: &[&str]) -> Option<bool> {
             (
                 "Close without saving",
                 "Close the window; the pictures are lost",
+            ),
+        )
+    });
+    let is_over = response.should_close() || is_confirmed(ctx);
+    response.inner.or(is_over.then_some(false))
+}
+
+/// Asks before the picture called `name`, which is in no file, is forgotten. `Some(true)` to forget it, `Some(false)` to keep it; `None` while
+/// nothing is decided.
+#[must_use]
+pub fn forget_ui(ctx: &egui::Context, name: &str) -> Option<bool> {
+    let response = modal_ui(ctx, "forget", 440.0, |ui| {
+        ui.heading("Forget the picture without saving it?");
+        ui.add_space(4.0);
+        ui.label(name);
+        let least = LONG.as_secs();
+        let text =
+            format!("It is in no file, took {least} s or more to render, and would be lost.");
+        ui.label(RichText::new(text).weak());
+        keep_or_lose_ui(
+            ui,
+            ("Keep", "Leave it under Renders, to save it"),
+            (
+                "Forget without saving",
+                "Take it out of the list; the picture is lost",
             ),
         )
     });

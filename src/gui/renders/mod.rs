@@ -136,6 +136,8 @@ pub struct Entry {
 pub struct Renders {
     /// Whether the strip shows.
     pub open: bool,
+    /// When one was forgotten last, in seconds of the window's time.
+    pub forgotten_at: Option<f64>,
     entries: Vec<Entry>,
     /// Small pictures, of the present render too.
     thumbnails: Vec<Thumbnail>,
@@ -244,6 +246,15 @@ impl Renders {
         let pictures = self.entries.iter_mut();
         let pictures = pictures.filter_map(|entry| entry.picture.as_mut());
         pictures.for_each(Picture::forget_kept);
+    }
+
+    /// Whether one was forgotten so short a time before `now`, in seconds, that a click to forget the next, which has come under the pointer, is
+    /// the second of a double click.
+    #[must_use]
+    pub fn is_just_forgotten(&self, now: f64) -> bool {
+        const DOUBLE_CLICK_SECONDS: f64 = 0.5;
+        let since = self.forgotten_at.map(|at| now - at);
+        since.is_some_and(|since| since < DOUBLE_CLICK_SECONDS)
     }
 
     /// Forgets render `number`.
