@@ -92,13 +92,23 @@ fn two_renders_are_compared_by_wipe_flip_and_difference() {
     assert!(left.r() > 100 && left.b() == 0, "{left:?}");
     assert!(window.says("white is"));
 
-    // Another picture is looked at: it is the other one itself.
+    // The other one is looked at: they change places.
+    assert!(window.says("against 1  "));
     window.click("Show render 1");
-    window.until("it is measured", |app| {
-        let found = app.comparison().and_then(|c| c.distance());
-        found.is_some_and(|d| d.as_ref().is_ok_and(|d| d.differing_pixels == 0))
-    });
-    assert!(window.says("the same, bit for bit"));
+    measured(&mut window);
+    assert!(window.says("against 2  "));
+    let metrics = Metrics::measure(&before, &after).unwrap();
+    assert_eq!(distance(&window).rmse, metrics.errors.rmse());
+    assert_eq!(distance(&window).relmse, metrics.errors.relmse);
+    assert_eq!(window.app().comparison().unwrap().mode, Mode::Difference);
+    // In turn too, what was clicked is what is seen.
+    window.press(Modifiers::NONE, Key::X);
+    assert!(window.app().comparison().unwrap().shows_other);
+    window.click("Show render 2");
+    assert!(window.says("against 1  "));
+    window.harness.run_steps(10);
+    let [left, right] = halves(&mut window);
+    assert!(left.r() > 100 && right.r() > 100, "{left:?} {right:?}");
     window.click("Close");
     assert!(window.app().comparison().is_none());
 }
@@ -350,6 +360,11 @@ fn a_picture_is_compared_with_an_image_file() {
     window.enter_path(&broken);
     window.until("a banner shows", |app| !app.messages().banners().is_empty());
     assert_eq!(window.app().messages().banners()[0].title, "Cannot compare");
+    // It is no longer so once something is compared.
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&exr);
+    window.until("it is compared", |app| app.messages().banners().is_empty());
+    assert!(window.says("reference.exr"));
 }
 
 /// A render that still runs is measured again and again, so its error against a reference falls on the screen.
@@ -373,4 +388,26 @@ fn a_running_render_is_compared_until_it_is_done() {
         let found = app.comparison().and_then(|c| c.distance());
         found.is_some_and(|d| d.as_ref().is_ok_and(|d| d.rmse == expected.errors.rmse()))
     });
+}
+
+/// A picture that still changes is not one to compare with: whoever looks at the other one sees that alone.
+#[test]
+fn the_other_picture_is_looked_at_alone_while_the_first_is_rendered() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Renders");
+    window.render();
+    set_samples(&mut window, 100_000);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture()
+            .is_some_and(|p| p.is_running() && p.first_tile.is_some())
+    });
+    window.press(Modifiers::NONE, Key::C);
+    assert!(window.app().comparison().is_some());
+    window.click("Show render 1");
+    assert!(window.app().comparison().is_none());
+    assert_eq!(window.app().picture_on_screen().unwrap().number, 1);
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
 }

@@ -13,6 +13,9 @@ use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::top_bar::View;
 use crate::io;
 
+/// What a banner says until something is compared.
+const CANNOT_COMPARE: &str = "Cannot compare";
+
 impl App {
     /// What the picture of render `number` is called in a comparison.
     pub(super) fn name_in_comparison(&self, number: usize) -> String {
@@ -99,12 +102,30 @@ impl App {
                 let name = name.to_string_lossy().into_owned();
                 self.begin_comparing(Comparison::new(name, None, buffer));
             }
-            Err(error) => self.messages.error("Cannot compare", error),
+            Err(error) => self.messages.error(CANNOT_COMPARE, error),
+        }
+    }
+
+    /// Render `shown` is looked at by now, and was not `before`: where it is what was compared with, the sides change places. A picture that
+    /// still changes can only be at the left.
+    pub(super) fn compare_anew(&mut self, shown: usize, before: Option<usize>) {
+        let comparison = self.comparison.as_ref();
+        if comparison.is_none_or(|comparison| comparison.number != Some(shown)) {
+            return;
+        }
+        let ended = before.filter(|&number| {
+            let picture = self.picture_of_mut(number);
+            picture.is_some_and(|picture| !picture.is_running())
+        });
+        match ended {
+            Some(number) => self.compare_with(number),
+            None => self.stop_comparing(),
         }
     }
 
     fn begin_comparing(&mut self, mut comparison: Comparison) {
         self.view = View::Picture;
+        self.messages.withdraw(CANNOT_COMPARE);
         if let Some(before) = &mut self.comparison {
             comparison.continue_from(before);
         }

@@ -104,7 +104,12 @@ impl App {
     /// Shows the picture of render `number`.
     pub(super) fn show_render(&mut self, number: usize) {
         self.view = View::Picture;
-        if self.shown_number() == Some(number) {
+        if let Some(comparison) = &mut self.comparison {
+            // Whoever asks for it wants to see it, whichever was seen in turn.
+            comparison.shows_other = false;
+        }
+        let before = self.shown_number();
+        if before == Some(number) {
             return;
         }
         let stand_in = self.shown_picture().map(Picture::as_stand_in);
@@ -124,6 +129,7 @@ impl App {
                 "Of render {number} only the small picture is left; its settings can be restored"
             ));
         }
+        self.compare_anew(number, before);
     }
 
     /// Goes back to the present render.
