@@ -116,7 +116,9 @@ impl Inspected {
                 parts.push(counted(samples as usize, "sample", "samples"));
             }
             Samples::OnAverage(samples) => {
-                parts.push(format!("{} samples on average", format_number(samples, 1)));
+                let number = format_number(samples, 1);
+                let unit = if number == "1" { "sample" } else { "samples" };
+                parts.push(format!("{number} {unit} on average"));
             }
             Samples::Unknown => {}
         }
@@ -292,5 +294,11 @@ mod tests {
             "12, 7  ·  linear 0.5 NaN 2  ·  not finite: shown in magenta  ·  20.2 samples on average"
         );
         assert!(inspected.surface_in_words().starts_with("Background"));
+        inspected.samples = Samples::OnAverage(1.0);
+        assert!(
+            inspected
+                .values_in_words()
+                .ends_with("  ·  1 sample on average")
+        );
     }
 }
