@@ -254,8 +254,10 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, hint: Option<String>, news: &str) 
             parts.push(format!("{mrays:.2} Mrays/s"));
             parts.push(short_hash(hash));
             if picture.rules().lead_elsewhere() {
-                let text = "its stop rules were changed on the way: begun anew by the last ones, it has other noise";
-                parts.push(text.to_owned());
+                // Beside the line, which may have no room for its end.
+                ui.label("stop rules changed on the way")
+                    .on_hover_text(LED_ELSEWHERE);
+                ui.label(RichText::new("·").weak());
             }
             warnings.extend(faults(stats));
             if render.clamp.is_some() {
@@ -293,6 +295,10 @@ fn picture_ui(ui: &mut Ui, picture: &Picture, hint: Option<String>, news: &str) 
     }
     line_ui(ui, &parts.join("  ·  "));
 }
+
+/// Of a render that ended by other rules than it was begun with.
+const LED_ELSEWHERE: &str = "Samples, noise or time at which it stops were changed on the way. A render that is begun anew with those of the end \
+                             takes other samples, and has other noise";
 
 /// How far a running render is.
 fn running_parts(picture: &Picture, size: &str) -> Vec<String> {
@@ -455,7 +461,16 @@ pub fn duration(duration: Duration) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::time::Instant;
+
+    use egui_kittest::kittest::Queryable as _;
+
     use super::*;
+    use crate::gui::part::Part;
+    use crate::gui::picture_buffer::PictureBuffer;
+    use crate::render::RenderProgress;
+    use crate::scene::Display;
 
     #[test]
     fn times_read_well() {
@@ -478,6 +493,59 @@ mod tests {
         assert_eq!(shown(18.34, Sight::Known), "18.3 s left");
         assert_eq!(shown(18.34, Sight::Guess), "about 18 s left");
         assert_eq!(shown(1620.0, Sight::Bound), "at most 27 min 00 s left");
+    }
+
+    /// In a window of the usual width, and not where the line is cut off.
+    #[test]
+    fn changed_stop_rules_are_told_where_they_can_be_read() {
+        let part = Part::whole([1920, 1080]);
+        let buffer = PictureBuffer::new(part, Vec::new(), Display::default());
+        let mut picture = Picture::new(
+            1,
+            ["first render", "room"].map(str::to_owned),
+            Scene::default(),
+            Arc::new(buffer.expect("it fits")),
+            RenderProgress::default(),
+            Instant::now(),
+        );
+        picture.continue_another(true);
+        let stats = RenderStats {
+            samples_per_pixel: 1234.5,
+            sample_range: [16, 100_000],
+            ..RenderStats::default()
+        };
+        picture.end(Outcome::Finished {
+            hash: "0123456789abcdef".to_owned(),
+            stats: Box::new(stats),
+        });
+        let scene = Scene::default();
+        let size = egui::vec2(1280.0, HEIGHT);
+        let bar = egui_kittest::Harness::builder().with_size(size);
+        let bar = bar.build_ui(|ui| {
+            status_bar_ui(
+                ui,
+                &Status {
+                    activity: Activity::Picture {
+                        picture: &picture,
+                        is_of_other: false,
+                        outdated: true,
+                    },
+                    saving: None,
+                    measuring: None,
+                    running: None,
+                    can_continue: true,
+                    esc_stops: None,
+                    news: "Saved /home/somebody/pictures/room.exr",
+                    scene: Some(&scene),
+                },
+            );
+        });
+        let told = bar.get_by_label("stop rules changed on the way");
+        let rect = told.rect();
+        assert!(
+            egui::Rect::from_min_size(egui::Pos2::ZERO, size).contains_rect(rect),
+            "{rect:?}"
+        );
     }
 
     #[test]
