@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use super::app::Stale;
 use super::commands::TextureUse;
-use super::compare::{Distance, Side};
+use super::compare::{Distance, FilePicture, Side};
 use super::dialogs::Opened;
 use super::dialogs::files::Answer;
 use super::dialogs::missing::Missing;
 use super::dialogs::path_field::Listing;
 use super::histogram::Histogram;
 use super::keeping::{Begun, Lost};
-use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureBuffer, PictureId};
+use super::picture_buffer::{CoarseTexels, Encoded, EncodedTile, PictureId};
 use super::ray_view::WantedRays;
 use super::recovering::Recovered;
 use super::report::Findings;
@@ -165,8 +165,8 @@ pub enum Event {
     ComparisonRead {
         /// Its file.
         path: PathBuf,
-        /// The picture and remarks on it, or why it cannot be read.
-        result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
+        /// The picture, or why it cannot be read.
+        result: Result<FilePicture, String>,
     },
     /// How bright the picture on the screen is.
     HistogramMade(Histogram),

@@ -73,7 +73,7 @@ pub struct Inspected {
     pub values: PixelValues,
     /// Samples that were taken of it.
     pub samples: Samples,
-    /// What the picture that is compared with holds there, at what is seen of it in the same place.
+    /// The light that the picture which is compared with holds there, at what is seen of it in the same place, where that is known.
     pub other: Option<[f32; 3]>,
     /// What is seen there.
     pub seen: Seen,

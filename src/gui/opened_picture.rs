@@ -104,7 +104,7 @@ impl OpenedPicture {
 }
 
 /// Which part of the picture of `scene` an image is whose file says that it is `region`; all of another one where that cannot be.
-fn part_of(image: &Image, region: Option<Region>, scene: &Scene) -> Part {
+pub(super) fn part_of(image: &Image, region: Option<Region>, scene: &Scene) -> Part {
     let size = [image.width, image.height];
     let of = [scene.render.width, scene.render.height];
     let is_it =

@@ -1,6 +1,6 @@
 //! Two pictures against each other: wipe, flip, difference, and how far they are apart.
 
-use crate::driver::{DEADLINE, Files, Look, SCENE, Window, set_samples};
+use crate::driver::{DEADLINE, Files, Look, SCENE, Window, set_number, set_samples};
 use egui::{Key, Modifiers, PointerButton, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::analysis::{Metrics, mean_flip};
@@ -365,6 +365,49 @@ fn a_picture_is_compared_with_an_image_file() {
     window.enter_path(&exr);
     window.until("it is compared", |app| app.messages().banners().is_empty());
     assert!(window.says("reference.exr"));
+}
+
+/// A PNG holds what a screen showed: what exposure and tone curve have made of the light there is no difference, and what is shown of it stays.
+#[test]
+fn a_render_is_as_near_to_the_png_saved_of_it_as_bytes_are_fine() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.harness.state_mut().document_mut().scene.background =
+        raymini::scene::Background::Constant {
+            radiance: raymini::scene::Rgb::new(0.5, 0.2, 3.0),
+        };
+    window.operate("Tone curve: ACES");
+    set_number(&mut window, "Exposure", "1");
+    window.settle();
+    window.render();
+    let png = files.path("shown.png");
+    window.save_picture(&png);
+    window.press(Modifiers::SHIFT, Key::C);
+    window.enter_path(&png);
+    measured(&mut window);
+    // Half of a byte's step where the sRGB curve is steepest: 2.4 / 1.055 at white.
+    let half_a_step = 0.5 / 255.0 * 2.4 / 1.055;
+    let found = distance(&window);
+    assert!(found.rmse > 0.0 && found.rmse < half_a_step, "{found:?}");
+    assert!(window.says("exposure 1 stop, tone curve ACES"));
+
+    window.press(Modifiers::NONE, Key::X);
+    window.harness.run_steps(10);
+    let seen = halves(&mut window);
+    let frame = window.rect("Viewport");
+    window
+        .harness
+        .hover_at(frame.lerp_inside(Vec2::new(0.3, 0.22)));
+    window.harness.run_steps(2);
+    let told = window.app().inspected().unwrap().values_in_words();
+    assert!(
+        told.contains(", the other") && !told.contains("other 0"),
+        "{told}"
+    );
+    set_number(&mut window, "Exposure", "-3");
+    window.until("it is shown", |app| !app.works_in(Lane::EncodeOther));
+    window.harness.run_steps(10);
+    assert_eq!(halves(&mut window), seen);
 }
 
 /// A render that still runs is measured again and again, so its error against a reference falls on the screen.

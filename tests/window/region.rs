@@ -294,6 +294,45 @@ fn a_region_has_the_pixels_of_the_whole_picture() {
     assert!(!window.app().document().is_modified());
 }
 
+/// The file of a region tells where it lies, and is compared there with the whole picture.
+#[test]
+fn the_file_of_a_region_is_compared_where_it_lies() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let frame = window.rect("Viewport");
+    let at =
+        |x: f32, y: f32| -> Pos2 { frame.min + egui::vec2(x / 160.0, y / 120.0) * frame.size() };
+    window.press(Modifiers::NONE, Key::B);
+    window.drag(PointerButton::Primary, at(100.0, 90.0), at(40.0, 30.0));
+    window.render();
+    let paths = ["region.exr", "region.png"].map(|name| files.path(name));
+    for path in &paths {
+        window.save_picture(path);
+    }
+    window.press(Modifiers::SHIFT, Key::B);
+    window.render();
+    assert_eq!(picture(&window).buffer.image().width, 160);
+    for path in &paths {
+        window.press(Modifiers::SHIFT, Key::C);
+        window.enter_path(path);
+        window.until("it is measured", |app| {
+            let comparison = app.comparison();
+            comparison.is_some_and(|comparison| comparison.distance().is_some())
+        });
+        assert!(window.says("over 60 × 60 that both show"), "{path:?}");
+        let comparison = window.app().comparison().unwrap();
+        let found = comparison.distance().unwrap().as_ref().unwrap();
+        // A byte is at most 1/255 off.
+        assert!(found.rmse < 1.0 / 255.0, "{found:?} of {path:?}");
+        // Beside the region there is nothing of it, right of the divider.
+        window.harness.hover_at(at(130.0, 10.0));
+        window.harness.run_steps(2);
+        let told = window.app().inspected().unwrap().values_in_words();
+        assert!(told.contains("nothing shown here"), "{told}");
+        window.press(Modifiers::NONE, Key::C);
+    }
+}
+
 /// A region that begins or ends beside the picture goes to its edge.
 #[test]
 fn a_region_is_drawn_from_beside_the_picture() {

@@ -4,14 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::App;
-use crate::control::Progress;
-use crate::gui::compare::{self, Comparison, Mode, Side};
+use crate::gui::compare::{self, Comparison, FilePicture, Mode, Side};
 use crate::gui::document::name_of;
 use crate::gui::event::Event;
 use crate::gui::jobs::{Lane, drop_elsewhere};
-use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::top_bar::View;
-use crate::io;
 
 /// What a banner says until something is compared.
 const CANNOT_COMPARE: &str = "Cannot compare";
@@ -73,34 +70,22 @@ impl App {
     /// Reads the picture in `path` to compare with.
     pub(super) fn compare_with_file(&mut self, path: PathBuf) {
         self.jobs.start(Lane::CompareFile, move |job| {
-            let read = io::read_image_unless(&path, &job.cancel, &Progress::new());
-            let result = match read {
-                Ok(Some(file)) => {
-                    let display = crate::scene::Display::default();
-                    let buffer = PictureBuffer::of_image(file.image, display);
-                    Ok((Arc::new(buffer), file.warnings))
-                }
-                Ok(None) => return,
-                Err(error) => Err(error.to_string()),
-            };
-            job.send(Event::ComparisonRead { path, result });
+            if let Some(result) = FilePicture::read(&path, &job.cancel).transpose() {
+                job.send(Event::ComparisonRead { path, result });
+            }
         });
     }
 
-    pub(super) fn comparison_read(
-        &mut self,
-        path: &Path,
-        result: Result<(Arc<PictureBuffer>, Vec<String>), String>,
-    ) {
+    pub(super) fn comparison_read(&mut self, path: &Path, result: Result<FilePicture, String>) {
         match result {
-            Ok((buffer, warnings)) => {
-                if !warnings.is_empty() {
+            Ok(file) => {
+                if !file.warnings.is_empty() {
                     let title = format!("Compared with {}, with remarks", name_of(path));
-                    self.messages.warning(title, warnings.join("\n"));
+                    self.messages.warning(title, file.warnings.join("\n"));
                 }
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 let name = name.to_string_lossy().into_owned();
-                self.begin_comparing(Comparison::new(name, None, buffer));
+                self.begin_comparing(Comparison::with_file(name, file));
             }
             Err(error) => self.messages.error(CANNOT_COMPARE, error),
         }
@@ -156,7 +141,10 @@ impl App {
             return;
         };
         let buffer = Arc::clone(&comparison.buffer);
-        buffer.set_display(self.document.scene.display);
+        // What has its look for good is shown as it is.
+        let is_light = comparison.saved_look.is_none();
+        let display = is_light.then_some(self.document.scene.display);
+        buffer.set_display(display.unwrap_or_default());
         self.look_at(&buffer);
         self.jobs.start(Lane::EncodeOther, move |job| {
             buffer.encode_all(&job.cancel, |encoded| {
@@ -181,9 +169,9 @@ impl App {
         if !comparison.must_measure(a.id(), is_running) {
             return;
         }
-        let b = Arc::clone(&comparison.buffer);
+        let (b, look) = (Arc::clone(&comparison.buffer), comparison.saved_look);
         self.jobs.start(Lane::Compare, move |job| {
-            let compared = compare::compare_buffers(&a, &b, is_running, &job.cancel);
+            let compared = compare::compare_buffers(&a, &b, look.as_ref(), is_running, &job.cancel);
             match compared {
                 Ok((distance, difference)) => {
                     let size = difference.size_in_texels();

@@ -133,7 +133,7 @@ impl App {
         let share = self.zoom.share_at(position)?;
         let values = picture.buffer.values_at(pixel)?;
         let comparison = self.comparison.as_ref();
-        let other = comparison.and_then(|comparison| comparison.other_at(share));
+        let other = comparison.and_then(|comparison| comparison.light_at(share));
         let seen = comparison.map_or(Seen::Itself(values.color), |comparison| {
             comparison.seen_at(position, visible, share, (&picture.buffer, values.color))
         });
@@ -141,7 +141,7 @@ impl App {
             pixel,
             values,
             samples: picture.samples(),
-            other: other.map(|values| values.linear),
+            other,
             seen,
             surface: self.surface_at(picture, pixel),
             visits: self.visits_at(picture, pixel),

@@ -2,6 +2,7 @@
 
 use egui::{Align, Button, Color32, Frame, Layout, Margin, RichText, TextStyle, Ui, Vec2};
 
+use super::file::look_in_words;
 use super::{Comparison, Distance, Mode};
 use crate::gui::widgets::{counted, format_number, percent};
 use crate::scene::Choice;
@@ -85,13 +86,25 @@ impl Comparison {
     /// What there is to say of how far the pictures are apart.
     fn figures(&self, ui: &Ui) -> Figures {
         let visuals = ui.visuals();
+        let saved_as = self.saved_look.as_ref().map(|look| {
+            let look = look_in_words(look);
+            (
+                format!("  ·  both with what the file was saved with: {look}"),
+                format!("  ·  both with {look}"),
+            )
+        });
+        let (saved_as, saved_as_short) = saved_as.unwrap_or_default();
         let (long, short, color) = match &self.distance {
             None => {
                 let words = "measuring…".to_owned();
                 (words.clone(), words, visuals.weak_text_color())
             }
             Some(Err(why)) => (why.clone(), why.clone(), visuals.warn_fg_color),
-            Some(Ok(distance)) => (in_words(distance), in_short(distance), visuals.text_color()),
+            Some(Ok(distance)) => (
+                in_words(distance) + &saved_as,
+                in_short(distance) + &saved_as_short,
+                visuals.text_color(),
+            ),
         };
         Figures { long, short, color }
     }
@@ -145,7 +158,8 @@ const CONTROLS_WIDTH: f32 = 420.0;
 const MEANING: &str = "Over all pixels and channels that both pictures show, on linear values. RMSE: root of the mean squared \
                        difference. Relative MSE: each squared difference by the squared value of the second picture plus 0.01; its root is \
                        what noise means elsewhere. FLIP: how different they look when a screen shows them in turn, from 0 to 1; it takes a \
-                       while, so it is measured once both renders have ended";
+                       while, so it is measured once both renders have ended. A PNG that was saved with an exposure, a tone curve or a \
+                       gamma holds what a screen showed: the first picture is given the same, and both are measured as that screen's light";
 
 fn in_words(distance: &Distance) -> String {
     let relmse = format!(

@@ -1,9 +1,11 @@
 //! Two pictures side by side: the one that is looked at, A, and another one, B, a render of this session or a file.
 //!
 //! They are shown with a divider between them, in turn, or as their difference; and it is measured how far they are apart, as
-//! `raymini compare` does, on the linear values.
+//! `raymini compare` does, on the linear values. Where B is of a file that holds what a screen showed, with an exposure or a tone curve, A is
+//! given the same before it is measured: they cannot be taken back.
 
 mod bar;
+mod file;
 mod seen;
 mod wipe;
 
@@ -19,6 +21,7 @@ use crate::render::{Image, Region};
 use crate::scene::{Choice, Display};
 
 pub use bar::Asked;
+pub use file::FilePicture;
 pub use seen::Seen;
 
 /// Time between two measures of a picture that still changes.
@@ -75,25 +78,33 @@ pub struct Distance {
 /// What a comparison found: the distance, and the picture of the difference.
 pub type Compared = Result<(Distance, Arc<PictureBuffer>), String>;
 
-/// [`compare`], of what the renders in two buffers have so far; where they show parts of pictures of one size, of what both show.
+/// [`compare`], of what the renders in two buffers have so far; where they show parts of pictures of one size, of what both show. `a` is given
+/// `saved_look`, where `b` has it already.
 ///
 /// # Errors
 /// When the sizes differ, or nothing is in both, in words.
 pub fn compare_buffers(
     a: &PictureBuffer,
     b: &PictureBuffer,
+    saved_look: Option<&Display>,
     is_changing: bool,
     cancel: &CancelToken,
 ) -> Compared {
+    let given_look = |mut image: Image| {
+        if let Some(look) = saved_look {
+            file::give_look(&mut image, look);
+        }
+        image
+    };
     let (a_part, b_part) = (a.part(), b.part());
     if a_part.of != b_part.of || a_part == b_part {
-        return compare(&a.image(), &b.image(), is_changing, cancel);
+        return compare(&given_look(a.image()), &b.image(), is_changing, cancel);
     }
     let shared = a_part
         .shared_with(&b_part)
         .ok_or("they show parts of the picture that have no pixel in common")?;
     let [a, b] = [a, b].map(|buffer| part_of(&buffer.image(), buffer.part().region, shared.region));
-    let (distance, difference) = compare(&a, &b, is_changing, cancel)?;
+    let (distance, difference) = compare(&given_look(a), &b, is_changing, cancel)?;
     let distance = Distance {
         shared: Some(shared),
         ..distance
@@ -164,6 +175,8 @@ pub struct Comparison {
     pub number: Option<usize>,
     /// B's pixels.
     pub buffer: Arc<PictureBuffer>,
+    /// The look that B was saved with and has for good, see [`FilePicture::saved_look`].
+    pub saved_look: Option<Display>,
     /// Where the divider is, `0..=1` of the width.
     divider: f32,
     measured: Option<Measured>,
@@ -194,12 +207,22 @@ impl Comparison {
             name,
             number,
             buffer,
+            saved_look: None,
             divider: 0.5,
             measured: None,
             distance: None,
             difference_size: [0; 2],
             other: Canvas::default(),
             difference: Canvas::default(),
+        }
+    }
+
+    /// A comparison with the picture of a file that is called `name`.
+    #[must_use]
+    pub fn with_file(name: String, file: FilePicture) -> Self {
+        Self {
+            saved_look: file.saved_look,
+            ..Self::new(name, None, file.buffer)
         }
     }
 
@@ -354,18 +377,18 @@ mod tests {
         let part = part_buffer(region(3, 2, 4, 3), of, 0.5);
         let wanted = CancelToken::new();
         for (a, b) in [(&whole, &part), (&part, &whole)] {
-            let (distance, difference) = compare_buffers(a, b, false, &wanted).unwrap();
+            let (distance, difference) = compare_buffers(a, b, None, false, &wanted).unwrap();
             assert!((distance.rmse - 0.5).abs() < 1e-6, "{distance:?}");
             assert_eq!(distance.differing_pixels, 12);
             assert_eq!(distance.shared, Some(part.part()));
             assert_eq!(difference.size_in_texels(), [4, 3]);
         }
         let other = part_buffer(region(5, 0, 3, 4), of, 0.5);
-        let (distance, _) = compare_buffers(&part, &other, false, &wanted).unwrap();
+        let (distance, _) = compare_buffers(&part, &other, None, false, &wanted).unwrap();
         assert_eq!(distance.differing_pixels, 0);
         assert_eq!(distance.shared.unwrap().region, region(5, 2, 2, 2));
         let far = part_buffer(region(0, 0, 2, 2), of, 0.0);
-        let error = compare_buffers(&part, &far, false, &wanted).unwrap_err();
+        let error = compare_buffers(&part, &far, None, false, &wanted).unwrap_err();
         assert!(error.contains("no pixel in common"), "{error}");
     }
 

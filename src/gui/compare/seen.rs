@@ -2,6 +2,7 @@
 
 use egui::{Color32, Pos2, Rect};
 
+use super::file::give_look;
 use super::{Comparison, Mode};
 use crate::analysis::scaled_difference;
 use crate::gui::inspector::PixelValues;
@@ -35,9 +36,15 @@ impl Seen {
 }
 
 impl Comparison {
-    /// What B holds at a place of the frame, given as shares of its width and height.
+    /// The light that B holds at a place of the frame, given as shares of its width and height, where it is known.
     #[must_use]
-    pub fn other_at(&self, share: egui::Vec2) -> Option<PixelValues> {
+    pub fn light_at(&self, share: egui::Vec2) -> Option<[f32; 3]> {
+        let values = self.other_at(share).filter(|_| self.saved_look.is_none());
+        values.map(|values| values.linear)
+    }
+
+    /// What B holds at a place of the frame.
+    fn other_at(&self, share: egui::Vec2) -> Option<PixelValues> {
         self.buffer.values_at(self.buffer.part().pixel_at(share))
     }
 
@@ -84,7 +91,10 @@ impl Comparison {
                 pixels,
             })
         };
-        let (a, b) = (light(picture)?, light(&self.buffer)?);
+        let (mut a, b) = (light(picture)?, light(&self.buffer)?);
+        if let Some(look) = &self.saved_look {
+            give_look(&mut a, look);
+        }
         let difference = scaled_difference(&a, &b, distance.white).ok()?;
         let look = Look::Light(Display::default(), Channels::All);
         Some(look.color(difference.pixels[0]))
