@@ -46,33 +46,36 @@ impl Default for BoxView {
 impl BoxView {
     /// Whether boxes are shown, and of which level.
     pub fn choice_ui(&mut self, ui: &mut Ui) {
-        switch_row_ui(
-            ui,
-            "Show boxes",
-            "Draw the boxes of the structure in the preview: those of one level",
-            &mut self.is_on,
-        );
-        if !self.is_on {
-            return;
-        }
-        integer_row_ui(
-            ui,
-            "Level",
-            "How many times the box around everything was divided: by one plane of the kd-tree, into up to eight boxes of the wide tree. Parts that \
-             were not divided so often are shown as they are",
-            &mut self.depth,
-            0..=DEEPEST,
-            0.05,
-        );
-        if let Some(shown) = &self.shown {
-            let count = counted(shown.boxes.len(), "box", "boxes");
-            let text = if shown.is_cut {
-                format!("The first {count}: there are more")
-            } else {
-                count
-            };
-            ui.label(RichText::new(text).weak().small());
-        }
+        ui.horizontal(|ui| {
+            switch_row_ui(
+                ui,
+                "Show boxes",
+                "Draw the boxes of the structure in the preview: those of one level",
+                &mut self.is_on,
+            );
+            if let Some(shown) = &self.shown {
+                let count = counted(shown.boxes.len(), "box", "boxes");
+                let text = if shown.is_cut {
+                    format!("the first {count} of more")
+                } else {
+                    count
+                };
+                ui.add(egui::Label::new(RichText::new(text).weak().small()).truncate());
+            }
+        });
+        // There all the time, so that what is below keeps its place.
+        ui.add_enabled_ui(self.is_on, |ui| {
+            integer_row_ui(
+                ui,
+                "Level",
+                "How many times the box around everything was divided: by one plane of the kd-tree, into up to eight boxes of the wide tree. Parts \
+                 that were not divided so often are shown as they are",
+                &mut self.depth,
+                0..=DEEPEST,
+                0.05,
+            )
+            .on_disabled_hover_text("Show boxes is off");
+        });
     }
 
     /// Keeps the boxes those of `geometry`.

@@ -2,13 +2,15 @@
 //!
 //! It is no part of the scene: it is in no scene file and no step to undo. When the picture's size changes, it keeps what it shows.
 
+use std::ops::RangeInclusive;
+
+use egui::emath::Numeric as _;
 use egui::{Color32, CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui};
 
 use super::part::Part;
 use super::theme;
 use super::tool;
-use super::widgets::{integer_row_ui, row_ui};
-use crate::render::Region;
+use super::widgets::{Number, row_ui};
 
 /// What the region is, and whether it is being drawn.
 #[derive(Clone, Copy, Debug, Default)]
@@ -165,13 +167,12 @@ impl RegionTool {
                 ui.response()
             },
         );
-        if let Some(chosen) = self.chosen {
-            let shown = chosen.scaled_to(of);
-            let typed = numbers_ui(ui, shown);
-            // At another size it is rounded; what was chosen stays until another is, or sizes that are gone through would wear it down.
-            if typed != shown {
-                self.choose(typed);
-            }
+        // Those of the whole picture where none is chosen: the place of all that is below is the same.
+        let shown = self.part(of);
+        let typed = numbers_ui(ui, shown);
+        // At another size it is rounded; what was chosen stays until another is, or sizes that are gone through would wear it down.
+        if typed != shown {
+            self.choose(typed);
         }
     }
 }
@@ -180,30 +181,61 @@ impl RegionTool {
 fn numbers_ui(ui: &mut Ui, part: Part) -> Part {
     let [width, height] = part.of;
     let mut region = part.region;
-    let mut row = |label, tooltip, value: &mut u32, range| {
-        integer_row_ui(ui, label, tooltip, value, range, 1.0);
-    };
-    let Region {
-        x,
-        y,
-        width: columns,
-        height: rows,
-    } = &mut region;
-    row(
-        "Region left",
-        "First column, from 0",
-        x,
-        0..=width.saturating_sub(1),
+    let [last_column, last_row] = part.of.map(|side| side.saturating_sub(1));
+    let corner = [
+        (
+            "Region left",
+            "First column, from 0",
+            &mut region.x,
+            0..=last_column,
+        ),
+        (
+            "Region top",
+            "First row, from 0",
+            &mut region.y,
+            0..=last_row,
+        ),
+    ];
+    pair_ui(ui, ["Left, top", "The first pixel of the region"], corner);
+    let (columns, rows) = (1..=width.max(1), 1..=height.max(1));
+    let size = [
+        ("Region width", "Columns", &mut region.width, columns),
+        ("Region height", "Rows", &mut region.height, rows),
+    ];
+    pair_ui(
+        ui,
+        [
+            "Width, height",
+            "How many pixels of the picture are rendered",
+        ],
+        size,
     );
-    row(
-        "Region top",
-        "First row, from 0",
-        y,
-        0..=height.saturating_sub(1),
-    );
-    row("Region width", "Columns", columns, 1..=width.max(1));
-    row("Region height", "Rows", rows, 1..=height.max(1));
     region.width = region.width.min(width - region.x);
     region.height = region.height.min(height - region.y);
     Part { region, ..part }
+}
+
+/// A row with two whole numbers: each has a name, a tooltip, a value and its range.
+fn pair_ui(
+    ui: &mut Ui,
+    [label, tooltip]: [&str; 2],
+    pair: [(&str, &str, &mut u32, RangeInclusive<u32>); 2],
+) {
+    row_ui(ui, label, tooltip, |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+        for (name, tooltip, value, range) in pair {
+            let number = Number {
+                decimals: 0,
+                ..Number::within(range.start().to_f64()..=range.end().to_f64(), 1.0)
+            };
+            let mut whole = value.to_f64();
+            let response = number.field_ui(ui, width, &mut whole, None);
+            if response.changed() {
+                *value = u32::from_f64(whole);
+            }
+            response.accessible_name(name).on_hover_text(tooltip);
+        }
+        ui.response()
+    });
 }

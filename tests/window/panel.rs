@@ -1,7 +1,7 @@
 //! The side panel with names and numbers that nobody foresaw, and what the list and the tools do about what is added and selected.
 
 use crate::driver::{Files, SCENE, Window, set_number};
-use egui::{Key, Modifiers, Pos2, accesskit::Toggled};
+use egui::{Key, Modifiers, PointerButton, Pos2, accesskit::Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::math::DVec3;
 use raymini::scene::{Light, Object};
@@ -94,6 +94,32 @@ fn the_list_scrolls_to_what_it_added() {
     window.harness.run_steps(60);
     assert!(in_sight(&window, "Select material"));
     assert!(window.has("Ball of material"), "it is selected");
+}
+
+/// What is drawn in the picture, and what is switched on, moves nothing in the panel: the next click hits what it was aimed at.
+#[test]
+fn neither_a_region_nor_boxes_move_what_is_below_them() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    let places =
+        |window: &Window| ["Threads", "Show boxes", "Shadows: Soft"].map(|name| window.rect(name));
+    let before = places(&window);
+    window.operate("Show boxes");
+    window.settle();
+    window.press(Modifiers::NONE, Key::B);
+    let frame = window.rect("Viewport");
+    let [from, to] = [0.25, 0.75].map(|share| frame.lerp_inside(egui::Vec2::splat(share)));
+    window.drag(PointerButton::Primary, from, to);
+    assert!(window.app().region().is_chosen());
+    assert!(window.says(" box"), "they are counted");
+    assert_eq!(places(&window), before);
+    window.click("Select Camera");
+    window.press(Modifiers::SHIFT, Key::B);
+    assert_eq!(places(&window), before);
+    // The numbers that are always there make a region of the whole picture.
+    set_number(&mut window, "Region left", "40");
+    let part = window.app().region().part([160, 120]);
+    assert_eq!((part.region.x, part.region.width), (40, 120));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::driver::{self, Files, Window};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::gui::tool::Tool;
 use raymini::gui::top_bar::View;
 use raymini::math::DVec3;
@@ -440,14 +440,20 @@ fn the_rays_of_a_clicked_pixel_are_shown() {
 fn the_boxes_of_the_structure_are_shown() {
     let files = Files::new();
     let mut window = Window::open(&files.path("room.toml"));
-    assert!(!window.has("Level"));
+    let level = |window: &Window| {
+        let node = window.harness.get_by_label("Level");
+        (node.rect(), node.accesskit_node().is_disabled())
+    };
+    let (place, is_disabled) = level(&window);
+    assert!(is_disabled);
     window.operate("Show boxes");
+    assert_eq!(level(&window), (place, false));
     driver::set_number(&mut window, "Level", "0");
     assert!(window.says("1 box"));
     // Ten triangles are two blocks: the kd-tree divides them, and the wide tree at most once.
     window.harness.render().unwrap();
     window.operate("Show boxes");
-    assert!(!window.has("Level"));
+    assert!(level(&window).1);
 }
 
 #[test]
