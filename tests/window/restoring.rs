@@ -85,6 +85,59 @@ fn work_that_cannot_be_read_stays() {
     asks(&mut window);
 }
 
+/// Restored work stays where it was found, and its render goes on in the folder of the window. Killed once more, both are asked about together.
+#[test]
+fn edits_and_their_render_are_restored_together_after_every_kill() {
+    let files = Files::new();
+    let [data, killed, again] = ["data", "killed", "again"].map(|name| files.path(name));
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 100_000);
+    render_until_kept(&mut window, &data);
+    for (from, to, lights) in [(&data, &killed, 2), (&killed, &again, 3)] {
+        window.click("Add light");
+        window.until("the edit is kept", App::is_work_kept);
+        copy_folder(from, to);
+        window.click("Cancel");
+        window.until("threads have stopped", |app| app.render_threads() == 0);
+        drop(window);
+
+        window = open(&files.path("pyramid.off"), to);
+        asks(&mut window);
+        assert!(window.says("changes to room"));
+        assert!(window.says("A render was not saved, and goes on where it was."));
+        window.click("Restore");
+        window.until("the render goes on", |app| {
+            app.picture().and_then(Picture::goes_on_from).is_some()
+        });
+        assert_eq!(window.scene().lights.len(), lights);
+        assert!(window.app().dialog().is_none());
+    }
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+}
+
+/// Of several things that were lost one is restored, and the others are told of.
+#[test]
+fn what_else_was_lost_is_told_when_one_thing_is_restored() {
+    let files = Files::new();
+    let data = files.path("data");
+    edit_and_die(&files, &data);
+    let other = files.write("other.toml", SCENE);
+    let mut window = open(&other, &data);
+    asks(&mut window);
+    window.click("Later");
+    window.click("Add light");
+    window.until("the edit is kept", App::is_work_kept);
+    drop(window);
+
+    let mut window = open(&files.path("pyramid.off"), &data);
+    asks(&mut window);
+    assert!(window.says("changes to other"), "the newest");
+    window.click("Restore");
+    window.until("it is restored", |app| app.document().name() == "other");
+    assert!(window.says("What was not saved of room is offered again at the next start."));
+}
+
 /// Opens a window on a mesh, has what is lost in `data` restored, and edits before it is read: by then it is asked about that.
 fn edit_while_lost_work_is_read(files: &Files, data: &Path) -> Window {
     let mut window = open(&files.path("pyramid.off"), data);

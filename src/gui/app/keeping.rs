@@ -263,12 +263,27 @@ impl App {
             // Other work would take the place of what is restored now: it is offered at the next start.
             Answer::Later => self.keeping.lost.clear(),
             Answer::Restore => {
+                self.tell_of_other_lost_work();
                 self.keeping.lost.clear();
                 self.restore(lost);
             }
             Answer::Discard => {
                 self.jobs.start(Lane::Discard, move |_| lost.discard());
             }
+        }
+    }
+
+    /// Says what else was lost, and is not asked about now.
+    fn tell_of_other_lost_work(&mut self) {
+        let others = self.keeping.lost.iter();
+        let mut names: Vec<&str> = others.map(|lost| lost.about.name.as_str()).collect();
+        names.dedup();
+        if !names.is_empty() {
+            let text = format!(
+                "What was not saved of {} is offered again at the next start.",
+                names.join(", ")
+            );
+            self.messages.warning("Other lost work waits", text);
         }
     }
 

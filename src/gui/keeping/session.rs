@@ -186,6 +186,8 @@ pub struct Lost {
     pub edited: SystemTime,
     folder: PathBuf,
     held: Arc<Mutex<Held>>,
+    /// The folder of a window that went on with it, where that left its render.
+    held_beside: Option<Arc<Mutex<Held>>>,
     /// `None` where nothing was unsaved.
     scene: Option<PathBuf>,
     render: Option<PathBuf>,
@@ -218,9 +220,24 @@ impl Lost {
             edited: edited.unwrap_or(SystemTime::UNIX_EPOCH),
             folder: held.folder.clone(),
             held: Arc::new(Mutex::new(held)),
+            held_beside: None,
             scene,
             render,
         })
+    }
+
+    /// Takes in `other`, where that is only a render, of this work that lacks one; gives it back where not.
+    fn join(&mut self, other: Self) -> Option<Self> {
+        let is_its_render = self.scene.is_some()
+            && self.render.is_none()
+            && other.scene.is_none()
+            && self.about == other.about;
+        if !is_its_render {
+            return Some(other);
+        }
+        self.render = other.render;
+        self.held_beside = Some(other.held);
+        None
     }
 
     /// The scene file; `None` where all was saved, and only a render was lost.
@@ -229,7 +246,7 @@ impl Lost {
         self.scene.as_deref()
     }
 
-    /// Where all of it is.
+    /// Where it is, but for a render that another window left.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -260,7 +277,10 @@ impl Lost {
 
     /// Removes it for good.
     pub fn discard(self) {
-        self.held().remove();
+        let beside = self.held_beside.iter();
+        for held in beside.chain([&self.held]) {
+            held.lock().unwrap_or_else(PoisonError::into_inner).remove();
+        }
     }
 
     fn held(&self) -> MutexGuard<'_, Held> {
@@ -328,6 +348,7 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
         }
     }
     lost.sort_by_key(|lost| std::cmp::Reverse(lost.edited));
+    let lost = with_their_renders(lost);
     let folder = tempfile::Builder::new()
         .prefix(&format!("{}-", std::process::id()))
         .tempdir_in(&sessions)?
@@ -348,6 +369,21 @@ pub fn begin(data: &Path) -> io::Result<Begun> {
         },
         lost,
     })
+}
+
+/// The lost work, newest first, each with its render. A window that restores work goes on with its render in a folder of its own, while the work
+/// stays where it was found: killed, it leaves them apart, and asked about one without the other, nobody would know that both are there.
+fn with_their_renders(lost: Vec<Lost>) -> Vec<Lost> {
+    let (renders, mut works): (Vec<_>, Vec<_>) =
+        lost.into_iter().partition(|lost| lost.scene.is_none());
+    for render in renders {
+        let apart = works
+            .iter_mut()
+            .try_fold(render, |render, work| work.join(render).ok_or(()));
+        works.extend(apart);
+    }
+    works.sort_by_key(|lost| std::cmp::Reverse(lost.edited));
+    works
 }
 
 #[cfg(test)]
@@ -405,6 +441,43 @@ mod tests {
         assert!(others().is_empty());
         session.end();
         let left = fs::read_dir(data.join("sessions")).unwrap().count();
+        assert_eq!(left, 0);
+    }
+
+    /// Work that was restored stays where it was found, and its render goes on elsewhere: killed again, they are one thing to restore.
+    #[test]
+    fn work_is_found_with_its_render_that_another_window_left() {
+        let data = tempfile::tempdir().unwrap();
+        let about = |name: &str| About {
+            name: name.to_owned(),
+            path: Some(PathBuf::from(format!("/scenes/{name}.toml"))),
+        };
+        let scene = demo_scene();
+        let leave_render = |name: &str| {
+            let session = Arc::new(begin(data.path()).unwrap().session);
+            let About { name, path } = about(name);
+            let region = crate::render::Region::full(4, 3);
+            let kept = session.place_render(RenderAbout { name, path, region });
+            kept.begin_log(&scene, "render").unwrap();
+            session.leave();
+        };
+        let Begun { session, .. } = begin(data.path()).unwrap();
+        session.held().keep(&scene, &about("room")).unwrap();
+        drop(session);
+        leave_render("room");
+        leave_render("hall");
+
+        let Begun { session, lost } = begin(data.path()).unwrap();
+        let found = |lost: &Lost| (lost.scene_file().is_some(), lost.render().is_some());
+        let mut all: Vec<_> = lost
+            .iter()
+            .map(|it| (&it.about.name[..], found(it)))
+            .collect();
+        all.sort_unstable();
+        assert_eq!(all, [("hall", (false, true)), ("room", (true, true))]);
+        lost.into_iter().for_each(Lost::discard);
+        session.end();
+        let left = fs::read_dir(data.path().join("sessions")).unwrap().count();
         assert_eq!(left, 0);
     }
 
