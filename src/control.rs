@@ -215,6 +215,19 @@ impl Progress {
         self.set_total(total);
     }
 
+    /// Work still to be done, as far as its amount is known: where that is a guess, never none before it is known to be done.
+    #[must_use]
+    pub fn remaining(&self) -> f64 {
+        let known = *self.known();
+        let left = self.total().saturating_sub(known.done) as f64;
+        let done = self.done().saturating_sub(known.done) as f64;
+        if known.is_estimate && left > 0.0 {
+            left * (1.0 - cautious(done / left))
+        } else {
+            (left - done).max(0.0)
+        }
+    }
+
     fn known(&self) -> MutexGuard<'_, Known> {
         self.0.known.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -32,18 +32,18 @@ pub struct TimeEstimate {
     pub seconds: Interval,
     /// Whether it may well be done sooner: it stops at a noise that a small picture did not come near enough to, to tell when.
     pub is_bound: bool,
-    /// Samples of a pixel that it is for, on average; `None` where only the time is known.
-    pub samples: Option<f64>,
+    /// Samples of a pixel that it is for, on average.
+    pub samples: f64,
 }
 
 impl TimeEstimate {
-    /// As long as the same render took before.
+    /// As long as the same render took before, for so many samples of a pixel on average.
     #[must_use]
-    pub fn as_before(time: Duration) -> Self {
+    pub fn as_before(time: Duration, samples: f64) -> Self {
         Self {
             seconds: exactly(time.as_secs_f64()),
             is_bound: false,
-            samples: None,
+            samples,
         }
     }
 }
@@ -132,7 +132,7 @@ pub fn estimate_time(
     let mut estimate = TimeEstimate {
         seconds: of_samples(exactly(most)),
         is_bound: settings.stop.noise.is_some(),
-        samples: Some(most),
+        samples: most,
     };
     if settings.stop.noise.is_some() {
         let samples = samples_to_stop(scene, prepared, run)?;
@@ -143,7 +143,7 @@ pub fn estimate_time(
             estimate = TimeEstimate {
                 seconds: of_samples(samples),
                 is_bound: false,
-                samples: Some(samples.value),
+                samples: samples.value,
             };
         }
     }

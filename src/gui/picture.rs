@@ -111,6 +111,8 @@ pub struct Picture {
     started: Instant,
     /// Of a render that was interrupted: what it took before, and which part was done then, `0..=1`.
     before: Option<(Duration, f64)>,
+    /// How long it will take in all, as was known before it began.
+    expected_time: Option<Duration>,
     elapsed: Option<Duration>,
     canvas: Canvas,
     next_look: NextLook,
@@ -182,6 +184,7 @@ impl Picture {
             newest_error: Duration::ZERO,
             started,
             before: None,
+            expected_time: None,
             elapsed: None,
             canvas: Canvas::default(),
             next_look: NextLook::default(),
@@ -392,12 +395,14 @@ impl Picture {
     /// Has it end by `rules` from now on: it goes on with the samples that it has. `name`: what it is called then.
     pub fn end_by(&mut self, rules: StopRules, name: String) {
         rules.put_into(&mut self.scene.render);
-        self.rules.set(rules);
         self.name = name;
         self.before_rules.errors = self.errors.len();
+        self.expected_time = None;
         let pixels = self.buffer.part().region.pixel_count() as u64;
         self.progress
             .begin_anew(pixels * u64::from(rules.samples_per_pixel));
+        // From then on the render itself may know more.
+        self.rules.set(rules);
     }
 
     /// Where what it has reached is left at its end.
@@ -428,7 +433,8 @@ impl Picture {
         match &self.outcome {
             Outcome::Cancelled => {
                 let seconds = self.elapsed().as_secs_f64();
-                self.first_tile.is_some() && stop.seconds.is_none_or(|limit| limit > seconds)
+                let has_tiles = self.first_tile.is_some() || self.is_continued();
+                has_tiles && stop.seconds.is_none_or(|limit| limit > seconds)
             }
             Outcome::Finished { stats, .. } => {
                 let noise = stats.error.map(|error| error.noise().value);

@@ -13,6 +13,15 @@ pub const MOST_BYTES: u64 = 1 << 30;
 #[derive(Clone, Debug, Default)]
 pub struct Reached(Arc<Mutex<Slot>>);
 
+/// What a render takes up where it goes on with another that has ended.
+#[derive(Clone, Debug)]
+pub struct TakenUp {
+    /// What that has reached.
+    pub reached: Reached,
+    /// Whether it ends by other rules than that did.
+    pub has_other_rules: bool,
+}
+
 #[derive(Debug, Default)]
 struct Slot {
     checkpoint: Option<Box<Checkpoint>>,
@@ -60,6 +69,13 @@ impl Reached {
         let mut slot = self.lock();
         slot.is_closed = true;
         slot.checkpoint.take()
+    }
+
+    /// Puts what is there in another place, for good.
+    pub fn hand_on_to(&self, other: &Self) {
+        if let Some(checkpoint) = self.take() {
+            other.set(*checkpoint);
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, Slot> {

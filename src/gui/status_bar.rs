@@ -325,6 +325,9 @@ fn running_parts(picture: &Picture, size: &str) -> Vec<String> {
         });
     }
     parts.push(duration(picture.elapsed()));
+    if picture.progress.ends_with_pass() {
+        parts.push("ends with this pass".to_owned());
+    }
     parts.extend(time_left_in_words(picture));
     if let Some(point) = picture.errors().last() {
         parts.push(format!("noise {}", noise_in_words(point.error.noise())));

@@ -85,7 +85,7 @@ mod tests {
                 high: 13.4,
             },
             is_bound: false,
-            samples: None,
+            samples: 16.0,
         };
         assert_eq!(in_short(&estimate), "about 12 s");
         assert_eq!(

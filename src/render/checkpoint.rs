@@ -7,7 +7,7 @@ use super::film::Film;
 use super::layers::Layer;
 use super::prepare::PreparedScene;
 use super::progress::ErrorPoint;
-use super::renderer::{TILE_SIDE, leads_elsewhere};
+use super::renderer::{Ahead, TILE_SIDE, leads_elsewhere};
 use super::rules::StopRules;
 use super::run::OnTile;
 use super::tile_samples::{PassWork, SampleCounts};
@@ -86,8 +86,14 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// The work of the pass on a tile, where no pixel may get more than `most` samples in all.
+    /// The work of the pass on a tile, where no pixel may get more than `most` samples in all. One over all pixels is as long as it was begun,
+    /// whatever the rules are by now: all have as many samples after it.
     pub fn work(&self, most: u32) -> PassWork<'_> {
+        let most = if self.selected.is_some() {
+            most
+        } else {
+            RenderSettings::MAX_SAMPLES
+        };
         PassWork {
             selected: self.selected.as_deref(),
             begins_round: self.begins_round,
@@ -104,6 +110,21 @@ impl Course {
             Some(pass) => pass.selected.is_some(),
             None => film.total_samples() > film.pixels() as u64 * u64::from(self.even_samples),
         }
+    }
+
+    /// How many samples the pass that is going on has still to take of tiles that lack it, where no pixel may get more than `most`; 0 where
+    /// none is.
+    pub fn left_of_pass(&self, shared: &Shared, most: u32) -> u64 {
+        let Some(pass) = &self.pass else {
+            return 0;
+        };
+        let (film, work) = (&shared.film, pass.work(most));
+        let tiles = film.region().tiles(TILE_SIDE);
+        let tiles = tiles.into_iter().zip(&shared.has_pass);
+        tiles
+            .filter(|(_, has_pass)| !**has_pass)
+            .map(|(tile, _)| work.samples_in(film, tile))
+            .sum()
     }
 }
 
@@ -155,12 +176,17 @@ impl Checkpoint {
         leads_elsewhere(before, rules.each_ref(), course.even_samples, has_chosen)
     }
 
-    /// The same with other rules to end by: as many samples as `settings` allow are expected of it.
+    /// The same with other rules to end by, those of `settings`: as many samples are expected of it as it takes by them, as far as that is
+    /// known, and it does not tell any more when it would have ended by those before.
     #[must_use]
-    pub fn with_rules_of(self, settings: &RenderSettings) -> Self {
-        let pixels = self.region().pixel_count() as u64;
+    pub fn with_rules_of(mut self, settings: &RenderSettings) -> Self {
+        for point in &mut self.errors {
+            point.time_to_stop = None;
+        }
+        let Self { shared, course, .. } = &self;
+        let ahead = Ahead::of(course, shared, &StopRules::of(settings), self.seconds);
         Self {
-            expected_samples: pixels * u64::from(settings.samples_per_pixel),
+            expected_samples: shared.film.total_samples() + ahead.samples,
             ..self
         }
     }
@@ -210,11 +236,11 @@ impl Checkpoint {
     }
 
     /// Whether a render of `region` of `scene` that keeps `layers` can go on from it: whether all parts of the checkpoint have the right
-    /// size, as they have in any that such a render kept.
+    /// size, as they have in any that such a render kept. Pixels may have more samples than the scene allows by now: they get no more then.
     #[must_use]
     pub fn fits(&self, scene: &PreparedScene, region: Region, layers: &[Layer]) -> bool {
         let settings = scene.settings();
-        let (pixels, most) = (region.pixel_count(), settings.samples_per_pixel);
+        let pixels = region.pixel_count();
         let Self { shared, course, .. } = self;
         let has_error = settings.measures_error();
         let selects_pixels = |pass: &Pass| {
@@ -222,11 +248,11 @@ impl Checkpoint {
                 .iter()
                 .all(|selected| selected.len() == pixels)
         };
-        shared.film.is_like(region, layers, has_error, most)
+        shared.film.is_like(region, layers, has_error)
             && shared.has_pass.len() == region.tiles(TILE_SIDE).len()
-            && course.even_samples <= most
+            && course.even_samples <= RenderSettings::MAX_SAMPLES
             && course.estimator.is_some() == has_error
-            && course.estimator.iter().all(|e| e.is_like(pixels, most))
+            && course.estimator.iter().all(|e| e.is_like(pixels))
             && course.allotment.iter().all(|a| a.is_like(pixels))
             && course.pass.iter().all(selects_pixels)
     }

@@ -6,6 +6,7 @@ use super::Image;
 use super::layers::{Gathered, Layer, Parts};
 use super::tiles::Region;
 use crate::control::CancelToken;
+use crate::scene::RenderSettings;
 
 /// Pixels between two looks at the cancel token.
 pub const CHUNK: usize = 1 << 16;
@@ -167,10 +168,11 @@ impl Film {
         (1 + layers) * size_of::<[f64; 3]>() + size_of::<u32>() + marks
     }
 
-    /// Whether it is as [`Self::new`] makes it, and no pixel has more than `most` samples, which is not certain where it was read from a
-    /// file.
+    /// Whether it is as [`Self::new`] makes it, and no pixel has more samples than any render may take, which is not certain where it was
+    /// read from a file.
     #[must_use]
-    pub fn is_like(&self, region: Region, layers: &[Layer], with_marks: bool, most: u32) -> bool {
+    pub fn is_like(&self, region: Region, layers: &[Layer], with_marks: bool) -> bool {
+        let most = RenderSettings::MAX_SAMPLES;
         let pixels = region.pixel_count();
         self.region == region
             && self.layers == layers
@@ -285,6 +287,13 @@ impl Film {
     #[must_use]
     pub fn total_samples(&self) -> u64 {
         self.samples.iter().copied().map(u64::from).sum()
+    }
+
+    /// How many samples all pixels together lack of `most` each.
+    #[must_use]
+    pub fn room_up_to(&self, most: u32) -> u64 {
+        let lacking = |&samples: &u32| u64::from(most.saturating_sub(samples));
+        self.samples.iter().map(lacking).sum()
     }
 
     /// How the halves of the samples of the pixel number `index` differ; `None` before it has two samples, and where the film is

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::Timer;
 use super::error::{ErrorEstimate, Interval};
+use super::renderer::Ahead;
 use super::rules::LiveRules;
 use super::tiles::Region;
 use crate::control::Progress;
@@ -49,6 +50,8 @@ struct HowFar {
     sight: Sight,
     /// How many they are, as somebody knew before it began.
     expected: Option<u64>,
+    /// Whether it ends with the pass that is going on.
+    ends_with_pass: bool,
     /// What was done when it was over, `0..=1`.
     at_end: Option<f64>,
 }
@@ -173,12 +176,35 @@ impl RenderProgress {
         self.how_far().before = share;
     }
 
-    /// Says that other rules end the render from now on: what is done is a share of another whole. `samples`: the most it takes.
+    /// Says that other rules end the render from now on: what is done is a share of another whole. `samples`: the most it takes, until the
+    /// render itself says more.
     pub fn begin_anew(&self, samples: u64) {
-        self.samples.begin_anew(samples);
+        self.samples.begin_anew(samples.max(self.samples.done()));
+        self.forget_what_was_known();
+    }
+
+    fn forget_what_was_known(&self) {
         let mut how_far = self.how_far();
         how_far.before = 0.0;
         how_far.sight = Sight::Bound;
+        how_far.ends_with_pass = false;
+    }
+
+    /// Whether it ends with the pass that is going on, as the rules were changed to some that are fulfilled by now.
+    #[must_use]
+    pub fn ends_with_pass(&self) -> bool {
+        self.how_far().ends_with_pass
+    }
+
+    /// What is done of the samples, and what is still to be done, as far as their number is known: at the pace so far, time goes as they do,
+    /// where [`Self::share`] goes on from what was thought before.
+    #[must_use]
+    pub fn samples_done_and_left(&self) -> [f64; 2] {
+        let (done, left) = (self.samples.done() as f64, self.samples.remaining());
+        // What was done when it was interrupted is taken up bit by bit.
+        let known = self.how_far().before * (done + left);
+        let more = (known - done).max(0.0);
+        [done + more, left - more]
     }
 
     /// The render begins.
@@ -192,14 +218,27 @@ impl RenderProgress {
         }
     }
 
-    /// The render says how many samples are left; `is_estimate`: as far as it can tell.
-    pub(super) fn foresee(&self, remaining: u64, is_estimate: bool) {
-        if is_estimate {
-            self.samples.estimate_remaining(remaining);
-        } else {
-            self.samples.set_remaining(remaining);
+    /// The render says how much there is still to do, where it knows.
+    pub(super) fn foresee(&self, ahead: &Ahead) {
+        if !ahead.is_known {
+            return;
         }
-        self.how_far().sight = Sight::Known;
+        if ahead.is_estimate {
+            self.samples.estimate_remaining(ahead.samples);
+        } else {
+            self.samples.set_remaining(ahead.samples);
+        }
+        let mut how_far = self.how_far();
+        how_far.sight = Sight::Known;
+        how_far.ends_with_pass = ahead.ends_with_pass;
+    }
+
+    /// The same by other rules than before: what is done is a share of another whole.
+    pub(super) fn foresee_anew(&self, ahead: &Ahead) {
+        self.samples.begin_anew(self.samples.done() + ahead.samples);
+        self.forget_what_was_known();
+        self.how_far().ends_with_pass = ahead.ends_with_pass;
+        self.foresee(ahead);
     }
 
     /// The render is over. `is_whole`: as its rules wanted.

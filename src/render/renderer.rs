@@ -8,9 +8,10 @@
 //!
 //! The rules by which it ends may change on the way. They are looked at between passes, the time alone also within.
 //!
-//! [`rounds`] decides which pass comes next, by the lengths of [`schedule`]; [`telling`] tells how far it is to whoever watches, [`keeping`] has
-//! kept what a later render may go on from.
+//! [`rounds`] decides which pass comes next, by the lengths of [`schedule`]; [`telling`] tells how far it is to whoever watches, and what is
+//! [`ahead`]; [`keeping`] has kept what a later render may go on from.
 
+mod ahead;
 mod keeping;
 mod rounds;
 mod schedule;
@@ -37,6 +38,7 @@ use super::texturing::{Textured, Untextured};
 use super::tile_samples::{TileBlock, sample_tile};
 use super::tiles::{Region, TilePixels};
 use crate::scene::RenderSettings;
+pub use ahead::Ahead;
 use keeping::LastKept;
 use rounds::Next;
 pub use schedule::{even_passes, leads_elsewhere};
@@ -64,6 +66,8 @@ pub struct Renderer<'a> {
     live_rules: LiveRules,
     /// Those that the pass goes by.
     rules: StopRules,
+    /// Those of which it was told how much there is to do by them.
+    told_rules: Mutex<StopRules>,
     /// Whether some pixels may have more samples than others.
     is_choosing: bool,
     /// What was there before a pass over all pixels that is shorter than it might be.
@@ -128,6 +132,7 @@ impl<'a> Renderer<'a> {
             progress,
             watch,
             rules: live_rules.get(),
+            told_rules: Mutex::new(live_rules.get()),
             live_rules,
             is_choosing: course.has_chosen_pixels(&shared.film),
             before_short_pass: None,
@@ -179,6 +184,7 @@ impl<'a> Renderer<'a> {
             self.clock.leave_out(watched);
             shown?;
         }
+        self.tell_of_start();
         if !self.is_choosing
             && let Next::End(ending) = self.render_evenly()?
         {
@@ -302,6 +308,7 @@ impl<'a> Renderer<'a> {
         let work = pass.work(this.rules.samples_per_pixel);
         let is_late = AtomicBool::new(false);
         this.for_each_tile(&|number, tile, block| {
+            this.tell_of_new_rules();
             if this.is_too_late() {
                 is_late.store(true, Ordering::Relaxed);
                 return None;

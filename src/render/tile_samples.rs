@@ -62,10 +62,20 @@ impl PassWork<'_> {
 
     /// Puts the samples of each pixel of `tile`, row by row, in place of what `samples` holds.
     pub fn of_tile(&self, film: &Film, tile: Region, samples: &mut Vec<PixelSamples>) {
-        let rows = (0..tile.height as usize).map(|row| film.row_start(tile, row));
-        let indices = rows.flat_map(|start| start..start + tile.width as usize);
         samples.clear();
-        samples.extend(indices.map(|index| self.of_pixel(film, index)));
+        samples.extend(self.in_tile(film, tile));
+    }
+
+    fn in_tile(&self, film: &Film, tile: Region) -> impl Iterator<Item = PixelSamples> {
+        let rows = (0..tile.height as usize).map(move |row| film.row_start(tile, row));
+        let indices = rows.flat_map(move |start| start..start + tile.width as usize);
+        indices.map(|index| self.of_pixel(film, index))
+    }
+
+    /// How many samples it takes in `tile`.
+    pub fn samples_in(&self, film: &Film, tile: Region) -> u64 {
+        let counts = self.in_tile(film, tile);
+        counts.map(|pixel| u64::from(pixel.count)).sum()
     }
 
     /// How many samples it takes.

@@ -406,3 +406,122 @@ fn a_guess_of_the_samples_leads_until_the_error_is_known() {
         }
     }
 }
+
+/// Goes on from `checkpoint` by the rules of `scene`. Returns the picture, and what the first tile found told: what is known of the samples that
+/// are to come, and how many there are in all.
+fn gone_on(checkpoint: Checkpoint, scene: &Scene) -> (RenderOutcome, Option<(Sight, f64)>) {
+    let prepared = prepared(scene);
+    assert!(checkpoint.fits(&prepared, checkpoint.region(), &[]));
+    let progress = RenderProgress::default();
+    let first = Mutex::new(None);
+    let on_tile = |_: &TilePixels<'_>| {
+        let [done, left] = progress.samples_done_and_left();
+        let mut first = first.lock().expect("no panic");
+        first.get_or_insert((progress.sight(), done + left));
+    };
+    let watch = Watch {
+        on_tile: Some(&on_tile),
+        ..Watch::default()
+    };
+    let checkpoint = checkpoint.with_rules_of(&scene.render);
+    let run = RunConfig::default();
+    let outcome = resume(&prepared, checkpoint, &run, &progress, watch);
+    let first = first.into_inner().expect("no panic");
+    (outcome.expect("nobody cancels"), first)
+}
+
+/// Nothing is lost of what has more samples than the rules allow by now: the pass that was going on is done for all pixels, those that have fewer
+/// get what they may, and it ends.
+#[test]
+fn what_has_more_samples_than_it_may_goes_on_and_ends() {
+    let (checkpoint, _) = reached(&with_samples(1 << 10), Some(36));
+    let (found, _) = gone_on(checkpoint, &with_samples(8));
+    assert_eq!(found.stats.ending, Ending::Samples);
+    assert_eq!(found.stats.sample_range, [48; 2]);
+    assert_eq!(found.image.hash(), run(&with_samples(48)).image.hash());
+
+    let mut scene = with_samples(1 << 12);
+    scene.render.stop.noise = Some(0.01);
+    let (checkpoint, before) = reached(&scene, None);
+    let before = before.expect("nobody cancels").stats;
+    let [fewest, most] = before.sample_range;
+    assert!(fewest < 64 && most > 64, "{fewest} to {most}");
+    let (found, _) = gone_on(checkpoint, &with_samples(64));
+    assert_eq!(found.stats.ending, Ending::Samples);
+    // Pixels without noise, such as those of the sky, need no more than they have.
+    assert_eq!(found.stats.sample_range, [fewest, most]);
+    assert!(found.stats.samples > before.samples);
+    assert!(found.stats.render_seconds > before.render_seconds);
+}
+
+/// How far it is to a lower noise follows from how noise fell so far.
+#[test]
+fn what_goes_on_to_a_lower_noise_knows_at_once_how_far_that_is() {
+    let mut scene = with_samples(1 << 16);
+    scene.render.stop.noise = Some(0.02);
+    let (checkpoint, _) = reached(&scene, None);
+    scene.render.stop.noise = Some(0.01);
+    let (found, first) = gone_on(checkpoint, &scene);
+    assert_eq!(found.stats.ending, Ending::Noise);
+    let (sight, expected) = first.expect("there are tiles");
+    assert_eq!(sight, Sight::Known);
+    let off = expected / found.stats.samples as f64;
+    assert!(
+        (0.5..2.0).contains(&off),
+        "{expected}: {off} of what it took"
+    );
+}
+
+/// A noise that is there already ends a render with the pass that is going on, which is told as soon as it is set: what is left is no more than that.
+#[test]
+fn a_noise_that_is_reached_ends_the_render_with_its_pass() {
+    for adaptive in [false, true] {
+        let mut scene = with_samples(1 << 16);
+        scene.render.stop.noise = Some(0.001);
+        scene.render.adaptive = adaptive;
+        let pixels = scene.render.pixel_count();
+        let live = LiveRules::new(StopRules::of(&scene.render));
+        let config = RunConfig {
+            threads: 1,
+            rules: Some(live.clone()),
+            ..RunConfig::default()
+        };
+        let progress = RenderProgress::default();
+        let reached = Stop {
+            noise: Some(0.5),
+            ..Stop::default()
+        };
+        let set_at = Mutex::new(None);
+        let told = Mutex::new(Vec::new());
+        let on_tile = |_: &TilePixels<'_>| {
+            let done = progress.samples.done();
+            let mut set_at = set_at.lock().expect("no panic");
+            if set_at.is_none() && done > 70 * pixels {
+                assert!(!progress.ends_with_pass());
+                live.set(rules(1 << 16, reached));
+                *set_at = Some(done);
+            } else if set_at.is_some() {
+                let [done, left] = progress.samples_done_and_left();
+                let mut told = told.lock().expect("no panic");
+                told.push((progress.ends_with_pass(), done + left, progress.share()));
+            }
+        };
+        let watch = Watch {
+            on_tile: Some(&on_tile),
+            ..Watch::default()
+        };
+        let outcome = render_watched(&prepared(&scene), None, &config, &progress, watch);
+        let stats = outcome.expect("nobody cancels").stats;
+        assert_eq!(stats.ending, Ending::Noise);
+        let told = told.into_inner().expect("no panic");
+        assert!(!told.is_empty(), "it was set at the end of a pass");
+        for (ends_with_pass, whole, share) in told {
+            assert!(ends_with_pass);
+            assert!(
+                (whole - stats.samples as f64).abs() < 1.5,
+                "{whole} of {stats:?}"
+            );
+            assert!(share > 0.5, "{share}");
+        }
+    }
+}

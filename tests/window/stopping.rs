@@ -82,8 +82,16 @@ fn a_finished_render_goes_on_to_more_samples() {
     assert_eq!(picture(&window).number, 2);
     assert_eq!(window.hash(), library_hash(window.scene()));
     assert!(!window.has("Continue"));
+    assert!(
+        window.app().estimated_time().is_none(),
+        "it was no whole render"
+    );
     // Another edit makes it another picture.
     set_samples(&mut window, 16);
+    assert!(window.has("Continue"));
+    window.operate("Keep layers");
+    assert!(!window.has("Continue"), "it has no layers");
+    window.operate("Keep layers");
     assert!(window.has("Continue"));
     window.operate("Shadows: Off");
     assert!(!window.has("Continue"));
@@ -140,4 +148,35 @@ fn measuring_costs_shows_its_progress_and_is_cancelled_in_the_bar() {
     window.click("Cancel measuring");
     assert!(matches!(window.app().costs(), CostState::Unknown));
     assert!(!window.has("Measuring costs"));
+}
+
+/// It may have fewer samples than it has: it ends with those.
+#[test]
+fn a_cancelled_render_that_has_more_samples_than_it_may_loses_none() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
+    window.until("it has more", |app| {
+        let picture = app.picture().expect("a picture");
+        picture.progress.samples.done() > 40 * picture.scene.render.pixel_count()
+    });
+    window.click("Cancel");
+    window.until("what it reached is there", |app| {
+        app.picture().is_some_and(|p| p.reached().is_there())
+    });
+    set_samples(&mut window, 8);
+    assert!(window.says("Continue takes its samples along"));
+    window.click("Continue");
+    window.until("the render ends", is_over);
+    assert_eq!(
+        picture(&window).goes_on_from().map(|share| share > 0.5),
+        Some(true)
+    );
+    let stats = window.finished().1;
+    let [samples, most] = stats.sample_range;
+    assert!(samples >= 40 && samples == most);
+    let mut scene = window.scene().clone();
+    assert_eq!(scene.render.samples_per_pixel, 8);
+    scene.render.samples_per_pixel = samples;
+    assert_eq!(window.hash(), library_hash(&scene));
 }

@@ -17,6 +17,8 @@
 //! - `seeing`: pixels and brightness of the picture on the screen
 //! - `rendering`: preparing, rendering, showing the picture
 //! - `looks`: what the window looks like, for the next one
+//! - `stopping`: by which rules renders end, and going on by other ones
+//! - `naming`: what renders are called
 //! - `live`: the picture that follows every change
 //! - `renders`: which of the session's pictures is looked at
 //! - `reporting`: error against run time
@@ -42,6 +44,7 @@ mod live;
 mod locating;
 mod looks;
 mod measuring;
+mod naming;
 mod news;
 mod obeying;
 mod opening;
@@ -51,6 +54,7 @@ mod renders;
 mod reporting;
 mod saving;
 mod seeing;
+mod stopping;
 mod surviving;
 #[cfg(test)]
 mod testing;

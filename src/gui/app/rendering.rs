@@ -10,8 +10,7 @@ use std::time::Duration;
 use super::{App, PreparedState, WaitingRender};
 use crate::analysis::hazards::why_black;
 use crate::control::Progress;
-use crate::gui::document::{same_geometry, same_image, same_picture, same_picture_but_render};
-use crate::gui::error_plot::name_of_render;
+use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::jobs::{Lane, drop_elsewhere, drop_unless_cancelled};
 use crate::gui::keeping::{KeptRender, RenderAbout};
 use crate::gui::part::Part;
@@ -20,6 +19,7 @@ use crate::gui::picture::{Outcome, Picture};
 use crate::gui::picture_buffer::PictureBuffer;
 use crate::gui::preview::paint::same_paint;
 use crate::gui::preview_image::PreviewImage;
+use crate::gui::reached::TakenUp;
 use crate::gui::recovering::Interrupted;
 use crate::gui::threads::cores;
 use crate::gui::top_bar::View;
@@ -227,63 +227,6 @@ impl App {
         }
     }
 
-    /// Has the running render end by the rules that the scene holds now, where nothing else was edited.
-    pub(super) fn take_over_rules(&mut self) {
-        let rules = StopRules::of(&self.document.scene.render);
-        let is_other = |picture: &&Picture| {
-            picture.is_running() && StopRules::of(&picture.scene.render) != rules
-        };
-        let Some(picture) = self.picture.as_ref().filter(is_other) else {
-            return;
-        };
-        if !self.differs_in_rules_alone(picture) {
-            return;
-        }
-        let before = self.renders.entries().last();
-        let before = before.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));
-        let name = self.name_of_picture_after(before);
-        if let Some(picture) = &mut self.picture {
-            picture.end_by(rules, name);
-        }
-    }
-
-    /// Whether `picture` is of the scene and the part of it that are edited now but for the rules by which its render ends, and could go on by
-    /// those of now.
-    pub(super) fn differs_in_rules_alone(&self, picture: &Picture) -> bool {
-        let (scene, now) = (&picture.scene, &self.document.scene);
-        let rules = StopRules::of(&now.render);
-        let mut render = scene.render.clone();
-        rules.put_into(&mut render);
-        picture.buffer.part() == self.wanted_part()
-            && render == now.render
-            && rules.suit(&scene.render)
-            && scene.camera == now.camera
-            && same_picture_but_render(scene, now)
-    }
-
-    /// Whether the render that ended can go on with its samples, by the rules as they are now.
-    pub(super) fn can_continue(&self) -> bool {
-        let rules = StopRules::of(&self.document.scene.render);
-        self.invalid.is_none()
-            && self.waiting_render.is_none()
-            && !self.report.is_running()
-            && self.picture.as_ref().is_some_and(|picture| {
-                picture.reached().is_there()
-                    && picture.would_go_on_by(&rules)
-                    && self.differs_in_rules_alone(picture)
-            })
-    }
-
-    /// Goes on with the render that ended, as soon as its geometry is there.
-    pub(super) fn continue_render(&mut self) {
-        if self.can_continue() {
-            self.ask_for(WaitingRender {
-                continues: true,
-                ..WaitingRender::new()
-            });
-        }
-    }
-
     fn start_render(&mut self, waiting: WaitingRender, preparation: Option<Preparation>) {
         let WaitingRender {
             asked,
@@ -291,11 +234,14 @@ impl App {
             continues,
             follows,
         } = waiting;
-        let reached = self
-            .picture
-            .as_ref()
-            .map(|picture| picture.reached().clone());
-        let expected_samples = self.expected_samples().filter(|_| interrupted.is_none());
+        let taken_up = self.picture.as_ref().map(|picture| TakenUp {
+            reached: picture.reached().clone(),
+            has_other_rules: StopRules::of(&picture.scene.render)
+                != StopRules::of(&self.document.scene.render),
+        });
+        let expected = self.estimated_time().filter(|_| interrupted.is_none());
+        let expected = expected.filter(|estimate| !continues && !estimate.is_bound);
+        let expected_samples = expected.map(|estimate| estimate.samples);
         let goes_on = interrupted.is_some();
         let (scene, part, kept) = if let Some(Interrupted { scene, kept }) = interrupted {
             let region = kept.about().region;
@@ -339,6 +285,7 @@ impl App {
             picture.follow();
         }
         picture.why_black = why_black(&scene).ok().flatten();
+        picture.expect_time(expected.map(|estimate| estimate.seconds.value));
         if goes_on {
             // What was edited beside it before, it goes on beside.
             picture.pass_over(&self.document.scene, self.wanted_part());
@@ -373,14 +320,14 @@ impl App {
             goes_on,
             rules,
             expected_samples,
-            continues: reached.clone().filter(|_| continues),
+            continues: taken_up.clone().filter(|_| continues),
             reached: leaves,
         };
         self.jobs.cancel(Lane::Encode);
-        let unwanted = reached.filter(|_| !continues);
+        let unwanted = taken_up.filter(|_| !continues);
         let freed = (
             std::mem::take(&mut self.freed),
-            unwanted.map(|reached| reached.take()),
+            unwanted.map(|unwanted| unwanted.reached.take()),
         );
         self.jobs.start(Lane::Render, move |job| {
             // Before it is looked how much there is.
@@ -429,28 +376,6 @@ impl App {
             path: self.document.path().map(Path::to_owned),
             region: self.wanted_part().region,
         }))
-    }
-
-    /// What the render that starts now is called among those of this session. One that it takes the place of was none.
-    fn name_of_next_picture(&self) -> String {
-        let present = self
-            .picture
-            .as_ref()
-            .filter(|picture| !picture.is_replaced());
-        let present = present.map(|picture| (picture.scene_name.as_str(), &picture.scene));
-        let past = self.renders.entries().last();
-        let past = past.map(|entry| (entry.facts.scene_name.as_str(), &entry.scene));
-        self.name_of_picture_after(present.or(past))
-    }
-
-    /// What a render of the scene as it is is called after one of the scene `before`, with its name.
-    fn name_of_picture_after(&self, before: Option<(&str, &Scene)>) -> String {
-        let name = name_of_render(self.document.name(), &self.document.scene, before);
-        if self.wanted_part().is_whole() {
-            name
-        } else {
-            format!("{name}, region")
-        }
     }
 
     /// What of the picture is rendered.
@@ -512,7 +437,12 @@ impl App {
         let file = self.document.file_number();
         let is_of_other = self.picture.as_ref().is_some_and(|p| p.file != file);
         if is_short_of_memory && !is_of_other && self.free_past_pixels() {
-            return self.ask_for_render();
+            let failed = self.picture.as_ref();
+            let continues = failed.is_some_and(|p| p.is_continued() && p.reached().is_there());
+            return self.ask_for(WaitingRender {
+                continues,
+                ..WaitingRender::new()
+            });
         }
         self.messages.error("Cannot render", text);
         if self.picture.as_ref().is_some_and(|p| !p.is_shown()) {

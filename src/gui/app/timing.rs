@@ -20,14 +20,13 @@ impl App {
             return Some(*estimate);
         }
         let last = self.picture.as_ref()?;
-        let is_same = matches!(last.outcome, Outcome::Finished { .. }) && !self.is_outdated(last);
-        is_same.then(|| TimeEstimate::as_before(last.elapsed()))
-    }
-
-    /// Mean samples of a pixel that a render of the scene as it is takes, as far as that is known.
-    pub(super) fn expected_samples(&self) -> Option<f64> {
-        let known = self.estimated_time().filter(|estimate| !estimate.is_bound);
-        known.and_then(|estimate| estimate.samples)
+        let Outcome::Finished { stats, .. } = &last.outcome else {
+            return None;
+        };
+        // One that came there by other rules is not what would be rendered now.
+        let is_same = !self.is_outdated(last) && !last.is_continued();
+        let is_same = is_same && !last.rules().lead_elsewhere();
+        is_same.then(|| TimeEstimate::as_before(last.elapsed(), stats.samples_per_pixel))
     }
 
     fn is_present(&self, subject: &Subject) -> bool {

@@ -67,13 +67,10 @@ impl Subject {
         description.as_deref()
     }
 
-    /// What is rendered, with the rules as they are now. A pixel that has its samples by other rules keeps them.
+    /// What is rendered, with the rules as they are now.
     fn scene(&self) -> Scene {
         let mut scene = self.scene.clone();
-        let before = scene.render.samples_per_pixel;
-        let mut rules = self.rules.get();
-        rules.samples_per_pixel = rules.samples_per_pixel.max(before);
-        rules.put_into(&mut scene.render);
+        self.rules.get().put_into(&mut scene.render);
         scene
     }
 }

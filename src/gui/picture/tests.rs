@@ -176,3 +176,34 @@ fn where_it_stops_at_a_noise_what_is_foreseen_counts_and_the_clock_ends_it_befor
     picture.scene.render.stop.seconds = Some(20.0);
     assert_eq!(left(&picture, 15.5), Some(seconds(5.0)));
 }
+
+/// Other rules make what is done a share of another whole, also where the bar came far by those before.
+#[test]
+fn by_other_rules_the_rest_is_at_the_pace_of_the_samples() {
+    let mut picture = picture();
+    let (pixels, samples) = (8 * 6, picture.progress.samples.clone());
+    samples.set_total(pixels * 4);
+    samples.advance(pixels * 3);
+    let mut rules = StopRules::of(&picture.scene.render);
+    rules.samples_per_pixel = 12;
+    picture.end_by(rules, "longer".to_owned());
+    assert_eq!(picture.remaining_after(seconds(3.0)), Some(seconds(9.0)));
+    // Known to be less: the bar does not jump, the time does.
+    samples.set_remaining(pixels);
+    assert_eq!(picture.remaining_after(seconds(3.0)), Some(seconds(1.0)));
+}
+
+/// What was told beside Render is told at first, and by and by what the render shows.
+#[test]
+fn the_time_that_was_expected_counts_until_the_pace_is_known() {
+    let mut picture = picture();
+    picture.expect_time(Some(20.0));
+    let samples = picture.progress.samples.clone();
+    samples.set_total(1000);
+    assert_eq!(picture.remaining_after(seconds(0.0)), Some(seconds(20.0)));
+    samples.advance(2);
+    let left = picture.remaining_after(seconds(1.0)).expect("is expected");
+    assert!(left > seconds(19.0) && left < seconds(45.0), "{left:?}");
+    samples.advance(98);
+    assert_eq!(picture.remaining_after(seconds(3.0)), Some(seconds(27.0)));
+}

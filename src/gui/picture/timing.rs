@@ -4,6 +4,9 @@ use std::time::{Duration, Instant};
 
 use super::Picture;
 
+/// From this part of a render on, the time it takes is told by its own pace rather than by what was expected of it.
+const KNOWN_SHARE: f64 = 0.1;
+
 impl Picture {
     /// When the render was asked for.
     #[must_use]
@@ -17,6 +20,12 @@ impl Picture {
         if let Some(kept) = &self.kept {
             kept.accept();
         }
+    }
+
+    /// Takes note that it is expected to take so many `seconds`, where that is known.
+    pub fn expect_time(&mut self, seconds: Option<f64>) {
+        let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        self.expected_time = time.filter(|time| !time.is_zero());
     }
 
     /// How far what is there of it on disk is read, `0..=1`, while it is.
@@ -73,7 +82,17 @@ impl Picture {
             let since = since.as_secs_f64();
             return Duration::try_from_secs_f64((end - point.seconds - since).max(0.0)).ok();
         }
-        time_left(self.progress.share(), elapsed)
+        let [done, left] = self.progress.samples_done_and_left();
+        let done = done / (done + left).max(1.0);
+        let Some(expected) = self.expected_time else {
+            return time_left(done, elapsed);
+        };
+        // The first samples may take longer than others do, or less.
+        let (expected, elapsed) = (expected.as_secs_f64(), elapsed.as_secs_f64());
+        let trust = (done / KNOWN_SHARE).max(elapsed / expected).min(1.0);
+        let by_pace = if done > 0.0 { elapsed / done } else { expected };
+        let whole = expected + trust * (by_pace - expected);
+        Duration::try_from_secs_f64((whole - elapsed).max(0.0)).ok()
     }
 
     /// Million rays per second so far; `None` before there are any to speak of.

@@ -12,7 +12,7 @@ use crate::gui::first_look::FirstLook;
 use crate::gui::jobs::{Job, drop_elsewhere};
 use crate::gui::keeping::KeptRender;
 use crate::gui::picture_buffer::PictureBuffer;
-use crate::gui::reached::{self, Reached};
+use crate::gui::reached::{self, Reached, TakenUp};
 use crate::gui::render_keeper::{RenderKeeper, Start};
 use crate::render::{
     self, BlockStore, Checkpoint, CoarsePicture, Image, Layer, LiveRules, OnCoarse, OnRound,
@@ -57,7 +57,7 @@ pub struct RenderRequest {
     /// Mean samples of a pixel that it takes, as far as that is known.
     pub expected_samples: Option<f64>,
     /// What it goes on from, where it takes up another that has ended.
-    pub continues: Option<Reached>,
+    pub continues: Option<TakenUp>,
     /// Where what it has reached is left at its end; `None` where nobody will go on from there.
     pub reached: Option<Reached>,
 }
@@ -85,6 +85,19 @@ const ERROR_LAYER_SHARE: f64 = 0.02;
 
 /// Renders a scene, or goes on with that, sending every tile.
 pub fn render(job: &Job<Event>, request: &RenderRequest) {
+    prepare_and_render(job, request);
+    // Where it was cancelled before it took that up.
+    leave_for_another(request);
+}
+
+/// Leaves what the render was to take up, and has not, for one that is asked for after it.
+fn leave_for_another(request: &RenderRequest) {
+    if let (Some(taken_up), Some(reached)) = (&request.continues, &request.reached) {
+        taken_up.reached.hand_on_to(reached);
+    }
+}
+
+fn prepare_and_render(job: &Job<Event>, request: &RenderRequest) {
     let run = RunConfig {
         threads: request.threads,
         cancel: job.cancel.clone(),
@@ -111,6 +124,7 @@ pub fn render(job: &Job<Event>, request: &RenderRequest) {
     };
     if let Err(short) = memory.require() {
         request.primary_hits.clear();
+        leave_for_another(request);
         return job.send(Event::RenderFailed {
             text: short.to_string(),
             is_short_of_memory: true,
@@ -267,11 +281,16 @@ fn start(
     prepared: &PreparedScene,
     layers: &[Layer],
 ) -> Result<Option<Start>, String> {
-    let reached = request.continues.as_ref().and_then(Reached::take);
-    let region = request.buffer.part().region;
-    if let Some(checkpoint) = reached.filter(|reached| reached.fits(prepared, region, layers)) {
-        let checkpoint = checkpoint.with_rules_of(prepared.settings());
-        return Ok(Some(Start::of(checkpoint, 0, 0.0)));
+    if let Some(taken_up) = &request.continues {
+        let region = request.buffer.part().region;
+        let reached = taken_up.reached.take();
+        let reached = reached.filter(|reached| reached.fits(prepared, region, layers));
+        // Nobody asked for one that begins anew.
+        let mut reached = *reached.ok_or("What it had reached does not fit the scene any more")?;
+        if taken_up.has_other_rules {
+            reached = reached.with_rules_of(prepared.settings());
+        }
+        return Ok(Some(Start::of(reached, 0, 0.0)));
     }
     if !request.goes_on {
         return Ok(None);

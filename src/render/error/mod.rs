@@ -23,6 +23,7 @@ pub use outlook::Outlook;
 use super::Image;
 use super::film::{CHUNK, Film, each};
 use crate::control::CancelToken;
+use crate::scene::RenderSettings;
 use measures::{Measure, Measures};
 use survey::{Drops, Group, RowSums, Sums, Survey};
 
@@ -140,11 +141,11 @@ impl ErrorEstimator {
         }
     }
 
-    /// Whether it is one for a film of `pixels` pixels, none with more than `most` samples, which is not certain where it was read from a
-    /// file.
+    /// Whether it is one for a film of `pixels` pixels, none with more samples than any render may take, which is not certain where it was
+    /// read from a file.
     #[must_use]
-    pub fn is_like(&self, pixels: usize, most: u32) -> bool {
-        let is_known = |group: &Group| (1..=most).contains(&group.samples);
+    pub fn is_like(&self, pixels: usize) -> bool {
+        let is_known = |group: &Group| (1..=RenderSettings::MAX_SAMPLES).contains(&group.samples);
         self.falls.len() == pixels && self.groups.iter().all(is_known)
     }
 

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::Renderer;
-use super::telling::whole;
+use super::ahead::whole;
 use crate::render::blocks::{Block, BlockHeader};
 use crate::render::checkpoint::{Checkpoint, Course, Shared};
 use crate::render::clock::Clock;

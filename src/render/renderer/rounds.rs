@@ -36,6 +36,7 @@ impl Renderer<'_> {
 
     /// Takes over the rules as they are now. Returns whether they were changed.
     fn look_at_rules(&mut self) -> bool {
+        self.tell_of_new_rules();
         let rules = self.live_rules.get();
         let before = std::mem::replace(&mut self.rules, rules);
         let course = &self.course;
@@ -243,9 +244,11 @@ impl Renderer<'_> {
                 begins_round: false,
                 ..self.finish_pass()?
             };
-            self.look_at_rules();
+            // Noise falls in a round: one that was low enough before it is.
+            let is_quiet = self.look_at_rules() && self.is_quiet();
             let work = next.work(self.rules.samples_per_pixel);
-            if !self.has_time_for(&next)
+            if is_quiet
+                || !self.has_time_for(&next)
                 || self.has_all_passes()
                 || !work.has_pixels(&self.lock().film)
             {
