@@ -180,3 +180,26 @@ fn a_cancelled_render_that_has_more_samples_than_it_may_loses_none() {
     scene.render.samples_per_pixel = samples;
     assert_eq!(window.hash(), library_hash(&scene));
 }
+
+/// Undoing is about the scene: a render that runs goes on as it was asked to.
+#[test]
+fn undone_rules_do_not_end_a_running_render() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    start_long_render(&mut window);
+    set_samples(&mut window, 900_000);
+    let of_render = |window: &Window| picture(window).scene.render.samples_per_pixel;
+    assert_eq!(of_render(&window), 900_000);
+    let started = picture(&window).started();
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.scene().render.samples_per_pixel, 1_000_000);
+    assert!(window.says("The running render keeps its own stop rules"));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.scene().render.samples_per_pixel, 4);
+    window.harness.run_steps(3);
+    assert!(picture(&window).is_running() && picture(&window).started() == started);
+    assert_eq!(of_render(&window), 900_000);
+    set_samples(&mut window, 800_000);
+    assert_eq!(of_render(&window), 800_000);
+    window.click("Cancel");
+}

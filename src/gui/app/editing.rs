@@ -101,7 +101,7 @@ impl App {
         if orbit::is_moved(&camera_before, &self.document.scene.camera) {
             self.show_camera_view();
         }
-        self.messages.news_until_edit(news);
+        self.messages.news_until_edit(self.with_note_on_rules(news));
     }
 
     fn copy(&mut self, ctx: &egui::Context) {

@@ -102,7 +102,7 @@ use super::zoom::Zoom;
 use crate::control::Progress;
 use crate::io;
 use crate::math::DBounds;
-use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore};
+use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore, StopRules};
 use crate::scene::{Object, Scene, SceneError};
 
 pub use reloading::Stale;
@@ -153,6 +153,8 @@ pub struct App {
     build_progress: Progress,
     /// A scene that is not prepared until it is to be rendered, or edited: that was cancelled.
     unwanted_preparation: Option<Scene>,
+    /// Rules to end a render by that were set in the panel, as long as the running one may not go by them yet.
+    asked_rules: Option<StopRules>,
     /// The first value of the scene as it is that cannot be rendered.
     invalid: Option<String>,
     /// The objects that were looked through for it last, and what was found: they may be very many, and seldom change.
@@ -257,6 +259,7 @@ impl App {
             preparing: None,
             build_progress: Progress::new(),
             unwanted_preparation: None,
+            asked_rules: None,
             invalid: None,
             checked_objects: (Vec::new(), Ok(())),
             problem: None,
@@ -600,7 +603,9 @@ impl eframe::App for App {
         }
         let before = (self.shown_layer, self.channels);
         let selected = self.selection.clone();
+        let rules = StopRules::of(&self.document.scene.render);
         let asked = self.window_ui(ui);
+        self.note_asked_rules(rules);
         if self.selection != selected {
             self.messages.note_edit();
         }

@@ -183,8 +183,8 @@ impl App {
         self.document.scene = scene;
         let name = format!("restoring the settings of render {number}");
         self.document.record_edit_as(&self.selection, name);
-        self.messages
-            .news(format!("The scene is that of render {number}"));
+        let news = format!("The scene is that of render {number}");
+        self.messages.news(self.with_note_on_rules(news));
     }
 
     /// Remembers a render that makes room for another, if it is worth it.
