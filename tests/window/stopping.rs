@@ -150,7 +150,7 @@ fn measuring_costs_shows_its_progress_and_is_cancelled_in_the_bar() {
     assert!(!window.has("Measuring costs"));
 }
 
-/// It may have fewer samples than it has: it ends with those.
+/// It may have fewer samples than it has: it ends with those, and they are what it is called by.
 #[test]
 fn a_cancelled_render_that_has_more_samples_than_it_may_loses_none() {
     let files = Files::new();
@@ -179,6 +179,11 @@ fn a_cancelled_render_that_has_more_samples_than_it_may_loses_none() {
     assert_eq!(scene.render.samples_per_pixel, 8);
     scene.render.samples_per_pixel = samples;
     assert_eq!(window.hash(), library_hash(&scene));
+    assert!(
+        picture(&window)
+            .name
+            .contains(&format!("{samples} samples"))
+    );
 }
 
 /// Undoing is about the scene: a render that runs goes on as it was asked to.

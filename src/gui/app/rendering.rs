@@ -429,6 +429,7 @@ impl App {
     }
 
     pub(super) fn rendered(&mut self, hash: String, stats: Box<RenderStats>) {
+        self.name_by_samples(stats.samples_per_pixel);
         self.end_picture(Outcome::Finished { hash, stats });
     }
 

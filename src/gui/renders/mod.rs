@@ -11,12 +11,13 @@ use std::time::Duration;
 
 use egui::{ColorImage, ImageData, TextureHandle, TextureOptions};
 
+use super::error_plot::seconds_in_words;
 use super::part::Part;
 use super::picture::{Outcome, Picture};
 use super::picture_buffer::{PictureBuffer, PictureId};
 use super::status_bar::duration;
 use super::undo::bytes_beside;
-use super::widgets::{chosen_percent, counted, percent};
+use super::widgets::{chosen_percent, counted, format_number, percent};
 use crate::render::Image;
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -77,7 +78,15 @@ impl Facts {
     #[must_use]
     pub fn settings(&self) -> String {
         let render = &self.render;
-        let samples = counted(render.samples_per_pixel as usize, "sample", "samples");
+        let samples = match &self.outcome {
+            // It had them before the rules were set that it ended by.
+            Outcome::Finished { stats, .. }
+                if stats.samples_per_pixel > f64::from(render.samples_per_pixel) =>
+            {
+                format!("{} samples", format_number(stats.samples_per_pixel, 1))
+            }
+            _ => counted(render.samples_per_pixel as usize, "sample", "samples"),
+        };
         let mut parts = vec![
             render.mode.name().to_owned(),
             self.part.size_in_words(),
@@ -88,6 +97,9 @@ impl Facts {
         }
         if let Some(noise) = render.stop.noise {
             parts.push(format!("down to {}", chosen_percent(noise)));
+        }
+        if let Some(seconds) = render.stop.seconds {
+            parts.push(format!("stop after {}", seconds_in_words(seconds)));
         }
         parts.join(", ")
     }
@@ -566,6 +578,11 @@ mod tests {
         assert_eq!(
             facts.settings(),
             "path, 64 × 64, 16 samples, 8 bounces, down to 1 %"
+        );
+        facts.render.stop.seconds = Some(90.0);
+        assert_eq!(
+            facts.settings(),
+            "path, 64 × 64, 16 samples, 8 bounces, down to 1 %, stop after 1 min 30 s"
         );
         assert_eq!(facts.result(), "1.5 s, cancelled · noise 1.2 %");
     }
