@@ -38,7 +38,9 @@ impl Curve {
                     Outcome::Cancelled => ", cancelled",
                     _ => "",
                 };
-                format!("{noise} in {}{cancelled}", seconds_in_words(last.seconds))
+                // Not the time since it was asked for, which its place in the strip tells.
+                let time = seconds_in_words(last.seconds);
+                format!("{noise} after {time} of rendering{cancelled}")
             },
         );
         Self {
