@@ -222,9 +222,7 @@ fn cpu_seconds_to_stop(
     threads: usize,
 ) -> f64 {
     let most = f64::from(scene.render.samples_per_pixel);
-    let of_samples = time.samples.map_or(all_samples, |samples| {
-        all_samples * (samples / most).min(1.0)
-    });
+    let of_samples = all_samples * (time.samples / most).min(1.0);
     // However many samples they take, threads have no more than the time of the render.
     let of_clock = scene
         .render
@@ -361,13 +359,10 @@ mod tests {
             is_bound: false,
             samples,
         };
-        let foreseen = cpu_seconds_to_stop(&scene, 100.0, &time(Some(25.0)), 2);
+        let foreseen = cpu_seconds_to_stop(&scene, 100.0, &time(25.0), 2);
         assert!((foreseen - 2.5).abs() < 1e-9);
-        assert_eq!(cpu_seconds_to_stop(&scene, 100.0, &time(None), 2), 100.0);
+        assert_eq!(cpu_seconds_to_stop(&scene, 100.0, &time(1000.0), 2), 100.0);
         scene.render.stop.seconds = Some(0.5);
-        assert_eq!(
-            cpu_seconds_to_stop(&scene, 100.0, &time(Some(25.0)), 2),
-            1.0
-        );
+        assert_eq!(cpu_seconds_to_stop(&scene, 100.0, &time(25.0), 2), 1.0);
     }
 }

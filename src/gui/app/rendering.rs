@@ -227,6 +227,17 @@ impl App {
         }
     }
 
+    /// What the render of the picture that is there leaves to the next one.
+    fn taken_up(&self) -> Option<TakenUp> {
+        let picture = self.picture.as_ref()?;
+        let [before, now] =
+            [&picture.scene, &self.document.scene].map(|scene| StopRules::of(&scene.render));
+        Some(TakenUp {
+            reached: picture.reached().clone(),
+            has_other_rules: before != now,
+        })
+    }
+
     fn start_render(&mut self, waiting: WaitingRender, preparation: Option<Preparation>) {
         let WaitingRender {
             asked,
@@ -234,11 +245,7 @@ impl App {
             continues,
             follows,
         } = waiting;
-        let taken_up = self.picture.as_ref().map(|picture| TakenUp {
-            reached: picture.reached().clone(),
-            has_other_rules: StopRules::of(&picture.scene.render)
-                != StopRules::of(&self.document.scene.render),
-        });
+        let taken_up = self.taken_up();
         let expected = self.estimated_time().filter(|_| interrupted.is_none());
         let expected = expected.filter(|estimate| !continues && !estimate.is_bound);
         let expected_samples = expected.map(|estimate| estimate.samples);
