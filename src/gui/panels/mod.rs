@@ -3,6 +3,7 @@
 
 mod background;
 mod camera;
+mod display;
 mod light;
 mod material;
 mod object;
@@ -104,9 +105,9 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         if let Some(histogram) = state.histogram {
             *state.asked_pixel = histogram.histogram_ui(ui);
         }
-        settings::layers_ui(ui, state);
-        settings::channels_ui(ui, state.channels);
-        settings::display_ui(ui, state.scene);
+        display::layers_ui(ui, state);
+        display::channels_ui(ui, state.channels);
+        display::display_ui(ui, state.scene);
     });
 }
 
