@@ -1,6 +1,7 @@
 //! What several test files share: small scenes and their values.
 #![allow(dead_code, reason = "each test file uses a part")]
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use raymini::control::CancelToken;
@@ -115,34 +116,44 @@ pub const WAYS: [LightSampling; 3] = [LightSampling::Mis, LightSampling::Nee, Li
 /// stays below 4.4. α = 0.0011 for three comparisons of 16 pixels each, twice over.
 #[track_caller]
 pub fn assert_ways_agree(scene: &mut Scene, what: &str) {
-    const SEEDS: u32 = 64;
-    let count = f64::from(SEEDS);
-    let statistics = WAYS.map(|way| {
+    let means = WAYS.map(|way| {
         scene.render.light_sampling = way;
-        let runs: Vec<Image> = (0..SEEDS)
-            .map(|seed| {
-                scene.render.seed = 1000 * (way as u64) + u64::from(seed);
-                picture(scene)
-            })
-            .collect();
-        let of_pixel = |pixel: usize| {
-            let values = runs.iter().map(|run| f64::from(run.pixels[pixel][0]));
-            let mean = values.clone().sum::<f64>() / count;
-            let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
-            (mean, variance / count)
-        };
-        let pixels = runs[0].pixels.len();
-        (0..pixels).map(of_pixel).collect::<Vec<_>>()
+        let first = 1000 * (way as u64);
+        (way, means_over_seeds(scene, first..first + 64))
     });
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-        let pairs = statistics[a].iter().zip(&statistics[b]);
-        for (pixel, ((mean_a, variance_a), (mean_b, variance_b))) in pairs.enumerate() {
-            let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-12);
-            let ways = (WAYS[a], WAYS[b]);
-            assert!(
-                z.abs() < 4.4,
-                "{what}, {ways:?}, pixel {pixel}: {mean_a}, {mean_b}, z = {z}"
-            );
-        }
+        let ((a, means_a), (b, means_b)) = (&means[a], &means[b]);
+        assert_same_means(means_a, means_b, &format!("{what}, {a:?} and {b:?}"));
+    }
+}
+
+/// The mean of each pixel's red value over renders with these seeds, and the variance of that mean.
+pub fn means_over_seeds(scene: &Scene, seeds: Range<u64>) -> Vec<(f64, f64)> {
+    let mut scene = scene.clone();
+    let runs: Vec<Image> = seeds
+        .map(|seed| {
+            scene.render.seed = seed;
+            picture(&scene)
+        })
+        .collect();
+    let count = runs.len() as f64;
+    let of_pixel = |pixel: usize| {
+        let values = runs.iter().map(|run| f64::from(run.pixels[pixel][0]));
+        let mean = values.clone().sum::<f64>() / count;
+        let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        (mean, variance / count)
+    };
+    (0..runs[0].pixels.len()).map(of_pixel).collect()
+}
+
+/// Asserts that the means of each pixel are less than 4.4 standard deviations of their difference apart.
+#[track_caller]
+pub fn assert_same_means(a: &[(f64, f64)], b: &[(f64, f64)], what: &str) {
+    for (pixel, ((mean_a, variance_a), (mean_b, variance_b))) in a.iter().zip(b).enumerate() {
+        let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-12);
+        assert!(
+            z.abs() < 4.4,
+            "{what}, pixel {pixel}: {mean_a}, {mean_b}, z = {z}"
+        );
     }
 }
