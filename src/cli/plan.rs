@@ -94,6 +94,8 @@ struct Facts {
     width: u32,
     height: u32,
     samples_per_pixel: u32,
+    /// How the random numbers of these are spread, where they need any.
+    sampler: &'static str,
     features: Vec<PlannedFeature>,
     used: Used,
     per_sample: PerSample,
@@ -181,6 +183,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<()> {
         width: scene.render.width,
         height: scene.render.height,
         samples_per_pixel: scene.render.samples_per_pixel,
+        sampler: scene.render.sampler.name(),
         features: facts(scene)?,
         used: Used::of(scene),
         per_sample: PerSample::of(&prepared),
@@ -298,7 +301,7 @@ fn describe(facts: &Facts) -> String {
     let draws = if draws.is_empty() {
         "none".to_owned()
     } else {
-        draws.join(", ")
+        format!("{}; {}", facts.sampler, draws.join(", "))
     };
     let _ = writeln!(text, "random numbers of a sample: {draws}");
     let bands = match facts.bands {

@@ -160,12 +160,9 @@ impl PreparedScene {
         }
     }
 
-    fn sampler(&self, id: SampleId) -> Sampler {
-        let SampleId {
-            pixel: (x, y),
-            index,
-        } = id;
-        Sampler::new(self.settings().seed, x, y, index)
+    pub(super) fn sampler(&self, id: SampleId) -> Sampler {
+        let settings = self.settings();
+        Sampler::new(settings.sampler, settings.seed, id.pixel, id.index)
     }
 
     /// Where a sample of a pixel looks from, and along which unit vector, in prepared units.

@@ -25,10 +25,10 @@ use super::media::Media;
 use super::path;
 use super::plan::{Feature, Plan};
 use super::primary_hits::PrimaryHits;
-#[cfg(test)]
-use super::sampler::Sampler;
 use super::stops::Stops;
 use super::texturing::PreparedTextures;
+#[cfg(test)]
+use super::{camera_samples::SampleId, sampler::Sampler};
 use crate::accel::Assembly;
 use crate::control::{CancelToken, Progress};
 use crate::math::{Vec2, Vec3};
@@ -264,8 +264,8 @@ impl PreparedScene {
 
     /// From now on that sample of that pixel panics.
     #[cfg(test)]
-    pub(super) fn fail_at(&mut self, (x, y): (u32, u32), sample: u32) {
-        self.faulty = Some(Sampler::new(self.settings.seed, x, y, sample));
+    pub(super) fn fail_at(&mut self, pixel: (u32, u32), index: u32) {
+        self.faulty = Some(self.sampler(SampleId { pixel, index }));
     }
 
     /// The triangles and their structure.

@@ -43,7 +43,7 @@ pub use radiance_map::RadianceMap;
 pub use remeasuring::Remeasure;
 pub use settings::{
     AcceleratorBuild, AcceleratorChoice, AmbientOcclusion, Filter, LightSampling, Mode, PhongModel,
-    RenderSettings, Shadows, Stop,
+    RenderSettings, SamplerChoice, Shadows, Stop,
 };
 pub use texture_image::{Texels, TextureImage};
 

@@ -25,6 +25,8 @@ pub struct RenderSettings {
     pub error_estimate: bool,
     /// Start of every random sequence; the same seed gives the same picture.
     pub seed: u64,
+    /// How random numbers are spread.
+    pub sampler: SamplerChoice,
     /// Most scattering events of a path: 0 shows emission alone, 1 direct light, each mirror or boundary of glass takes one
     /// more.
     pub max_bounces: u32,
@@ -98,6 +100,7 @@ impl Default for RenderSettings {
             adaptive: true,
             error_estimate: true,
             seed: 0,
+            sampler: SamplerChoice::Sobol,
             max_bounces: 8,
             roulette: true,
             light_sampling: LightSampling::Mis,
@@ -147,6 +150,21 @@ impl Default for AmbientOcclusion {
             radius: 0.05,
         }
     }
+}
+
+/// How the random numbers of a pixel are spread. The picture that is approached is the same; the noise on the way is not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SamplerChoice {
+    /// Evenly, as a scrambled Sobol sequence: the error falls faster than 1/√n.
+    #[default]
+    Sobol,
+    /// Each without regard to the others, as in a plain Monte Carlo method: the error falls as 1/√n. It is there to compare with.
+    Independent,
+}
+
+impl Choice for SamplerChoice {
+    const ALL: &'static [(Self, &'static str)] =
+        &[(Self::Sobol, "sobol"), (Self::Independent, "independent")];
 }
 
 /// How path tracing finds light. All find the same light; they differ in noise.

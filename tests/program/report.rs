@@ -538,3 +538,34 @@ fn nobody_foresees_when_another_picture_becomes_this_one() {
     assert!(page.contains("| not by sampling |"), "{page}");
     assert!(text(folder.path(), "report.svg").contains("another picture"));
 }
+
+/// Independent samples under the curve of evenly spread ones: more noise at as many samples, and a slope of -0.5 over them, within 0.1.
+#[test]
+fn samplers_are_compared() {
+    let folder = folder();
+    let comparison = ["--compare", "render.sampler=independent"];
+    let facts = succeed(
+        folder.path(),
+        &[
+            &["shadow.toml", "--spp", "64", "--seeds", "2"],
+            &comparison[..],
+        ]
+        .concat(),
+    );
+    let independent = &facts["variants"][0];
+    assert_eq!(facts["settings"]["sampler"], "sobol");
+    assert_eq!(independent["settings"]["sampler"], "independent");
+    let error = |of: &Value, doublings: usize| number(&of["points"][doublings]["true_rmse"]);
+    assert!(error(independent, 6) > error(&facts, 6));
+    let slope = (error(independent, 6) / error(independent, 2)).log2() / 4.0;
+    assert!((slope + 0.5).abs() < 0.1, "{slope}");
+
+    let plan = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        .current_dir(folder.path())
+        .args(["plan", "shadow.toml", "--set", "render.sampler=independent"])
+        .output()
+        .expect("starts");
+    let text = String::from_utf8_lossy(&plan.stdout);
+    let line = "random numbers of a sample: independent; point in the pixel 1.000";
+    assert!(text.contains(line), "{text}");
+}

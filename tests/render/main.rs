@@ -13,6 +13,7 @@ mod occlusion;
 mod path;
 mod plan;
 mod resume;
+mod samplers;
 mod scaling;
 mod sky;
 mod smooth;

@@ -13,11 +13,11 @@ use raymini::render::{
     RenderProgress, RunConfig, TilePixels, Watch, render_watched, resume,
 };
 use raymini::scene::{
-    Background, Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, Scene,
+    Background, Camera, Facing, Light, Material, Mode, RenderSettings, Rgb, SamplerChoice, Scene,
 };
 
 /// A ball of glass on a floor under a disk light: four tiles.
-fn scene() -> Scene {
+pub fn scene() -> Scene {
     let mut scene = Scene::default();
     let floor = rectangle(DVec3::ZERO, DVec3::X * 9.0, DVec3::Y * 9.0);
     add(&mut scene, "floor", floor, diffuse(0.6));
@@ -82,6 +82,10 @@ pub fn cases() -> Vec<Case> {
         case("bounded, of direct light", &|scene| {
             scene.render.mode = Mode::Direct;
             scene.render.clamp = Some(0.5);
+        }),
+        case("independent samples", &|scene| {
+            chooses_pixels(scene);
+            scene.render.sampler = SamplerChoice::Independent;
         }),
         case("without an error", &|scene| {
             scene.render.error_estimate = false;

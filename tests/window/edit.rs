@@ -1,10 +1,10 @@
 //! Undoing, copying, renaming and removing in the window, by the names on its controls and by keys.
 
-use crate::driver::{Files, Window, set_number};
+use crate::driver::{Files, SCENE, Window, library_hash, load, set_number};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use raymini::gui::top_bar::View;
-use raymini::scene::Scene;
+use raymini::scene::{SamplerChoice, Scene};
 
 const REDO: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
@@ -279,4 +279,26 @@ fn a_light_is_renamed_and_called_so_everywhere() {
     }
     assert!(window.has("Select Light 1"));
     assert!(!window.app().document().is_modified());
+}
+
+/// In every mode: undone and saved like other settings, and rendered with.
+#[test]
+fn a_sampler_is_chosen_in_the_panel() {
+    for mode in ["direct", "path", "ao", "normals"] {
+        let files = Files::new();
+        let path = files.write("room.toml", &format!("{SCENE}mode = \"{mode}\"\n"));
+        let mut window = Window::open(&path);
+        let even = library_hash(window.scene());
+        window.operate("Sampler: Independent");
+        assert_eq!(window.scene().render.sampler, SamplerChoice::Independent);
+        assert_eq!(next_undo(&window).as_deref(), Some("changing the sampler"));
+        window.press(Modifiers::COMMAND, Key::S);
+        window.until_saved(&path);
+        assert_eq!(load(&path).render.sampler, SamplerChoice::Independent);
+        window.render();
+        assert_eq!(window.hash(), library_hash(window.scene()), "{mode}");
+        assert_ne!(window.hash(), even, "{mode}");
+        window.operate("Sampler: Sobol");
+        assert_eq!(window.scene().render.sampler, SamplerChoice::Sobol);
+    }
 }

@@ -4,7 +4,7 @@ use super::ray_set::{self, RayError, RaySet};
 use crate::io::npy::RayRow;
 use crate::math::{DVec3, Ray, SceneFrame, Vec3, warp};
 use crate::render::{Decision, Dimension, PreparedScene, Sampler, SurfacePoint};
-use crate::scene::{Facing, Light, Rgb, Scene};
+use crate::scene::{Facing, Light, Rgb, SamplerChoice, Scene};
 
 /// Start of the random numbers. Rays are part of what is compared, so it is the same for all.
 const SEED: u64 = 0;
@@ -151,7 +151,7 @@ fn add_pixel(
         return Ok(());
     };
 
-    let sampler = Sampler::new(SEED, x, y, 0);
+    let sampler = Sampler::new(SamplerChoice::Sobol, SEED, (x, y), 0);
     let numbers = |decision| sampler.next_2d(Dimension::once(decision));
     let around_normal = warp::Frame::around(point.shading_normal);
     let cosine_distributed =

@@ -14,7 +14,7 @@ use crate::memory::peak_bytes;
 use crate::render::{
     Bands, Decision, Dimension, Image, Region, RenderProgress, RunConfig, Sampler, render,
 };
-use crate::scene::{Background, Camera, Material, Mode, Rgb, Scene};
+use crate::scene::{Background, Camera, Material, Mode, Rgb, SamplerChoice, Scene};
 
 pub const CASES: &[Case] = &[
     Case {
@@ -176,7 +176,7 @@ fn repeated_samples(_: Effort) -> f64 {
     let count = 1 << 18;
     let points: HashSet<[u32; 2]> = (0..count)
         .map(|index| {
-            let sampler = Sampler::new(5, 3, 4, index);
+            let sampler = Sampler::new(SamplerChoice::Sobol, 5, (3, 4), index);
             let point = sampler.next_2d(Dimension::once(Decision::Lens));
             [point.x.to_bits(), point.y.to_bits()]
         })

@@ -337,6 +337,7 @@ fn note_on(base: &Scene, changed: &Scene) -> Option<Note> {
         stop: base.render.stop,
         error_estimate: base.render.error_estimate,
         seed: base.render.seed,
+        sampler: base.render.sampler,
         roulette: base.render.roulette,
         light_sampling: base.render.light_sampling,
         shadow_samples: base.render.shadow_samples,
@@ -403,6 +404,7 @@ fn free_seed(variants: &[Variant], seeds: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::SamplerChoice;
 
     #[test]
     fn the_reference_has_a_seed_of_its_own() {
@@ -426,6 +428,7 @@ mod tests {
         };
         assert_eq!(note(&|_| ()), Some(Note::NoChange));
         assert_eq!(note(&|r| r.light_sampling = LightSampling::Bsdf), None);
+        assert_eq!(note(&|r| r.sampler = SamplerChoice::Independent), None);
         assert_eq!(note(&|r| r.ambient_occlusion.samples += 1), None);
         assert_eq!(note(&|r| r.stop.noise = Some(0.1)), None);
         let bounces = note(&|r| r.max_bounces += 1);

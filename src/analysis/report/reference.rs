@@ -3,7 +3,7 @@
 use crate::render::{
     ErrorEstimate, Image, Interval, PreparedScene, RenderProgress, RunConfig, render,
 };
-use crate::scene::{Choice, LightSampling, Mode, Scene, SceneError, Stop};
+use crate::scene::{Choice, LightSampling, Mode, SamplerChoice, Scene, SceneError, Stop};
 
 use crate::io::WrittenError;
 use crate::math::{counted, percent, three_digits};
@@ -69,7 +69,8 @@ impl Reference {
         }
     }
 
-    /// Renders one for `scene` with `seed`, `samples_per_pixel` for every pixel, and without the bias of `render.clamp`.
+    /// Renders one for `scene` with `seed`, `samples_per_pixel` for every pixel, by the sampler of least noise, and without the bias of
+    /// `render.clamp`.
     ///
     /// `by` is how it finds light in mode `path`; other modes have no choice. `None` when cancelled.
     ///
@@ -91,6 +92,7 @@ impl Reference {
         settings.error_estimate = true;
         settings.clamp = None;
         settings.light_sampling = by;
+        settings.sampler = SamplerChoice::Sobol;
         let light_sampling = (settings.mode == Mode::Path).then_some(by);
 
         let Some(prepared) = PreparedScene::prepare(&scene, None, &run.cancel)? else {
@@ -240,6 +242,25 @@ impl Reference {
 mod tests {
     use super::*;
     use crate::analysis::report::test_data;
+
+    #[test]
+    fn a_reference_is_as_even_as_can_be_whatever_the_scene_says() {
+        let mut scene = crate::io::demo_scene();
+        [scene.render.width, scene.render.height] = [8, 6];
+        let mut picture_by = |sampler| {
+            scene.render.sampler = sampler;
+            let (run, progress) = (RunConfig::default(), RenderProgress::default());
+            let way = scene.render.light_sampling;
+            let reference = Reference::render(&scene, 3, 4, way, &run, &progress);
+            reference
+                .expect("can be rendered")
+                .expect("nobody cancels")
+                .image
+        };
+        let [spread, independent] =
+            [SamplerChoice::Sobol, SamplerChoice::Independent].map(&mut picture_by);
+        assert_eq!(spread, independent);
+    }
 
     /// More than half of the mean square must be known to be the reference's.
     #[test]

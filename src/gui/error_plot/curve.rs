@@ -225,6 +225,10 @@ fn settings_changes(before: &RenderSettings, after: &RenderSettings) -> Vec<Stri
     );
     note(before.seed != after.seed, format!("seed {}", after.seed));
     note(
+        before.sampler != after.sampler,
+        format!("sampler {}", after.sampler.name()),
+    );
+    note(
         before.accelerator != after.accelerator,
         format!("structure {}", after.accelerator.name()),
     );
@@ -292,6 +296,11 @@ mod tests {
         second.render.stop.noise = Some(0.03);
         second.camera.eye.x += 1.0;
         assert_eq!(name(&second), "stop at 3 %, other camera");
+        second.render.sampler = crate::scene::SamplerChoice::Independent;
+        assert_eq!(
+            name(&second),
+            "stop at 3 %, sampler independent, other camera"
+        );
         let other = name_of_render("Hall", &second, Some(("Room", &first)));
         assert_eq!(other, "Hall, direct");
     }

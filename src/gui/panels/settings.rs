@@ -14,7 +14,7 @@ use crate::gui::widgets::{
 };
 use crate::scene::{
     AcceleratorBuild, AcceleratorChoice, Choice, Filter, LightSampling, Mode, PhongModel,
-    RenderSettings, Shadows,
+    RenderSettings, SamplerChoice, Shadows,
 };
 
 /// Picture sizes on offer.
@@ -303,6 +303,7 @@ pub fn effects_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         Mode::Ao => occlusion_rays_ui(ui, settings),
         _ => {}
     }
+    sampler_ui(ui, settings);
     if settings.mode.shows_light() {
         scattering_ui(ui, settings, known);
         clamp_ui(ui, settings);
@@ -481,6 +482,25 @@ fn path_ui(ui: &mut Ui, settings: &mut RenderSettings, known: &mut Known<'_>) {
     known.beside_ui(ui, Effect::Roulette, meaning, |ui, tooltip| {
         switch_row_ui(ui, "Roulette", tooltip, &mut settings.roulette);
     });
+}
+
+fn sampler_ui(ui: &mut Ui, settings: &mut RenderSettings) {
+    choice_row_ui(
+        ui,
+        "Sampler",
+        "How the random numbers of a pixel are spread: both ways lead to the same picture, with different noise",
+        &mut settings.sampler,
+        |sampler| match sampler {
+            SamplerChoice::Sobol => (
+                "Sobol",
+                "Evenly, as a scrambled Sobol sequence: noise falls fastest",
+            ),
+            SamplerChoice::Independent => (
+                "Independent",
+                "Each without regard to the others, the plainest way: more noise in the same time. To compare with",
+            ),
+        },
+    );
 }
 
 /// A limit on what one sample may bring, off by default.

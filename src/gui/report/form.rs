@@ -101,6 +101,7 @@ fn ready_made(mode: Mode) -> Vec<(&'static str, &'static str)> {
         ),
         ("4 shadow rays per light", "render.shadow_samples=4"),
         ("The kd-tree", "render.accelerator=kd-tree"),
+        ("Plain random numbers", "render.sampler=independent"),
     ];
     if mode == Mode::Path {
         all.extend([
@@ -422,11 +423,24 @@ fn in_words(subject: Subject<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::scene_file::apply_overrides;
 
     #[test]
     fn an_untouched_form_asks_for_what_the_command_does() {
         let form = Form::default();
         assert_eq!(form.options().expect("is right"), ReportOptions::default());
+    }
+
+    #[test]
+    fn ready_made_comparisons_say_something_else_than_the_scene() {
+        for mode in [Mode::Direct, Mode::Path] {
+            let mut scene = Scene::default();
+            scene.render.mode = mode;
+            for (name, assignments) in ready_made(mode) {
+                let changed = apply_overrides(&scene, &[assignments.to_owned()]);
+                assert_ne!(changed.expect("can be read"), scene, "{name}");
+            }
+        }
     }
 
     #[test]

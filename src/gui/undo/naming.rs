@@ -182,6 +182,7 @@ fn render_change(a: &RenderSettings, b: &RenderSettings) -> Option<&'static str>
             "switching the estimate of the error",
         ),
         (a.seed != b.seed, "changing the seed"),
+        (a.sampler != b.sampler, "changing the sampler"),
         (a.max_bounces != b.max_bounces, "changing the bounces"),
         (a.roulette != b.roulette, "switching roulette"),
         (
@@ -261,6 +262,7 @@ mod tests {
                     .extend([("clay".to_owned(), Material::mirror())]);
             }),
             name(|s| s.render.width = 7),
+            name(|s| s.render.sampler = crate::scene::SamplerChoice::Independent),
             name(|s| s.display.exposure = 1.0),
         ];
         assert_eq!(
@@ -275,6 +277,7 @@ mod tests {
                 "adding material chrome",
                 "changing the kind of material clay",
                 "changing the size of the picture",
+                "changing the sampler",
                 "changing the exposure",
             ]
         );

@@ -301,6 +301,7 @@ fn render(keys: &mut Keys<'_>, render: &mut RenderSettings) {
     keys.flag("adaptive", &mut render.adaptive);
     keys.flag("error_estimate", &mut render.error_estimate);
     keys.integer("seed", &mut render.seed, 0..=RenderSettings::MAX_SEED);
+    keys.choice("sampler", &mut render.sampler);
     keys.integer(
         "max_bounces",
         &mut render.max_bounces,

@@ -170,6 +170,7 @@ fn every_key_round_trips() {
             adaptive: false,
             error_estimate: true,
             seed: i64::MAX as u64,
+            sampler: crate::scene::SamplerChoice::Independent,
             max_bounces: 3,
             roulette: false,
             light_sampling: crate::scene::LightSampling::Nee,

@@ -380,12 +380,14 @@ mod tests {
     #[test]
     fn counts_between_powers_of_two_follow_the_sequence() {
         use crate::render::sampler::{Decision, Dimension, Sampler};
+        use crate::scene::SamplerChoice;
         let pixels = 4000;
         let mut squares = vec![0.0; 97];
         for pixel in 0..pixels {
             let mut sum = 0.0;
             for index in 0..96 {
-                let u = Sampler::new(5, pixel, 0, index).next_2d(Dimension::once(Decision::Pixel));
+                let sampler = Sampler::new(SamplerChoice::Sobol, 5, (pixel, 0), index);
+                let u = sampler.next_2d(Dimension::once(Decision::Pixel));
                 sum += f64::from(u8::from(u.length_squared() < 1.0));
                 let error: f64 = sum / f64::from(index + 1) - std::f64::consts::FRAC_PI_4;
                 squares[index as usize + 1] += error * error / f64::from(pixels);

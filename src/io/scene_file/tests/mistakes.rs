@@ -117,6 +117,10 @@ fn mistakes_name_place_and_expectation() {
             "`lights.0.intensity` is [1, 1, inf]; expected [red, green, blue]",
         ),
         (
+            "[render]\nsampler = \"halton\"",
+            "2:11: `render.sampler` is \"halton\"; expected one of \"sobol\", \"independent\"",
+        ),
+        (
             "[render]\nwidth = 0",
             "2:9: `render.width` is 0; expected a whole number from 1 to 65536",
         ),
