@@ -106,8 +106,8 @@ fn neither_a_region_nor_boxes_move_what_is_below_them() {
     let before = places(&window);
     window.operate("Show boxes");
     window.settle();
-    window.press(Modifiers::NONE, Key::B);
     let frame = window.rect("Viewport");
+    window.press(Modifiers::NONE, Key::B);
     let [from, to] = [0.25, 0.75].map(|share| frame.lerp_inside(egui::Vec2::splat(share)));
     window.drag(PointerButton::Primary, from, to);
     assert!(window.app().region().is_chosen());

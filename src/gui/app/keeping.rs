@@ -47,6 +47,8 @@ pub struct Keeping {
     started: Option<Instant>,
     /// Lost work that was not asked about yet.
     lost: VecDeque<Lost>,
+    /// What else was lost when something was restored, until it is told.
+    untold: Vec<String>,
     /// Restored work that is not saved yet, and the number of the file that it is in the document.
     restored: Option<(Lost, usize)>,
     /// Why nothing can be kept, until it is told.
@@ -263,8 +265,10 @@ impl App {
             // Other work would take the place of what is restored now: it is offered at the next start.
             Answer::Later => self.keeping.lost.clear(),
             Answer::Restore => {
-                self.tell_of_other_lost_work();
-                self.keeping.lost.clear();
+                let others = self.keeping.lost.drain(..);
+                let mut names: Vec<String> = others.map(|other| other.about.name).collect();
+                names.dedup();
+                self.keeping.untold = names;
                 self.restore(lost);
             }
             Answer::Discard => {
@@ -275,9 +279,7 @@ impl App {
 
     /// Says what else was lost, and is not asked about now.
     fn tell_of_other_lost_work(&mut self) {
-        let others = self.keeping.lost.iter();
-        let mut names: Vec<&str> = others.map(|lost| lost.about.name.as_str()).collect();
-        names.dedup();
+        let names = std::mem::take(&mut self.keeping.untold);
         if !names.is_empty() {
             let text = format!(
                 "What was not saved of {} is offered again at the next start.",
@@ -325,6 +327,7 @@ impl App {
                     "{error}\nThe work stays in {folder}, and is offered again at the next start."
                 );
                 self.messages.error("Cannot restore the unsaved work", text);
+                self.tell_of_other_lost_work();
             }
         }
     }
@@ -342,6 +345,8 @@ impl App {
         let is_saved = saved.is_none();
         let title = format!("Restored {name} with remarks");
         let before = self.open_document(scene, name, path, saved);
+        // What was told before went with the scene that was there.
+        self.tell_of_other_lost_work();
         if !warnings.is_empty() {
             self.messages.warning(title, warnings.join("\n"));
         }

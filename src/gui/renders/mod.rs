@@ -554,9 +554,14 @@ mod tests {
     #[test]
     fn a_render_that_an_edit_replaced_is_not_remembered() {
         let mut replaced = picture(1);
+        replaced.follow();
         replaced.replace();
         assert!(!Renders::wants(&replaced));
+        let mut asked_for = picture(1);
+        asked_for.replace();
+        assert!(Renders::wants(&asked_for));
         let mut long = picture(1);
+        long.follow();
         long.go_on_after(LONG, 0.5);
         long.replace();
         assert!(Renders::wants(&long), "it is too much to lose");

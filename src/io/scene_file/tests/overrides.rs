@@ -121,7 +121,7 @@ fn wrong_overrides_are_told_with_what_was_expected() {
         ),
         (
             "render.qqqq=1",
-            "unknown key `qqqq`; the nearest of the 23 known here are mode, seed, stop",
+            "unknown key `qqqq`; the nearest of the 24 known here are mode, seed, stop",
         ),
     ];
     for (assignment, expected) in cases {
