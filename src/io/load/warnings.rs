@@ -56,7 +56,7 @@ pub fn texture_warnings(name: &str, file: &TextureFile) -> Vec<String> {
         .collect()
 }
 
-/// By these words [`outside_warning`] is known.
+/// By these words the warning of files outside of the scene is known.
 pub const READ_FROM_OUTSIDE: &str = "the scene file reads this from outside of";
 
 /// By these words the warning of a background is known that is no image of all directions.
