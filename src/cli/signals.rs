@@ -100,6 +100,10 @@ fn waiting() -> io::Result<impl FnMut() + Send> {
 }
 
 #[cfg(not(unix))]
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "elsewhere the system may not allow it"
+)]
 fn waiting() -> io::Result<impl FnMut() + Send> {
     const PERIOD: std::time::Duration = std::time::Duration::from_millis(20);
     Ok(|| std::thread::sleep(PERIOD))

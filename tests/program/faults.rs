@@ -4,7 +4,6 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use raymini::analysis::report::REPORT_FILES;
 use raymini::control::{CancelToken, Progress};
 use raymini::io;
 use serde_json::Value;
@@ -193,7 +192,7 @@ fn a_report_whose_disk_is_full_is_not_lost() {
         "{said}"
     );
     let files = names(&place);
-    for name in REPORT_FILES {
+    for name in raymini::analysis::report::REPORT_FILES {
         assert!(files.iter().any(|file| file == name), "{name}: {files:?}");
     }
     let json = std::fs::read(place.join("report.json")).expect("is written");

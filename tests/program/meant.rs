@@ -1,7 +1,5 @@
 //! What the program does with files that a user did not mean, or cannot mean: it says so, and leaves them alone.
 
-use std::process::Command;
-
 use serde_json::Value;
 
 use crate::command_line::{facts, fail, folder, raymini, succeed};
@@ -123,7 +121,7 @@ fn a_mesh_that_no_scene_can_name_is_warned_of() {
     let name = std::ffi::OsStr::from_bytes(b"t\xff.off");
     std::fs::copy(folder.path().join("tetra.off"), folder.path().join(name)).expect("is copied");
     let render = |mesh: &std::ffi::OsStr| {
-        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_raymini"))
             .current_dir(folder.path())
             .arg("render")
             .arg(mesh)
