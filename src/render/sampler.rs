@@ -346,7 +346,7 @@ mod tests {
 
     /// A scrambled (0, m, 2)-net: each elementary interval of area 2⁻ᵐ holds exactly one of 2ᵐ points.
     #[test]
-    fn every_power_far_prefix_is_a_net() {
+    fn every_power_of_two_prefix_is_a_net() {
         for pixel in 0..8 {
             for m in [1_u32, 4, 8] {
                 for split in 0..=m {

@@ -318,25 +318,25 @@ mod tests {
     fn what_lay_in_folders_that_moved_is_found_there() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        std::fs::create_dir_all(path("new/work/meshes")).unwrap();
+        std::fs::create_dir_all(path("new/house/meshes")).unwrap();
         for name in ["meshes/a.off", "meshes/c.off", "sky.exr"] {
-            std::fs::write(path("new/work").join(name), "").unwrap();
+            std::fs::write(path("new/house").join(name), "").unwrap();
         }
         let old = ["meshes/a.off", "meshes/b.off", "meshes/c.off", "sky.exr"];
-        let old = old.map(|name| path("old/work").join(name));
-        let elsewhere = path("older/work/meshes/c.off");
+        let old = old.map(|name| path("old/house").join(name));
+        let elsewhere = path("older/house/meshes/c.off");
         let others: Vec<_> = old.iter().chain([&elsewhere]).map(|p| missing(p)).collect();
         let moved = |to: &str| moved_along(&old[0], &path(to), &others);
-        let c = (old[2].clone(), path("new/work/meshes/c.off"));
-        let sky = (old[3].clone(), path("new/work/sky.exr"));
+        let c = (old[2].clone(), path("new/house/meshes/c.off"));
+        let sky = (old[3].clone(), path("new/house/sky.exr"));
         // The whole of `old` is at `new`, but for what is in neither.
         assert_eq!(
-            moved("new/work/meshes/a.off"),
+            moved("new/house/meshes/a.off"),
             [c.clone(), sky.clone()].into()
         );
         // Called otherwise, it tells where its folder is and no more.
-        assert_eq!(moved("new/work/meshes/z.off"), [c].into());
-        assert_eq!(moved("new/work/a.off"), Moves::new());
+        assert_eq!(moved("new/house/meshes/z.off"), [c].into());
+        assert_eq!(moved("new/house/a.off"), Moves::new());
         let at_root = moved_along(Path::new("/a.off"), Path::new("/z/a.off"), &others);
         assert_eq!(at_root, Moves::new());
     }
