@@ -192,14 +192,18 @@ fn structure_ui(ui: &mut Ui, settings: &mut RenderSettings, structure: Option<St
             },
         );
     }
-    if let Some(StructureInUse { name, bytes }) = structure {
-        row_ui(
-            ui,
-            "In use",
-            "The structure that was built, and its memory",
-            |ui| ui.weak(format!("{name}, {}", memory(bytes))),
-        );
-    }
+    // There all the time, so that what is below keeps its place.
+    row_ui(
+        ui,
+        "In use",
+        "The structure that was built, and its memory",
+        |ui| {
+            ui.weak(match structure {
+                Some(StructureInUse { name, bytes }) => format!("{name}, {}", memory(bytes)),
+                None => "none is built yet".to_owned(),
+            })
+        },
+    );
 }
 
 fn structure_name(choice: AcceleratorChoice) -> &'static str {
