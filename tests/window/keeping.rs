@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::closing::is_told_to_close;
 use crate::driver::{DEADLINE, Files, Window, library_hash, load, set_samples};
-use crate::everyday::is_told_to_close;
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use raymini::control::CancelToken;

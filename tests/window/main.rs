@@ -3,9 +3,11 @@
 //! Tests that draw run on software Vulkan without a display, and fail without an adapter.
 #![cfg(feature = "gui")]
 
+mod closing;
 mod compare;
 mod contributions;
 mod driver;
+mod dropping;
 mod edit;
 mod everyday;
 mod import;
@@ -13,7 +15,9 @@ mod keeping;
 mod live;
 mod materials;
 mod missing;
+mod mouse;
 mod names;
+mod noise;
 mod panel;
 mod pictures;
 mod preview;
@@ -21,8 +25,10 @@ mod real;
 mod region;
 mod reload;
 mod renders;
+mod reports;
 mod restoring;
 mod seeing;
+mod shortcuts;
 mod slow_disk;
 mod start;
 mod stopping;
