@@ -154,15 +154,19 @@ fn all_ui(ui: &mut Ui, hidden: usize) -> bool {
         .fill(ui.visuals().panel_fill)
         .inner_margin(Margin::symmetric(12, 4))
         .show(ui, |ui| {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let dismiss = ui
-                    .button("Dismiss all")
-                    .on_hover_text("Remove all messages");
-                if hidden > 0 {
-                    let older = counted(hidden, "older message", "older messages");
-                    ui.label(RichText::new(format!("and {older}")).weak());
-                }
-                dismiss.clicked()
+            // In a row: without one, what is centred takes all the height there is.
+            ui.horizontal(|ui| {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let dismiss = ui
+                        .button("Dismiss all")
+                        .on_hover_text("Remove all messages");
+                    if hidden > 0 {
+                        let older = counted(hidden, "older message", "older messages");
+                        ui.label(RichText::new(format!("and {older}")).weak());
+                    }
+                    dismiss.clicked()
+                })
+                .inner
             })
             .inner
         })

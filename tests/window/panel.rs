@@ -122,6 +122,18 @@ fn neither_a_region_nor_boxes_move_what_is_below_them() {
     assert_eq!((part.region.x, part.region.width), (40, 120));
 }
 
+/// The room for what is told of the structure is there before the structure.
+#[test]
+fn the_structure_that_is_built_moves_nothing() {
+    let files = Files::new();
+    let height = |window: &Window| window.rect("Show boxes").top() - window.rect("Seed").top();
+    let nothing = Window::open(&files.write("nothing.toml", "[render]\nwidth = 64\n"));
+    assert!(nothing.says("none is built yet"));
+    let room = Window::open(&files.path("room.toml"));
+    assert!(!room.says("none is built yet"));
+    assert_eq!(height(&room), height(&nothing));
+}
+
 #[test]
 fn escape_gives_up_the_tool_before_the_selection() {
     let files = Files::new();

@@ -168,6 +168,12 @@ impl<'a> Window<'a> {
         self.display.xdotool(&["key", keys]);
     }
 
+    /// Its place and size, as the display tells them, a number a line.
+    fn geometry(&self) -> String {
+        let geometry = ["getwindowgeometry", "--shell", &self.id];
+        self.display.xdotool(&geometry)
+    }
+
     /// Makes it [`TALL`].
     fn make_tall(&self) {
         let [width, height] = TALL.map(|side| side.to_string());
@@ -176,8 +182,7 @@ impl<'a> Window<'a> {
             let size = ["windowsize", &self.id, &width, &height];
             self.display.xdotool(&size);
             wait_briefly(5, || {
-                let geometry = ["getwindowgeometry", "--shell", &self.id];
-                let told = self.display.xdotool(&geometry);
+                let told = self.geometry();
                 let has = |line: &String| told.lines().any(|told| told == line);
                 wanted.iter().all(has).then_some(())
             })
@@ -210,13 +215,19 @@ impl<'a> Window<'a> {
         });
     }
 
-    /// Clicks at `place` until something has changed that is not saved.
+    /// Clicks at `place` of the [`TALL`] window until something has changed that is not saved.
     fn edit_at(&self, place: Pos2) {
         assert!(!self.is_modified());
-        wait_for("the click to change something", || {
+        let what = format!("the click at {place} to change something");
+        wait_for(&what, || {
+            self.make_tall();
             self.point_at(place);
             self.display.xdotool(&["click", "1"]);
-            wait_briefly(3, || self.is_modified().then_some(()))
+            let change = wait_briefly(3, || self.is_modified().then_some(()));
+            if change.is_none() {
+                eprintln!("not yet: {:?}, {}", self.title(), self.geometry());
+            }
+            change
         });
     }
 

@@ -68,6 +68,8 @@ impl App {
                 self.follow_scene();
             } else {
                 self.ask_for_render();
+                self.messages
+                    .news("Rendering anew, as the scene was edited");
             }
         }
     }

@@ -37,6 +37,9 @@ const POWERS: u32 = 14;
 
 /// By which part the variance is larger at odd levels and smaller at even ones, and how likely that is before anything is seen.
 const SWINGS: [(f64, f64); 4] = [(0.0, 0.4), (0.1, 0.2), (0.2, 0.2), (0.3, 0.2)];
+/// The level from which on swings are believed in: of the one link that is seen before, a slow fall without any is as good an explanation as
+/// a fast one that swings, and the slow fall is what pictures have.
+const SWINGS_FROM: u32 = 3;
 
 /// Which part of the variance falls as for independent samples, at the level where the law is asked, and how likely that is.
 const SLOW_PARTS: [(f64, f64); 7] = [
@@ -71,6 +74,7 @@ const IGNORANCE: f64 = std::f64::consts::LN_2;
 struct Law {
     /// Logarithm of how likely it is before anything is seen.
     prior: f64,
+    swings: bool,
     /// For even and odd levels at which it is asked: the variance, over that at this level, at each level from [`MOST_LEVEL`]
     /// below to as many above.
     variances: [Vec<f64>; 2],
@@ -110,6 +114,7 @@ impl Law {
         let present = OFFSET as usize + 1;
         Self {
             prior: libm::log(prior),
+            swings: swing > 0.0,
             variances: variances.each_ref().map(|variances| {
                 let relative = |variance: &f64| variance / variances[present];
                 variances[1..].iter().map(relative).collect()
@@ -138,6 +143,9 @@ impl Law {
 
     /// Logarithm of how likely the law is once these links are `seen`, each with its level.
     fn likelihood(&self, level: u32, seen: &[(u32, f64)]) -> f64 {
+        if self.swings && level < SWINGS_FROM {
+            return f64::NEG_INFINITY;
+        }
         let of_link = |&(at, link): &(u32, f64)| {
             let early = EARLY_DEVIATION * libm::exp2(2.0 - f64::from(at));
             let age = DEVIATION_OF_AGE * f64::from(level - at);
@@ -317,6 +325,17 @@ mod tests {
                 let twice = decay.variance(1 << (level + 1)) / decay.variance(1 << level);
                 assert!(twice > link / 1.5 && twice < link * 1.5, "{twice}, {link}");
             }
+        }
+    }
+
+    /// The first link of all, at four samples: what is left is known within the same quarter for what real pictures show.
+    #[test]
+    fn one_link_tells_how_much_is_left() {
+        for link in [0.5, 0.42, 0.354, 0.25] {
+            let decay = Decay::at(2, &[link]);
+            let fall = 1.0 + 1.0 / link;
+            let found = (decay.variance_over_fall() * fall / (link / (1.0 - link))).sqrt();
+            assert!((0.8..1.25).contains(&found), "{link}: {found}");
         }
     }
 
