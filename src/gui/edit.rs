@@ -31,7 +31,7 @@ pub fn name_of(scene: &Scene, selection: &Selection) -> Option<String> {
     match selection {
         Selection::Camera | Selection::Background => None,
         Selection::Object(index) => scene.objects.get(*index).map(|object| {
-            if object.name.is_empty() {
+            if object.name.trim().is_empty() {
                 format!("object {}", index + 1)
             } else {
                 object.name.clone()

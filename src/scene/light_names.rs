@@ -22,7 +22,7 @@ impl Scene {
     #[must_use]
     pub fn light_label(&self, index: usize) -> String {
         match self.light_name(index) {
-            "" => format!("light {}", index + 1),
+            name if name.trim().is_empty() => format!("light {}", index + 1),
             name => name.to_owned(),
         }
     }

@@ -75,23 +75,29 @@ impl Scene {
 
     /// What of materials does not show on objects, as their meshes lack what it takes.
     fn lost_textures(&self) -> impl Iterator<Item = String> {
-        let objects = self.objects.iter();
-        let there = objects.filter(|object| !self.lacks_mesh(object));
         let lost = |object: &Object| {
-            let material = self.materials.get(object.material.as_ref()?)?;
-            let (textures, mesh) = (material.textures()?, self.meshes.get(&object.mesh)?);
-            let has_image = textures.images().next().is_some();
-            let missing = if has_image && mesh.texture_coordinates.is_none() {
-                "an image, but the mesh has no texture coordinates"
-            } else if textures.vertex_colors && mesh.colors.is_none() {
-                "colours of vertices, but the mesh has none"
-            } else {
-                return None;
-            };
-            let name = &object.name;
+            let (missing, name) = (self.lost_texture(object)?, &object.name);
             Some(format!("the material of object \"{name}\" has {missing}"))
         };
-        there.filter_map(lost)
+        self.objects.iter().filter_map(lost)
+    }
+
+    /// What the material of `object` has that does not show on it, as its mesh lacks what that takes; nothing where the mesh is missing.
+    #[must_use]
+    pub fn lost_texture(&self, object: &Object) -> Option<&'static str> {
+        if self.lacks_mesh(object) {
+            return None;
+        }
+        let material = self.materials.get(object.material.as_ref()?)?;
+        let (textures, mesh) = (material.textures()?, self.meshes.get(&object.mesh)?);
+        let has_image = textures.images().next().is_some();
+        if has_image && mesh.texture_coordinates.is_none() {
+            Some("an image, but the mesh has no texture coordinates")
+        } else if textures.vertex_colors && mesh.colors.is_none() {
+            Some("colours of vertices, but the mesh has none")
+        } else {
+            None
+        }
     }
 
     /// The materials that reflect more light than arrives, where light bounces: their names, and the largest share of the light

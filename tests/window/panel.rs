@@ -53,6 +53,35 @@ fn numbers_are_typed_as_sums_and_what_is_none_is_refused_with_a_word() {
     assert_eq!(window.scene().render.samples_per_pixel, 4);
 }
 
+/// A row without anything to read could not be told from a gap.
+#[test]
+fn a_name_of_spaces_is_none() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Select pyramid");
+    window.enter("Name", "   ");
+    window.click("Select Light 1");
+    window.enter("Name", "  ");
+    window.settle();
+    assert!(window.has("Select Object 1"));
+    assert!(window.has("Select Light 1"));
+}
+
+/// The ball of the material shows the image; why the object does not is told beside it.
+#[test]
+fn an_image_that_does_not_show_is_told_of() {
+    let files = Files::new();
+    let paint = image::RgbImage::from_pixel(2, 2, image::Rgb([200, 30, 30]));
+    paint.save(files.path("paint.png")).unwrap();
+    let painted = "diffuse_image = \"paint.png\"\n\n[[objects]]";
+    let scene = SCENE.replace("[[objects]]", painted);
+    let mut window = Window::open(&files.write("painted.toml", &scene));
+    let told = "an image, but the mesh has no texture coordinates: it does not show here";
+    assert!(!window.says(told));
+    window.click("Select pyramid");
+    assert!(window.says(told));
+}
+
 /// Numbers are shown short, but going through their fields changes nothing.
 #[test]
 fn a_field_that_is_only_looked_at_keeps_every_digit() {

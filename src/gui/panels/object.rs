@@ -22,6 +22,11 @@ pub fn object_ui(ui: &mut Ui, state: &mut PanelState<'_>, index: usize) {
     identity_ui(ui, &mut state.scene.objects[index]);
     shape_ui(ui, &mut state.scene.objects[index], speed);
     material_choice_ui(ui, state.scene, index);
+    if let Some(lost) = state.scene.lost_texture(&state.scene.objects[index]) {
+        let text = format!("The material has {lost}: it does not show here");
+        let color = ui.visuals().warn_fg_color;
+        ui.label(RichText::new(text).small().color(color));
+    }
 
     let object = &state.scene.objects[index];
     if let Some(name) = object.material.clone()

@@ -151,7 +151,7 @@ fn place_of_material(state: &PanelState<'_>) -> Option<usize> {
 fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
     for index in rows {
         let object = &state.scene.objects[index];
-        let name = if object.name.is_empty() {
+        let name = if object.name.trim().is_empty() {
             format!("Object {}", index + 1)
         } else {
             object.name.clone()
@@ -170,7 +170,7 @@ fn objects_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
 fn lights_ui(ui: &mut Ui, state: &mut PanelState<'_>, rows: Range<usize>) {
     for index in rows {
         let name = match state.scene.light_name(index) {
-            "" => edit::usual_light_name(index),
+            name if name.trim().is_empty() => edit::usual_light_name(index),
             name => name.to_owned(),
         };
         let light = state.scene.lights[index];

@@ -61,7 +61,7 @@ fn one_more_or_less<T: PartialEq>(before: &[T], after: &[T]) -> Option<(&'static
 
 fn object_name(objects: &[Object], index: usize) -> String {
     match objects.get(index) {
-        Some(object) if !object.name.is_empty() => object.name.clone(),
+        Some(object) if !object.name.trim().is_empty() => object.name.clone(),
         _ => format!("object {}", index + 1),
     }
 }
