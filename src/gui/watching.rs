@@ -47,6 +47,8 @@ struct Watched {
     seen: Option<Stamp>,
     /// When reading it began, as far as that is known.
     began: Option<SystemTime>,
+    /// How often the window has accepted it.
+    accepted: u64,
 }
 
 impl Watched {
@@ -95,20 +97,36 @@ impl FileWatch {
     /// The file at `path` is now as the window has it: it has written or read it. Of one that is not watched yet this counts as soon as
     /// it is.
     pub fn accept(&self, path: &Path) {
-        self.lock().insert(path.to_owned(), Watched::default());
+        let mut watched = self.lock();
+        let file = watched.entry(path.to_owned()).or_default();
+        *file = Watched {
+            accepted: file.accepted + 1,
+            ..Watched::default()
+        };
     }
 
     /// Looks at all files once; returns those that are to be read again.
     fn look(&self) -> Vec<PathBuf> {
+        self.look_by(Stamp::of)
+    }
+
+    /// [`Self::look`], with what finds the stamp of the file at a path.
+    fn look_by(&self, stamp_of: impl Fn(&Path) -> Option<Stamp>) -> Vec<PathBuf> {
+        let watched = self.lock();
+        let of_file = |(path, file): (&PathBuf, &Watched)| (path.clone(), file.accepted);
+        let files: Vec<_> = watched.iter().map(of_file).collect();
         // Looking may take its time where files are far away.
-        let paths: Vec<PathBuf> = self.lock().keys().cloned().collect();
-        let stamps: Vec<_> = paths.iter().map(|path| Stamp::of(path)).collect();
+        drop(watched);
+        let stamps: Vec<_> = files.iter().map(|(path, _)| stamp_of(path)).collect();
         let mut watched = self.lock();
-        let changed = paths.into_iter().zip(stamps).filter(|(path, stamp)| {
+        let changed = files.into_iter().zip(stamps).filter(|(file, stamp)| {
+            let (path, accepted) = file;
             let file = watched.get_mut(path);
+            // The stamp of one that was accepted meanwhile may be from before.
+            let file = file.filter(|file| file.accepted == *accepted);
             file.is_some_and(|file| file.look(*stamp))
         });
-        changed.map(|(path, _)| path).collect()
+        changed.map(|((path, _), _)| path).collect()
     }
 
     fn lock(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Watched>> {
@@ -182,6 +200,27 @@ mod tests {
         files.accept(&path);
         files.set_files([path], Some(began));
         assert_eq!([files.look(), files.look(), files.look()].concat().len(), 0);
+    }
+
+    /// Also where it is written while the watch looks.
+    #[test]
+    fn what_is_accepted_during_a_look_is_no_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("saved");
+        let files = FileWatch::default();
+        std::fs::write(&path, "1").unwrap();
+        files.set_files([path.clone()], None);
+        let save_after_look = |path: &Path| {
+            let stamp = Stamp::of(path);
+            std::fs::write(path, "12").unwrap();
+            files.accept(path);
+            stamp
+        };
+        assert!(files.look_by(save_after_look).is_empty());
+        assert_eq!([files.look(), files.look(), files.look()].concat().len(), 0);
+        // Another's change after that is one.
+        std::fs::write(&path, "123").unwrap();
+        assert_eq!([files.look(), files.look()].concat(), [path]);
     }
 
     #[test]
