@@ -59,7 +59,7 @@ pub struct RenderKeeper<'a> {
 pub struct Start {
     pub checkpoint: Checkpoint,
     /// The share of the samples that need not be taken again, `0..=1`.
-    pub share_done: f64,
+    pub share_of_samples: f64,
     /// When the last of them was there, in seconds of wall time of the render.
     pub seconds: f64,
 }
@@ -68,10 +68,17 @@ impl Start {
     /// At `checkpoint`, and what is known beside: so many `samples`, the last after so many `seconds`.
     pub fn of(checkpoint: Checkpoint, samples: u64, seconds: f64) -> Self {
         Self {
-            share_done: checkpoint.share_done(samples),
+            share_of_samples: checkpoint.share_done(samples),
             seconds: seconds.max(checkpoint.seconds()),
             checkpoint,
         }
+    }
+
+    /// The done part of a render that ends by `rules`, `0..=1`, as [`RenderProgress::share`](crate::render::RenderProgress::share) tells it:
+    /// by samples or by the clock, whichever is nearer to ending it.
+    pub fn share_done(&self, rules: &StopRules) -> f64 {
+        let by_time = rules.stop.seconds.map(|limit| self.seconds / limit);
+        by_time.unwrap_or(0.0).max(self.share_of_samples).min(1.0)
     }
 }
 

@@ -119,6 +119,35 @@ fn a_cancelled_render_goes_on_where_it_was() {
     assert_eq!(window.hash(), library_hash(window.scene()));
 }
 
+/// Where the clock ends it, time is what is told of it before and after, although it has next to none of its samples.
+#[test]
+fn a_render_that_the_clock_ends_goes_on_at_the_share_that_it_was_cancelled_at() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.operate("Stop after");
+    set_number(&mut window, "Time to stop after", "5");
+    start_long_render(&mut window);
+    window.until("much of its time is over", |app| {
+        app.picture().is_some_and(|p| p.progress.share() > 0.4)
+    });
+    window.click("Cancel");
+    let cancelled_at = picture(&window).progress.share();
+    window.until("what it reached is there", |app| {
+        app.picture().is_some_and(|p| p.reached().is_there())
+    });
+    window.press(Modifiers::SHIFT, Key::F5);
+    window.just_until("it goes on", |app| {
+        app.picture().and_then(Picture::goes_on_from).is_some()
+    });
+    let goes_on_from = picture(&window).goes_on_from().expect("it goes on");
+    // Tiles that were in hand take a moment to end.
+    assert!(
+        (goes_on_from - cancelled_at).abs() < 0.1,
+        "{cancelled_at}, then {goes_on_from}"
+    );
+    window.click("Cancel");
+}
+
 /// While an older picture is looked at, the bar goes on telling of the render that runs.
 #[test]
 fn the_running_render_is_told_of_beside_an_older_one() {

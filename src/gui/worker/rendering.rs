@@ -220,16 +220,17 @@ fn carry_out(job: &Job<Event>, request: &RenderRequest, ready: Ready<'_>) {
     let progress = &request.progress;
     expect_samples(request);
     let render = || match start {
-        Some(Start {
-            checkpoint,
-            share_done,
-            seconds,
-        }) => {
-            progress.go_on_at(share_done);
+        Some(start) => {
             job.send(Event::RenderGoesOn {
-                share_done,
-                seconds,
+                share_done: start.share_done(&request.rules.get()),
+                seconds: start.seconds,
             });
+            let Start {
+                checkpoint,
+                share_of_samples,
+                ..
+            } = start;
+            progress.go_on_at(share_of_samples);
             checkpoint.show(&on_tile);
             render::resume(prepared, checkpoint, run, progress, watch)
         }
