@@ -386,6 +386,12 @@ impl Picture {
         !self.is_running() && self.is_long() && !self.is_saved && self.first_tile.is_some()
     }
 
+    /// Whether it runs, has taken long, and shows something by now: were another to take its place, it could not go on.
+    #[must_use]
+    pub fn is_work_in_hand(&self) -> bool {
+        self.is_running() && self.is_long() && self.first_tile.is_some()
+    }
+
     /// By which rules it ends, for the threads that render.
     #[must_use]
     pub fn rules(&self) -> &LiveRules {

@@ -546,6 +546,7 @@ fn an_edit_does_not_give_up_a_long_render() {
 
     // What it has reached is there when another is asked for, which the next edit starts anew.
     window.press(Modifiers::NONE, Key::F5);
+    window.click("Render anew");
     let runs_as = |number| {
         move |app: &raymini::gui::App| {
             let picture = app.picture();

@@ -48,6 +48,7 @@ impl App {
             Some(Dialog::Running) => self.running_ui(ctx),
             Some(Dialog::Pictures) => self.pictures_ui(ctx),
             Some(Dialog::Forget(number)) => self.forget_ui(ctx, number),
+            Some(Dialog::Anew(number)) => self.anew_ui(ctx, number),
             Some(Dialog::Import(mut import)) => {
                 let decision = import.decide_ui(ctx, &self.document.scene);
                 self.decide_about_import(import, decision);

@@ -85,7 +85,7 @@ impl App {
             Command::ShowFullSize => self.zoom.full(),
             Command::Enlarge => self.zoom.nearer(),
             Command::Reduce => self.zoom.farther(),
-            Command::Render => self.ask_for_render(),
+            Command::Render => self.ask_to_render(),
             Command::Continue => self.continue_render(),
             Command::ToggleLive => self.toggle_live(),
             Command::TogglePause => self.toggle_pause(),

@@ -10,6 +10,7 @@ use std::time::Duration;
 use super::{App, PreparedState, WaitingRender};
 use crate::analysis::hazards::why_black;
 use crate::control::Progress;
+use crate::gui::dialogs::{Dialog, question};
 use crate::gui::document::{same_geometry, same_image, same_picture};
 use crate::gui::jobs::{Lane, drop_elsewhere, drop_unless_cancelled};
 use crate::gui::keeping::{KeptRender, RenderAbout};
@@ -204,6 +205,28 @@ impl App {
     /// Starts a render as soon as its geometry is there; one that runs is given up.
     pub(super) fn ask_for_render(&mut self) {
         self.ask_for(WaitingRender::new());
+    }
+
+    /// [`Self::ask_for_render`], once nobody minds that a render which has taken long ends for it.
+    pub(super) fn ask_to_render(&mut self) {
+        match &self.picture {
+            Some(picture) if picture.is_work_in_hand() => self.ask(Dialog::Anew(picture.number)),
+            _ => self.ask_for_render(),
+        }
+    }
+
+    /// Asks before another render ends the one with this number. Once that has ended by itself, it is there to be looked at.
+    pub(super) fn anew_ui(&mut self, ctx: &egui::Context, number: usize) {
+        let is_asked_about = |p: &&Picture| p.number == number && p.is_running();
+        let Some(picture) = self.picture.as_ref().filter(is_asked_about) else {
+            return;
+        };
+        let (share, elapsed) = (picture.progress.share(), picture.elapsed());
+        match question::anew_ui(ctx, &picture.name, share, elapsed) {
+            Some(true) => self.ask_for_render(),
+            Some(false) => {}
+            None => self.dialog = Some(Dialog::Anew(number)),
+        }
     }
 
     pub(super) fn ask_for(&mut self, render: WaitingRender) {

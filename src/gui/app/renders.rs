@@ -260,6 +260,68 @@ mod tests {
     use crate::gui::app::testing;
     use crate::gui::picture::{LONG, Outcome};
 
+    type Window = egui_kittest::Harness<'static, App>;
+
+    fn click(window: &mut Window, name: &str) {
+        window.run_steps(3);
+        window.get_by_label(name).click();
+        window.run_steps(3);
+    }
+
+    /// A render could not go on once another has taken its place.
+    #[test]
+    fn a_long_render_is_not_ended_by_another_without_a_question() {
+        let mut window = testing::window(None);
+        let press_f5 = |window: &mut Window| {
+            window.key_press(egui::Key::F5);
+            window.run_steps(3);
+        };
+        let asks = |window: &Window| {
+            let heading = "End the running render for another?";
+            window.query_by_label(heading).is_some()
+        };
+        let runs = |app: &App, number| {
+            let mut picture = app.picture.iter();
+            picture.any(|p| p.number == number && p.is_running())
+        };
+        let app = window.state_mut();
+        let mut picture = testing::picture(app);
+        picture.first_tile = Some(Duration::ZERO);
+        picture.go_on_after(LONG, 0.5);
+        picture.progress.go_on_at(0.5);
+        (app.picture, app.view) = (Some(picture), View::Picture);
+        press_f5(&mut window);
+        assert!(asks(&window));
+        let told = "It is at 50 % after 30";
+        assert!(window.query_by_label_contains(told).is_some());
+        click(&mut window, "Keep");
+        assert!(!asks(&window) && runs(window.state(), 1));
+
+        // One that ends while it is asked about stays to be looked at.
+        press_f5(&mut window);
+        window.state_mut().end_picture(Outcome::Cancelled);
+        window.run_steps(3);
+        assert!(!asks(&window) && window.state().waiting_render.is_none());
+        let app = window.state_mut();
+        assert!(app.picture.as_ref().is_some_and(|p| p.number == 1));
+        if let Some(picture) = &mut app.picture {
+            picture.outcome = Outcome::Running;
+        }
+
+        press_f5(&mut window);
+        click(&mut window, "Render anew");
+        testing::until(&mut window, |app| runs(app, 2));
+        let entries = window.state().renders.entries();
+        let entries = entries
+            .iter()
+            .map(|it| (it.facts.number, &it.facts.outcome));
+        assert_eq!(entries.collect::<Vec<_>>(), [(1, &Outcome::Cancelled)]);
+        // A short one is soon made again.
+        press_f5(&mut window);
+        assert!(!asks(&window));
+        window.state_mut().cancel_render();
+    }
+
     /// What took long, is in no file and cannot be undone is asked about, as when the window closes.
     #[test]
     fn a_long_render_that_is_not_saved_is_not_forgotten_without_a_question() {
@@ -270,11 +332,6 @@ mod tests {
         picture.go_on_after(LONG, 0.5);
         picture.end(Outcome::Cancelled);
         (app.picture, app.view, app.renders.open) = (Some(picture), View::Picture, true);
-        let click = |window: &mut egui_kittest::Harness<'_, App>, name: &str| {
-            window.run_steps(3);
-            window.get_by_label(name).click();
-            window.run_steps(3);
-        };
         click(&mut window, "Forget");
         let asks = "Forget the picture without saving it?";
         assert!(window.query_by_label(asks).is_some());

@@ -43,6 +43,8 @@ pub enum Dialog {
     Pictures,
     /// The picture of the render with this number, which took long, is about to be lost.
     Forget(usize),
+    /// Another render is about to end the one with this number, which has taken long.
+    Anew(usize),
     /// A scene lacks files.
     Missing(Missing),
     /// Meshes were read, and it is to be said what becomes of them.

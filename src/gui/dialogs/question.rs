@@ -1,10 +1,13 @@
 //! The question that stands between unsaved work and its loss.
 
+use std::time::Duration;
+
 use egui::{RichText, Ui};
 
 use super::{Intent, buttons_ui, modal_ui};
 use crate::gui::commands::Stoppable;
 use crate::gui::picture::LONG;
+use crate::gui::status_bar::duration;
 use crate::gui::widgets::primary_button;
 
 /// What the user decided.
@@ -180,6 +183,30 @@ pub fn forget_ui(ctx: &egui::Context, name: &str) -> Option<bool> {
                 "Forget without saving",
                 "Take it out of the list; the picture is lost",
             ),
+        )
+    });
+    let is_over = response.should_close() || is_confirmed(ctx);
+    response.inner.or(is_over.then_some(false))
+}
+
+/// Asks before the running render called `name`, of which the part `share` is done after the time `elapsed`, is ended by another. `Some(true)` to
+/// end it, `Some(false)` to let it go on; `None` while nothing is decided.
+#[must_use]
+pub fn anew_ui(ctx: &egui::Context, name: &str, share: f64, elapsed: Duration) -> Option<bool> {
+    let response = modal_ui(ctx, "anew", 440.0, |ui| {
+        ui.heading("End the running render for another?");
+        ui.add_space(4.0);
+        ui.label(name);
+        let done = (share * 100.0).floor();
+        let text = format!(
+            "It is at {done} % after {}. Its picture so far stays under Renders, and cannot go on from there.",
+            duration(elapsed)
+        );
+        ui.label(RichText::new(text).weak());
+        keep_or_lose_ui(
+            ui,
+            ("Keep", "Leave the running render as it is"),
+            ("Render anew", "End it, and render the scene as it is now"),
         )
     });
     let is_over = response.should_close() || is_confirmed(ctx);
