@@ -10,6 +10,7 @@ use egui::{Key, Modifiers};
 use raymini::control::CancelToken;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::inspector::Samples;
+use raymini::gui::keeping::begin;
 use raymini::gui::picture::{LONG, Picture};
 use raymini::io::{BlockLog, LoggedBlocks, block_record, describe_render};
 use raymini::render::{Layer, Region, StopRules};
@@ -268,6 +269,36 @@ fn wait_until_no_render_is_kept(window: &mut Window, data: &Path) {
         window.harness.step();
         std::thread::sleep(Duration::from_millis(5));
     }
+}
+
+/// Live follows edits by renders that nobody asked for; one that somebody asks for meanwhile is kept as any other.
+#[test]
+fn a_render_that_is_asked_for_in_live_is_kept() {
+    let files = Files::new();
+    let data = files.path("data");
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 100_000);
+    let renders = |data: &Path| {
+        let found = begin(data).expect("a folder of sessions");
+        let renders = found.lost.iter().filter(|lost| lost.render().is_some());
+        let count = renders.count();
+        found.session.end();
+        count
+    };
+    window.click("Live");
+    window.until("the picture that follows is there", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    let followed = files.path("followed");
+    copy_folder(&data, &followed);
+    assert_eq!(renders(&followed), 0);
+    window.click("Cancel");
+    assert!(window.app().is_live());
+    render_until_kept(&mut window, &data);
+    let asked_for = files.path("asked for");
+    copy_folder(&data, &asked_for);
+    assert_eq!(renders(&asked_for), 1);
+    window.click("Cancel");
 }
 
 #[test]

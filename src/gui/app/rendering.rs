@@ -281,7 +281,7 @@ impl App {
             (scene, part, Some(kept))
         } else {
             let scene = self.document.scene.clone();
-            (scene, self.wanted_part(), self.place_for_render())
+            (scene, self.wanted_part(), self.place_for_render(follows))
         };
         let buffer = PictureBuffer::new(part, layers_of(&scene), scene.display);
         let Some(buffer) = buffer.map(Arc::new) else {
@@ -328,8 +328,7 @@ impl App {
         picture.keep_in(kept.clone());
         let reading = picture.reading.clone();
         let rules = picture.rules().clone();
-        // One that follows every change is soon another.
-        let leaves = (!self.is_live).then(|| picture.reached().clone());
+        let leaves = (!follows).then(|| picture.reached().clone());
         self.picture = Some(picture);
         self.view = View::Picture;
 
@@ -398,9 +397,9 @@ impl App {
         self.is_live = false;
     }
 
-    /// Where the render that starts now is kept while it runs. One that follows every change is soon another.
-    fn place_for_render(&self) -> Option<KeptRender> {
-        let session = self.keeping.session().filter(|_| !self.is_live)?;
+    /// Where the render that starts now is kept while it runs. One that `follows` every change is soon another.
+    fn place_for_render(&self, follows: bool) -> Option<KeptRender> {
+        let session = self.keeping.session().filter(|_| !follows)?;
         Some(session.place_render(RenderAbout {
             name: self.document.name().to_owned(),
             path: self.document.path().map(Path::to_owned),
