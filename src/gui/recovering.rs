@@ -37,7 +37,7 @@ pub struct Interrupted {
 pub enum Hindrance {
     /// It never can.
     Lost(String),
-    /// It cannot now: it stays for the next start.
+    /// It cannot now: it stays where it is, for the next start.
     Waits(String),
 }
 
@@ -105,8 +105,6 @@ fn recover_render(
         found.is_some_and(|found| found.file_name() == file.path.file_name())
     };
     if let Some(file) = missing.iter().find(|file| !is_found(file)) {
-        // What nobody goes on with stays on disk, beside what was restored: that may go when it is saved.
-        drop(lost.move_render(session, about).map_err(Hindrance::Waits)?);
         let path = file.path.display();
         return Err(Hindrance::Waits(format!("There is no file {path}")));
     }
@@ -117,7 +115,7 @@ fn recover_render(
         let reason = "what it is of was damaged on disk";
         return Err(Hindrance::Lost(reason.to_owned()));
     }
-    let kept = lost.move_render(session, about).map_err(Hindrance::Lost)?;
+    let kept = lost.move_render(session, about).map_err(Hindrance::Waits)?;
     let kept = kept.ok_or_else(|| Hindrance::Lost("it is not there any more".to_owned()))?;
     Ok(Interrupted { scene, kept })
 }

@@ -116,6 +116,54 @@ fn edits_and_their_render_are_restored_together_after_every_kill() {
     window.until("threads have stopped", |app| app.render_threads() == 0);
 }
 
+fn sessions(data: &Path) -> Vec<PathBuf> {
+    let sessions = std::fs::read_dir(data.join("sessions")).unwrap();
+    sessions.map(|session| session.unwrap().path()).collect()
+}
+
+/// What is in the way of a render is no reason to lose it: neither at once, nor when the work beside it is saved.
+#[test]
+fn a_render_that_cannot_be_taken_over_waits_also_where_the_work_beside_it_is_saved() {
+    let files = Files::new();
+    let [data, killed] = ["data", "killed"].map(|name| files.path(name));
+    let mut window = open(&files.path("room.toml"), &data);
+    set_samples(&mut window, 100_000);
+    render_until_kept(&mut window, &data);
+    window.click("Add light");
+    window.until("the edit is kept", App::is_work_kept);
+    copy_folder(&data, &killed);
+    window.click("Cancel");
+    drop(window);
+
+    let found = sessions(&killed);
+    let mut window = open(&files.path("pyramid.off"), &killed);
+    asks(&mut window);
+    let mut own = sessions(&killed).into_iter();
+    let own = own.find(|session| !found.contains(session));
+    // Where its first render goes there is something that cannot be replaced.
+    let in_the_way = own.expect("it has one").join("render-0/in the way");
+    std::fs::create_dir_all(in_the_way).unwrap();
+    window.click("Restore");
+    window.until("it is restored", |app| app.document().name() == "room");
+    window.settle();
+    assert!(window.says("The interrupted render waits"));
+    assert!(window.app().picture().is_none());
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("it is saved", |app| !app.document().is_modified());
+    window.until("nothing is kept", App::is_work_kept);
+    drop(window);
+
+    let mut window = open(&files.path("room.toml"), &killed);
+    asks(&mut window);
+    assert!(window.says("before the render of room was saved"));
+    window.click("Go on");
+    window.until("the render goes on", |app| {
+        app.picture().and_then(Picture::goes_on_from).is_some()
+    });
+    window.click("Cancel");
+    window.until("threads have stopped", |app| app.render_threads() == 0);
+}
+
 /// Of several things that were lost one is restored, and the others are told of.
 #[test]
 fn what_else_was_lost_is_told_when_one_thing_is_restored() {

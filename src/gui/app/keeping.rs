@@ -116,7 +116,7 @@ impl App {
         let file = self.document.file_number();
         let restored = self.keeping.restored.take();
         if let Some((lost, _)) = restored.filter(|(_, restored)| *restored == file) {
-            lost.discard();
+            lost.clear();
         }
     }
 
@@ -333,7 +333,7 @@ impl App {
     }
 
     /// Puts lost work in place of the scene, and goes on with its render.
-    pub(super) fn put_restored(&mut self, lost: Lost, recovered: Recovered) {
+    pub(super) fn put_restored(&mut self, mut lost: Lost, recovered: Recovered) {
         let Recovered {
             scene,
             moved,
@@ -350,8 +350,11 @@ impl App {
         if !warnings.is_empty() {
             self.messages.warning(title, warnings.join("\n"));
         }
+        if matches!(render, Some(Err(Hindrance::Lost(_)))) {
+            lost.give_up_render();
+        }
         if is_saved {
-            self.jobs.start(Lane::Discard, move |_| lost.discard());
+            self.jobs.start(Lane::Discard, move |_| lost.clear());
         } else {
             self.keeping.restored = Some((lost, self.document.file_number()));
             let undo = before.map_or_else(String::new, |it| format!(". Undo brings {it} back"));

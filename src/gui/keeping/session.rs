@@ -57,9 +57,15 @@ impl Held {
         save_scene(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
     }
 
+    /// Removes unsaved work, and no render.
+    fn clear(&self) {
+        // What is not there needs no removing.
+        let _ = fs::remove_file(self.folder.join(SCENE));
+    }
+
     fn remove(&mut self) {
         // Where an open file keeps the rest, as on some systems, that is nothing to offer.
-        let _ = fs::remove_file(self.folder.join(SCENE));
+        self.clear();
         for render in renders_in(&self.folder) {
             let _ = fs::remove_file(scene_of_render(&render));
         }
@@ -88,8 +94,7 @@ pub struct Session {
 impl Session {
     /// Removes what was kept: it is saved, or was given up.
     fn clear(&self) {
-        // What is not there needs no removing.
-        let _ = fs::remove_file(self.held().folder.join(SCENE));
+        self.held().clear();
     }
 
     /// Removes all of it, as the window closes: the user has decided about the work. Nothing can be kept any more. Waits for what is
@@ -275,12 +280,32 @@ impl Lost {
         moved.transpose()
     }
 
-    /// Removes it for good.
-    pub fn discard(self) {
-        let beside = self.held_beside.iter();
-        for held in beside.chain([&self.held]) {
-            held.lock().unwrap_or_else(PoisonError::into_inner).remove();
+    /// Takes note that its render is of no use to anybody.
+    pub fn give_up_render(&mut self) {
+        self.render = None;
+    }
+
+    /// Removes what was edited: it is saved, or was given up. A render that is still here stays, for the next window to find.
+    pub fn clear(self) {
+        let render = self.render.as_ref();
+        let render = render.filter(|render| scene_of_render(render).is_file());
+        for mut held in self.all_held() {
+            if render.is_some_and(|render| render.starts_with(&held.folder)) {
+                held.clear();
+            } else {
+                held.remove();
+            }
         }
+    }
+
+    /// Removes it for good, with its render.
+    pub fn discard(self) {
+        self.all_held().for_each(|mut held| held.remove());
+    }
+
+    fn all_held(&self) -> impl Iterator<Item = MutexGuard<'_, Held>> {
+        let all = self.held_beside.iter().chain([&self.held]);
+        all.map(|held| held.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn held(&self) -> MutexGuard<'_, Held> {
@@ -314,7 +339,7 @@ impl Place {
     pub fn clear(self) {
         match self {
             Self::Session(session) => session.clear(),
-            Self::Found(lost) => lost.discard(),
+            Self::Found(lost) => lost.clear(),
         }
     }
 }
@@ -475,6 +500,20 @@ mod tests {
             .collect();
         all.sort_unstable();
         assert_eq!(all, [("hall", (false, true)), ("room", (true, true))]);
+        // The work is saved, and its render waits; of the other render nobody has use.
+        for mut lost in lost {
+            if lost.about.name == "hall" {
+                lost.give_up_render();
+            }
+            lost.clear();
+        }
+        session.end();
+        let Begun { session, lost } = begin(data.path()).unwrap();
+        let all: Vec<_> = lost
+            .iter()
+            .map(|it| (&it.about.name[..], found(it)))
+            .collect();
+        assert_eq!(all, [("room", (false, true))]);
         lost.into_iter().for_each(Lost::discard);
         session.end();
         let left = fs::read_dir(data.path().join("sessions")).unwrap().count();
