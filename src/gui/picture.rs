@@ -17,7 +17,7 @@ use super::reached::Reached;
 use crate::control::{Progress, Throttle};
 use crate::io::WrittenError;
 use crate::render::{ErrorPoint, LiveRules, RenderProgress, RenderStats, StopRules};
-use crate::scene::Scene;
+use crate::scene::{RenderSettings, Scene};
 pub use timing::time_left;
 
 /// From this time on a render is work that nobody wants to lose: edits start it anew only where the picture follows them, it is remembered, it
@@ -409,6 +409,27 @@ impl Picture {
             .begin_anew(pixels * u64::from(rules.samples_per_pixel));
         // From then on the render itself may know more.
         self.rules.set(rules);
+    }
+
+    /// Its settings as they have to be for a render to end with this picture: a pixel may have had more samples than it may by the rules that
+    /// were set last, and then those are the most.
+    #[must_use]
+    pub fn settings_to_repeat(&self) -> RenderSettings {
+        let mut settings = self.scene.render.clone();
+        if let Outcome::Finished { stats, .. } = &self.outcome {
+            let most = &mut settings.samples_per_pixel;
+            *most = stats.sample_range[1].max(*most);
+        }
+        settings
+    }
+
+    /// Its scene with its [settings to repeat](Self::settings_to_repeat).
+    #[must_use]
+    pub fn scene_to_repeat(&self) -> Scene {
+        Scene {
+            render: self.settings_to_repeat(),
+            ..self.scene.clone()
+        }
     }
 
     /// Where what it has reached is left at its end.

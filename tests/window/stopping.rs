@@ -1,6 +1,6 @@
 //! Rules by which renders end, changed while they run and after, and what the status bar says meanwhile.
 
-use crate::driver::{Files, Window, library_hash, set_number, set_samples};
+use crate::driver::{Files, Window, library_hash, load, set_number, set_samples};
 use egui::{Key, Modifiers};
 use raymini::gui::App;
 use raymini::gui::costs::CostState;
@@ -236,4 +236,33 @@ fn undone_rules_do_not_end_a_running_render() {
     set_samples(&mut window, 800_000);
     assert_eq!(of_render(&window), 800_000);
     window.click("Cancel");
+}
+
+/// It has more samples than it may: whoever saves it or restores its settings gets what makes the picture.
+#[test]
+fn a_picture_that_had_more_samples_than_it_may_tells_those_it_has() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    window.click("Renders");
+    start_long_render(&mut window);
+    window.until("it has more", |app| {
+        let picture = app.picture().expect("a picture");
+        picture.progress.samples.done() > 40 * picture.scene.render.pixel_count()
+    });
+    set_samples(&mut window, 8);
+    window.until("the render ends", is_over);
+    let (hash, stats) = window.finished();
+    let [samples, most] = stats.sample_range;
+    assert!(samples >= 40 && samples == most);
+    assert!(window.says(&format!("direct, 160 × 120, {samples} samples")));
+    let saved = files.path("saved.exr");
+    window.save_picture(&saved);
+    assert_eq!(window.scene().render.samples_per_pixel, 8);
+    window.click("Restore settings");
+    assert_eq!(window.scene().render.samples_per_pixel, samples);
+    drop(window);
+
+    let written = load(&saved);
+    assert_eq!(written.render.samples_per_pixel, samples);
+    assert_eq!(library_hash(&written), hash);
 }

@@ -2,7 +2,6 @@
 
 use super::App;
 use crate::gui::error_plot::name_of_render;
-use crate::gui::picture::Picture;
 use crate::scene::Scene;
 
 impl App {
@@ -36,31 +35,21 @@ impl App {
         Some((last.facts.scene_name.as_str(), &last.scene))
     }
 
-    /// Calls the running picture by the samples it has `taken` on average, where it has more than the rules allow that it ends by: it had them
+    /// Calls the picture, which is finished, by the samples it has, where they are more than the rules allow that it ended by: it had them
     /// before those were set.
-    pub(super) fn name_by_samples(&mut self, taken: f64) {
+    pub(super) fn name_by_samples(&mut self) {
         let file = self.document.file_number();
-        let has_more = |p: &&Picture| {
-            p.is_running() && p.file == file && taken > f64::from(p.scene.render.samples_per_pixel)
-        };
-        let Some(picture) = self.picture.as_ref().filter(has_more) else {
+        let Some(picture) = self.picture.as_ref().filter(|p| p.file == file) else {
             return;
         };
-        let mut scene = picture.scene.clone();
-        scene.render.samples_per_pixel = whole_samples(taken);
+        let render = picture.settings_to_repeat();
+        if render == picture.scene.render {
+            return;
+        }
+        let scene = picture.scene_to_repeat();
         let name = self.name_of_picture_after(&scene, self.last_past_scene());
         if let Some(picture) = &mut self.picture {
             picture.name = name;
         }
     }
-}
-
-/// A mean number of samples of a pixel, to the nearest whole one.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "no pixel has more than a u32 counts"
-)]
-fn whole_samples(mean: f64) -> u32 {
-    mean.round() as u32
 }

@@ -11,7 +11,7 @@ use super::{App, PreparedState, WaitingRender};
 use crate::analysis::hazards::why_black;
 use crate::control::Progress;
 use crate::gui::dialogs::{Dialog, question};
-use crate::gui::document::{same_geometry, same_image, same_picture};
+use crate::gui::document::{same_geometry, same_image, same_picture, same_picture_but_render};
 use crate::gui::jobs::{Lane, drop_elsewhere, drop_unless_cancelled};
 use crate::gui::keeping::{KeptRender, RenderAbout};
 use crate::gui::part::Part;
@@ -458,8 +458,8 @@ impl App {
     }
 
     pub(super) fn rendered(&mut self, hash: String, stats: Box<RenderStats>) {
-        self.name_by_samples(stats.samples_per_pixel);
         self.end_picture(Outcome::Finished { hash, stats });
+        self.name_by_samples();
     }
 
     pub(super) fn render_failed(&mut self, text: &str, is_short_of_memory: bool) {
@@ -546,8 +546,12 @@ impl App {
 
     /// Whether `picture` is of another scene than the one being edited, or of another part of it.
     pub(super) fn is_outdated(&self, picture: &Picture) -> bool {
-        picture.buffer.part() != self.wanted_part()
-            || !same_picture(&picture.scene, &self.document.scene)
+        let (scene, now) = (&picture.scene, &self.document.scene);
+        let settings = [&scene.render, &picture.settings_to_repeat()];
+        let is_of_scene = settings.contains(&&now.render)
+            && scene.camera == now.camera
+            && same_picture_but_render(scene, now);
+        picture.buffer.part() != self.wanted_part() || !is_of_scene
     }
 }
 

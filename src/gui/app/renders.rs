@@ -171,13 +171,12 @@ impl App {
     /// Makes the scene what it was for render `number`, as one step to undo.
     fn restore_render(&mut self, number: usize) {
         let present = self.picture.as_ref().filter(|p| p.number == number);
-        let present = present.map(|picture| (&picture.scene, picture.buffer.part()));
+        let present = present.map(|picture| (picture.scene_to_repeat(), picture.buffer.part()));
         let past = self.renders.entry(number);
-        let past = past.map(|entry| (&entry.scene, entry.facts.part));
+        let past = past.map(|entry| (entry.scene.clone(), entry.facts.part));
         let Some((scene, part)) = present.or(past) else {
             return;
         };
-        let scene = scene.clone();
         self.region.choose(part);
         self.document.record_edit(&self.selection);
         self.document.scene = scene;

@@ -116,7 +116,7 @@ impl App {
             return;
         };
         let buffer = Arc::clone(&picture.buffer);
-        let mut scene = picture.scene.clone();
+        let mut scene = picture.scene_to_repeat();
         scene.output = self.document.scene.output;
         let is_final = !picture.is_running();
         let last = picture.errors().last();

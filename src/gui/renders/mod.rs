@@ -17,7 +17,7 @@ use super::picture::{Outcome, Picture};
 use super::picture_buffer::{PictureBuffer, PictureId};
 use super::status_bar::duration;
 use super::undo::bytes_beside;
-use super::widgets::{chosen_percent, counted, format_number, percent};
+use super::widgets::{chosen_percent, counted, percent};
 use crate::render::Image;
 use crate::scene::{Choice, Mode, RenderSettings, Scene};
 
@@ -66,7 +66,7 @@ impl Facts {
             picture: picture.buffer.id(),
             name: picture.name.clone(),
             scene_name: picture.scene_name.clone(),
-            render: picture.scene.render.clone(),
+            render: picture.settings_to_repeat(),
             part: picture.buffer.part(),
             outcome: picture.outcome.clone(),
             elapsed: picture.elapsed(),
@@ -78,19 +78,10 @@ impl Facts {
     #[must_use]
     pub fn settings(&self) -> String {
         let render = &self.render;
-        let samples = match &self.outcome {
-            // It had them before the rules were set that it ended by.
-            Outcome::Finished { stats, .. }
-                if stats.samples_per_pixel > f64::from(render.samples_per_pixel) =>
-            {
-                format!("{} samples", format_number(stats.samples_per_pixel, 1))
-            }
-            _ => counted(render.samples_per_pixel as usize, "sample", "samples"),
-        };
         let mut parts = vec![
             render.mode.name().to_owned(),
             self.part.size_in_words(),
-            samples,
+            counted(render.samples_per_pixel as usize, "sample", "samples"),
         ];
         if render.mode == Mode::Path {
             parts.push(counted(render.max_bounces as usize, "bounce", "bounces"));
@@ -137,7 +128,7 @@ impl Facts {
 pub struct Entry {
     /// What there is to say about it.
     pub facts: Facts,
-    /// The scene as it was.
+    /// The scene as it was, see [`Picture::scene_to_repeat`].
     pub scene: Scene,
     /// Its picture, as long as that is kept.
     pub picture: Option<Picture>,
@@ -240,7 +231,7 @@ impl Renders {
             .partition_point(|entry| entry.facts.number < picture.number);
         let entry = Entry {
             facts: Facts::of(&picture),
-            scene: picture.scene.clone(),
+            scene: picture.scene_to_repeat(),
             picture: Some(picture),
         };
         self.entries.insert(place, entry);
