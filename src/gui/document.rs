@@ -100,11 +100,42 @@ impl Document {
     ) {
         self.record_edit(selection);
         self.files.push(File::of(&scene, name, path));
-        self.file = self.files.len() - 1;
+        self.turn_to(self.files.len() - 1, scene, step);
+    }
+
+    /// Goes back to a `scene` that was rendered, as the step to undo that is called `step`. `file`: the [number](Self::file_number) of what it
+    /// belonged to, which was called `name`. Where that is on disk and not what is edited now, the scene is of that name and in no file
+    /// yet: what is on disk may be newer.
+    pub fn restore_rendered(
+        &mut self,
+        scene: Scene,
+        (file, name): (usize, String),
+        selection: &Selection,
+        step: String,
+    ) {
+        self.record_edit(selection);
+        if file == self.file {
+            self.scene = scene;
+            return self.record_edit_as(selection, step);
+        }
+        let is_on_disk = |file: &File| file.path.is_some();
+        if self.files.get(file).is_none_or(is_on_disk) {
+            let saved = Scene::default();
+            let file = File::of(&scene, name, None);
+            self.files.push(File { saved, ..file });
+            self.turn_to(self.files.len() - 1, scene, step);
+        } else {
+            self.turn_to(file, scene, step);
+        }
+    }
+
+    /// Puts `scene`, which belongs to file number `file`, in place of one that belongs to another, as the step to undo that is called `step`.
+    fn turn_to(&mut self, file: usize, scene: Scene, step: String) {
+        self.file = file;
         let now = Snapshot {
             scene: scene.clone(),
             selection: Selection::default(),
-            file: self.file,
+            file,
         };
         self.scene = scene;
         self.undo.go_on(now, step);

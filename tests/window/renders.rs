@@ -1,6 +1,6 @@
 //! The renders of a session: looked at again, saved, restored.
 
-use crate::driver::{Files, SCENE, Window, library_hash, set_samples};
+use crate::driver::{Files, SCENE, Window, library_hash, load, set_samples};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use raymini::control::{CancelToken, Progress};
@@ -455,4 +455,88 @@ fn a_render_goes_on_while_another_scene_is_open() {
     assert_eq!(entries.len(), 1);
     assert_eq!(entries[0].scene.render.samples_per_pixel, 100_000);
     assert!(!window.says(of_room));
+}
+
+/// Another scene may be open by now. Saving does not write the one that was rendered over its file, nor over what the other is by now.
+#[test]
+fn settings_of_another_scene_are_restored_as_a_scene_without_a_file() {
+    let files = Files::new();
+    let one = files.write("one.toml", &SCENE.replace("60.0, 60.0", "7.0, 7.0"));
+    let room = files.path("room.toml");
+    let mut window = Window::open(&room);
+    window.click("Renders");
+    window.render();
+    let (hash, rendered) = (window.hash(), window.scene().clone());
+    open_other(&mut window, &one);
+    let edited = window.scene().clone();
+    assert!(!same_picture(&edited, &rendered));
+    window.click("Show render 1");
+    window.click("Restore settings");
+    window.settle();
+    let document = window.app().document();
+    assert_eq!((document.name(), document.path()), ("room", None));
+    assert!(document.is_modified(), "it is in no file");
+    assert!(same_picture(window.scene(), &rendered));
+    assert_eq!(number_on_screen(&window), Some(1));
+
+    window.press(Modifiers::COMMAND, Key::S);
+    assert!(matches!(window.app().dialog(), Some(Dialog::Path(_))));
+    let third = files.path("third.toml");
+    window.enter_path(&third);
+    window.until("it is saved", |app| !app.document().is_modified());
+    assert_eq!(load(&third), rendered);
+    assert_eq!(load(&one), edited);
+    assert_eq!(std::fs::read_to_string(&room).unwrap(), SCENE);
+
+    // One step back is what was open, with its file.
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().document().path(), Some(one.as_path()));
+    assert_eq!(window.scene(), &edited);
+    assert!(!window.app().document().is_modified());
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(window.app().document().path(), Some(third.as_path()));
+    window.settle();
+    window.render();
+    assert_eq!(window.hash(), hash);
+}
+
+/// One that has no file is itself again: there is none to write over.
+#[test]
+fn settings_of_a_mesh_that_was_open_before_bring_it_back() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("pyramid.off"));
+    window.click("Renders");
+    let before = window.app().document().file_number();
+    set_samples(&mut window, 2);
+    window.render();
+    set_samples(&mut window, 16);
+    let room = files.path("room.toml");
+    open_other(&mut window, &room);
+    window.click("Show render 1");
+    assert!(window.says("a picture of pyramid"));
+    window.click("Restore settings");
+    window.settle();
+    let document = window.app().document();
+    assert_eq!((document.name(), document.path()), ("pyramid", None));
+    assert_eq!(document.file_number(), before);
+    assert_eq!(window.scene().render.samples_per_pixel, 2);
+    assert!(!window.says("a picture of"));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().document().path(), Some(room.as_path()));
+}
+
+/// Opens the scene at `path` in place of what is there, which is not saved.
+fn open_other(window: &mut Window, path: &std::path::Path) {
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(path);
+    let path = path.to_owned();
+    window.until("it is open", |app| {
+        let is_asked = matches!(app.dialog(), Some(Dialog::Unsaved(_)));
+        is_asked || app.document().path() == Some(path.as_path())
+    });
+    if window.app().dialog().is_some() {
+        window.click("Replace");
+    }
+    assert_eq!(window.app().document().path(), Some(path.as_path()));
+    window.settle();
 }

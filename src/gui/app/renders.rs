@@ -8,7 +8,7 @@ use crate::gui::dialogs::{Dialog, question};
 use crate::gui::jobs::{Lane, drop_elsewhere};
 use crate::gui::opened_picture::OpenedPicture;
 use crate::gui::picture::Picture;
-use crate::gui::renders::{Asked, Freed, Renders};
+use crate::gui::renders::{Asked, Facts, Freed, Renders};
 use crate::gui::top_bar::View;
 use crate::gui::worker;
 
@@ -168,21 +168,32 @@ impl App {
         }
     }
 
-    /// Makes the scene what it was for render `number`, as one step to undo.
+    /// Makes the scene what it was for render `number`, as one step to undo. Where that is another than the one that is open, it takes the
+    /// place of that as a scene that is opened does.
     fn restore_render(&mut self, number: usize) {
         let present = self.picture.as_ref().filter(|p| p.number == number);
-        let present = present.map(|picture| (picture.scene_to_repeat(), picture.buffer.part()));
+        let present = present.map(|picture| (picture.scene_to_repeat(), Facts::of(picture)));
         let past = self.renders.entry(number);
-        let past = past.map(|entry| (entry.scene.clone(), entry.facts.part));
-        let Some((scene, part)) = present.or(past) else {
+        let past = past.map(|entry| (entry.scene.clone(), entry.facts.clone()));
+        let Some((scene, facts)) = present.or(past) else {
             return;
         };
-        self.region.choose(part);
-        self.document.record_edit(&self.selection);
-        self.document.scene = scene;
-        let name = format!("restoring the settings of render {number}");
-        self.document.record_edit_as(&self.selection, name);
-        let news = format!("The scene is that of render {number}");
+        self.region.choose(facts.part);
+        let before = self.document.name().to_owned();
+        let is_of_other = facts.file != self.document.file_number();
+        let of = (facts.file, facts.scene_name);
+        let step = format!("restoring the settings of render {number}");
+        self.document
+            .restore_rendered(scene, of, &self.selection, step);
+        let mut news = format!("The scene is that of render {number}");
+        if is_of_other {
+            let is_seen = self.view == View::Picture;
+            self.show_other_scene();
+            if is_seen {
+                self.show_render(number);
+            }
+            news = format!("{news}. Undo brings {before} back");
+        }
         self.messages.news(self.with_note_on_rules(news));
     }
 

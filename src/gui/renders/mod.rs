@@ -39,6 +39,8 @@ pub struct Facts {
     pub name: String,
     /// What its scene is called.
     pub scene_name: String,
+    /// Which of what was opened its scene belongs to, see [`Picture::file`].
+    pub file: usize,
     /// What was computed.
     pub render: RenderSettings,
     /// Of which part of the picture.
@@ -66,6 +68,7 @@ impl Facts {
             picture: picture.buffer.id(),
             name: picture.name.clone(),
             scene_name: picture.scene_name.clone(),
+            file: picture.file,
             render: picture.settings_to_repeat(),
             part: picture.buffer.part(),
             outcome: picture.outcome.clone(),
