@@ -49,6 +49,8 @@ struct Watched {
     began: Option<SystemTime>,
     /// How often the window has accepted it.
     accepted: u64,
+    /// Whether nothing that shows is from it now: it is not looked at, and what is known of it stays.
+    rests: bool,
 }
 
 impl Watched {
@@ -78,20 +80,39 @@ impl Watched {
 pub struct FileWatch(Arc<Mutex<BTreeMap<PathBuf, Watched>>>);
 
 impl FileWatch {
-    /// Watches these files from now on and no others. Those that were watched before go on being so; of the others what was written after
-    /// `began` is a change: they were being read then.
+    /// Watches these files from now on and no others. Those that were ever watched go on being so, with what is known of them; of the others
+    /// what was written after `began` is a change: they were being read then.
     pub fn set_files(&self, files: impl IntoIterator<Item = PathBuf>, began: Option<SystemTime>) {
         let mut watched = self.lock();
-        let before = std::mem::take(&mut *watched);
-        let kept = |path: PathBuf| {
+        for file in watched.values_mut() {
+            file.rests = true;
+        }
+        for path in files {
             let new = Watched {
                 began,
                 ..Watched::default()
             };
-            let known = before.get(&path).copied().unwrap_or(new);
-            (path, known)
-        };
-        *watched = files.into_iter().map(kept).collect();
+            watched.entry(path).or_insert(new).rests = false;
+        }
+    }
+
+    /// The file at `path` was read anew, by a job that began then: nothing that was known of it before counts.
+    pub fn forget(&self, path: &Path, began: Option<SystemTime>) {
+        if let Some(file) = self.lock().get_mut(path) {
+            *file = Watched {
+                began,
+                accepted: file.accepted + 1,
+                rests: file.rests,
+                ..Watched::default()
+            };
+        }
+    }
+
+    /// What the file at `path` holds is not what the window has, and is told once more when it is looked at next.
+    pub fn tell_again(&self, path: &Path) {
+        if let Some(file) = self.lock().get_mut(path) {
+            file.read = Some(Stamp::OTHER);
+        }
     }
 
     /// The file at `path` is now as the window has it: it has written or read it. Of one that is not watched yet this counts as soon as
@@ -101,6 +122,7 @@ impl FileWatch {
         let file = watched.entry(path.to_owned()).or_default();
         *file = Watched {
             accepted: file.accepted + 1,
+            rests: file.rests,
             ..Watched::default()
         };
     }
@@ -114,7 +136,8 @@ impl FileWatch {
     fn look_by(&self, stamp_of: impl Fn(&Path) -> Option<Stamp>) -> Vec<PathBuf> {
         let watched = self.lock();
         let of_file = |(path, file): (&PathBuf, &Watched)| (path.clone(), file.accepted);
-        let files: Vec<_> = watched.iter().map(of_file).collect();
+        let is_looked_at = |(_, file): &(&PathBuf, &Watched)| !file.rests;
+        let files: Vec<_> = watched.iter().filter(is_looked_at).map(of_file).collect();
         // Looking may take its time where files are far away.
         drop(watched);
         let stamps: Vec<_> = files.iter().map(|(path, _)| stamp_of(path)).collect();
@@ -200,6 +223,36 @@ mod tests {
         files.accept(&path);
         files.set_files([path], Some(began));
         assert_eq!([files.look(), files.look(), files.look()].concat().len(), 0);
+    }
+
+    /// Undoing may lead away from a file and back to it.
+    #[test]
+    fn what_is_known_of_a_file_stays_while_it_is_not_watched() {
+        let folder = tempfile::tempdir().unwrap();
+        let [saved, changed, anew] = ["saved", "changed", "anew"].map(|name| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "1").unwrap();
+            path
+        });
+        let all = [&saved, &changed, &anew].map(PathBuf::clone);
+        let began = SystemTime::now() - Duration::from_secs(5);
+        let files = FileWatch::default();
+        files.set_files(all.clone(), None);
+        files.look();
+        std::fs::write(&saved, "12").unwrap();
+        files.accept(&saved);
+        files.look();
+        files.set_files([], Some(began));
+        for path in [&changed, &anew] {
+            std::fs::write(path, "12").unwrap();
+        }
+        assert_eq!([files.look(), files.look()].concat().len(), 0);
+        files.forget(&anew, Some(SystemTime::now() + Duration::from_secs(5)));
+        files.set_files(all, Some(began));
+        let found: Vec<_> = (0..4).flat_map(|_| files.look()).collect();
+        assert_eq!(found, [changed.clone()], "once");
+        files.tell_again(&changed);
+        assert_eq!([files.look(), files.look()].concat(), [changed]);
     }
 
     /// Also where it is written while the watch looks.

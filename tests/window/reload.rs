@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::driver::{Files, MESH, SCENE, Window, library_hash, load, set_samples};
-use egui::{Key, Modifiers};
+use egui::{Event, Key, Modifiers};
 use raymini::gui::App;
 use raymini::gui::dialogs::Dialog;
 use raymini::gui::jobs::Lane;
@@ -298,4 +298,95 @@ fn an_image_of_a_material_that_changes_is_read_again() {
     });
     let image = window.scene().textures.values().next();
     assert!(image.is_some_and(|image| Arc::ptr_eq(image, &there)));
+}
+
+/// Undoes that many edits in one frame, so that nothing is looked at on the way.
+fn undo(window: &mut Window, edits: usize) {
+    press_z(window, Modifiers::COMMAND, edits);
+}
+
+/// [`undo`], the other way.
+fn redo(window: &mut Window, edits: usize) {
+    press_z(window, Modifiers::COMMAND | Modifiers::SHIFT, edits);
+}
+
+fn press_z(window: &mut Window, modifiers: Modifiers, times: usize) {
+    for pressed in [true, false].repeat(times) {
+        window.harness.input_mut().events.push(Event::Key {
+            key: Key::Z,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers,
+        });
+    }
+    window.harness.run_steps(3);
+    window.settle();
+}
+
+/// Undoes that many edits and does them again.
+fn there_and_back(window: &mut Window, edits: usize) {
+    undo(window, edits);
+    assert_eq!(window.app().document().name(), "other");
+    look_a_while(window);
+    redo(window, edits);
+    look_a_while(window);
+}
+
+/// Draws frames until files were looked at several times.
+fn look_a_while(window: &mut Window) {
+    let started = std::time::Instant::now();
+    while started.elapsed() < std::time::Duration::from_millis(3500) {
+        window.harness.step();
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+}
+
+/// Undoing leads to another scene and back: what the window has written itself is still no change, and what another program has is.
+#[test]
+fn a_file_that_was_saved_has_not_changed_when_undoing_leads_back_to_it() {
+    let files = Files::new();
+    let room = files.path("room.toml");
+    let other = files.write("other.toml", SCENE);
+    let mut window = Window::open(&other);
+    let save = |window: &mut Window| {
+        window.press(Modifiers::COMMAND, Key::S);
+        window.until("it is saved", |app| !app.document().is_modified());
+    };
+    window.press(Modifiers::COMMAND, Key::O);
+    window.enter_path(&room);
+    window.until("it is open", |app| app.document().name() == "room");
+    window.settle();
+    window.operate("Add light");
+    save(&mut window);
+    window.operate("Add light");
+    there_and_back(&mut window, 3);
+    assert_eq!(window.scene().lights.len(), 3);
+    assert!(!window.app().asks_to_reload(), "nobody else wrote it");
+
+    // The same where it is saved under another name.
+    let third = files.path("third.toml");
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    window.enter_path(&third);
+    window.until("it is saved", |app| !app.document().is_modified());
+    window.operate("Add light");
+    there_and_back(&mut window, 4);
+    assert_eq!(window.app().document().path(), Some(third.as_path()));
+    assert!(!window.app().asks_to_reload());
+
+    // What is decided stays decided, and what is not is asked again.
+    files.write("third.toml", &SCENE.replace("60.0, 60.0", "7.0, 7.0"));
+    window.until("it is asked", App::asks_to_reload);
+    there_and_back(&mut window, 4);
+    assert!(window.app().asks_to_reload());
+    window.click("Keep mine");
+    there_and_back(&mut window, 4);
+    assert_eq!(window.scene().lights.len(), 4);
+    assert!(!window.app().asks_to_reload());
+
+    // Written while another scene shows, it is told of on the way back.
+    undo(&mut window, 4);
+    files.write("third.toml", &SCENE.replace("60.0, 60.0", "17.0, 7.0"));
+    redo(&mut window, 4);
+    window.until("it is asked", App::asks_to_reload);
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use super::reloading::absolute;
 use super::{App, Loading, WaitingRender};
 use crate::control::Progress;
 use crate::gui::commands::TextureUse;
@@ -222,6 +223,10 @@ impl App {
             }
         }
         self.show_other_scene();
+        if let Some(path) = self.document.path() {
+            let began = self.reloading.began;
+            self.reloading.watch.forget(&absolute(path), began);
+        }
         self.messages.clear();
         self.messages.news("");
         (!is_first).then_some(before)

@@ -79,8 +79,16 @@ pub struct Reloading {
 }
 
 impl Reloading {
-    /// Forgets what was to be read again for a scene that is not shown any more. Its files go on being watched: undoing may bring it back.
+    /// Forgets what was to be read again for a scene that is not shown any more. Of its own file that is told again where undoing brings it
+    /// back: nobody has decided about it.
     pub(super) fn forget(&mut self) {
+        let is_scene = |stale: &Stale| matches!(stale, Stale::Scene { .. });
+        let mut undone = self.stale.iter().chain(&self.reading);
+        if let Some(own) = &self.sources.own
+            && (self.asks || undone.any(is_scene))
+        {
+            self.watch.tell_again(&absolute(own));
+        }
         self.stale.clear();
         self.reading = None;
         self.asks = false;
