@@ -4,6 +4,7 @@ use crate::driver::{Files, Window, set_samples};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use raymini::gui::dialogs::Dialog;
+use raymini::gui::picture::Picture;
 
 /// However slow a frame is, every press of a key counts.
 #[test]
@@ -151,4 +152,32 @@ fn quick_clicks_mean_the_button_that_was_aimed_at() {
         window.click(if is_paused { "Pause" } else { "Resume" });
         assert_eq!(picture(&window), (true, is_paused));
     }
+}
+
+/// Esc is for what is in front.
+#[test]
+fn escape_closes_the_report_before_it_cancels_the_render_behind_it() {
+    let files = Files::new();
+    let mut window = Window::open(&files.path("room.toml"));
+    set_samples(&mut window, 1_000_000);
+    window.click("Render");
+    window.until("tiles arrive", |app| {
+        app.picture().is_some_and(|p| p.first_tile.is_some())
+    });
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
+    assert!(window.app().report().open);
+    let is_running = |window: &Window| window.app().picture().is_some_and(Picture::is_running);
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!window.app().report().open && is_running(&window));
+    window.press(Modifiers::NONE, Key::Escape);
+    assert!(!is_running(&window));
+
+    // A button says what it is for.
+    window.click("Render");
+    window.until("it renders", |app| {
+        app.picture().is_some_and(Picture::is_running)
+    });
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
+    window.click("Cancel");
+    assert!(window.app().report().open && !is_running(&window));
 }

@@ -194,7 +194,7 @@ impl App {
             running,
             can_continue: is_present_told && self.can_continue(),
             saving: self.pictures_being_saved(),
-            esc_stops: self.what_to_stop(),
+            esc_stops: self.what_to_stop().filter(|_| !self.has_window_in_front()),
             news,
             scene: (!scene.objects.is_empty()).then_some(scene),
         };

@@ -7,6 +7,7 @@ use crate::gui::dialogs::files::FilePurpose;
 use crate::gui::jobs::Lane;
 use crate::gui::orbit;
 use crate::gui::preview;
+use crate::gui::report;
 use crate::gui::selection::Selection;
 use crate::gui::tool::Tool;
 use crate::gui::top_bar::View;
@@ -151,13 +152,27 @@ impl App {
         }
     }
 
-    /// Stops the first of what goes on. Where nothing does, the window of the report closes, or nothing is selected any more but the
-    /// camera.
+    /// Whether a window floats over the rest that Escape closes. What is measured in one it stops.
+    pub(super) fn has_window_in_front(&self) -> bool {
+        let has_report = self.report.open && !self.report.is_running();
+        has_report || self.contributions.is_window_open()
+    }
+
+    /// Closes the front one of the windows that float over the rest.
+    pub(super) fn close_window_in_front(&mut self, ctx: &egui::Context) {
+        let has_report = self.report.open && !self.report.is_running();
+        let is_report_in_front = ctx.top_layer_id() == Some(report::layer());
+        if has_report && (is_report_in_front || !self.contributions.is_window_open()) {
+            self.report.open = false;
+        } else {
+            self.contributions.close_window();
+        }
+    }
+
+    /// Stops the first of what goes on. Where nothing does, nothing is selected any more but the camera.
     fn cancel(&mut self) {
         if let Some(what) = self.what_to_stop() {
             self.stop(what);
-        } else if self.report.open {
-            self.report.open = false;
         } else {
             self.selection = Selection::Camera;
             self.viewport.look_away();

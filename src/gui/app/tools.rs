@@ -55,7 +55,10 @@ impl App {
         if !is_free {
             return;
         }
-        // First the tool goes, then what is selected; before both, what goes on is stopped.
+        // First the window in front goes, then what goes on is stopped, then the tool goes, then what is selected.
+        if self.has_window_in_front() && pressed(Key::Escape) {
+            self.close_window_in_front(ctx);
+        }
         let is_asking = matches!(self.viewport.tool, Tool::Focus | Tool::Rays);
         let is_working = self.viewport.tool.has_handles() && self.what_to_stop().is_none();
         let is_told = !self.messages.banners().is_empty() && self.what_to_stop().is_none();

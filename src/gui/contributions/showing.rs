@@ -155,6 +155,17 @@ impl Contributions {
         size * (most / size).min_elem()
     }
 
+    /// Whether what was clicked last has a window.
+    #[must_use]
+    pub fn is_window_open(&self) -> bool {
+        self.opened.is_some()
+    }
+
+    /// Closes that window.
+    pub fn close_window(&mut self) {
+        self.opened = None;
+    }
+
     /// The window of what was clicked last. `display`: how pictures are shown.
     pub fn window_ui(&mut self, ctx: &egui::Context, display: &Display) {
         let Some(mut opened) = self.opened.take() else {

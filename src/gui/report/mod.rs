@@ -231,7 +231,7 @@ impl ReportWindow {
         let frame = egui::Frame::window(&style).fill(style.visuals.panel_fill);
         egui::Window::new("Report: error against run time")
             .frame(frame)
-            .id(egui::Id::unique("report"))
+            .id(layer().id)
             .open(&mut stays_open)
             .collapsible(false)
             .auto_sized()
@@ -327,6 +327,12 @@ impl ReportWindow {
             show.clicked().then_some(Asked::ShowFolder(folder))
         })
     }
+}
+
+/// Where the window of the report is drawn.
+#[must_use]
+pub fn layer() -> egui::LayerId {
+    egui::LayerId::new(egui::Order::Middle, egui::Id::unique("report"))
 }
 
 /// What does not fit into the height is scrolled to.
