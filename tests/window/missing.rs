@@ -295,19 +295,28 @@ fn files_that_have_moved_are_located() {
     window.press(Modifiers::NONE, Key::Escape);
     assert!(window.says("painted.toml lacks 5 files"));
 
-    // What turns out to be no mesh is said, and asked about again.
+    // What is no mesh is said at once where its name tells, and asked about again where only its contents do. What was found beside it stays so.
+    let paint = new.join("maps").join("paint.png");
+    for (lacks, wrong) in [
+        ("pyramid.obj", &paint),
+        ("paint.png", &new.join("other.off")),
+    ] {
+        window.click(&format!("Locate {lacks}"));
+        window.enter_path(wrong);
+        window.until_says(&format!("{} is not", wrong.display()));
+        assert!(window.says("painted.toml lacks 5 files"));
+    }
     window.click("Locate pyramid.obj");
-    window.enter_path(&new.join("sky.exr"));
+    window.enter_path(&files.write("new/broken.obj", "f 1 2 3\n"));
     window.until_says("painted.toml lacks nothing any more");
     window.click("Open");
     asks_about_missing(&mut window);
-    assert!(window.says("painted.toml lacks 5 files"));
-    assert!(window.says("sky.exr: "));
+    assert!(window.says("painted.toml lacks 1 file"));
+    assert!(window.says("broken.obj:1: "));
 
     window.click("Locate pyramid.obj");
     window.enter_path(&new.join("pyramid.obj"));
     window.until_says("painted.toml lacks nothing any more");
-    let paint = new.join("maps").join("paint.png");
     assert!(window.says(&format!("material clay: found at {}", paint.display())));
     window.click("Open");
     window.until("it is open", |app| app.document().name() == "painted");
@@ -425,4 +434,50 @@ fn an_interrupted_render_waits_for_its_mesh_and_goes_on_where_that_is_located() 
     assert_eq!(window.hash(), expected);
     assert_eq!(names(window.scene()), [new.to_string_lossy()]);
     assert_eq!(window.scene().lights.len(), 2);
+}
+
+/// Lost work on what is opened is asked about before what that lacks, and nothing is asked twice.
+#[test]
+fn lost_work_goes_before_what_its_file_lacks() {
+    let files = Files::new();
+    let [data, again] = ["data", "again"].map(|name| files.path(name));
+    edit_and_die(&files, &data);
+    copy_folder(&data, &again);
+    let [mesh, moved] = ["pyramid.off", "moved.off"].map(|name| files.path(name));
+    std::fs::rename(&mesh, &moved).unwrap();
+    let room = files.path("room.toml");
+    let mut window = open(&room, &data);
+    asks(&mut window);
+    window.click("Restore");
+    asks_about_missing(&mut window);
+    assert!(window.says("The unsaved work on room lacks 1 file"));
+    window.click("Locate pyramid.off");
+    window.enter_path(&moved);
+    window.until_says("The unsaved work on room lacks nothing any more");
+    window.click("Open");
+    window.until("it is restored", |app| app.document().name() == "room");
+    window.settle();
+    window.harness.run_steps(5);
+    assert!(window.app().dialog().is_none(), "all is answered");
+    assert_eq!(window.scene().lights.len(), 3);
+    assert_eq!(window.scene().triangle_count(), 10);
+    drop(window);
+
+    // Later, the file is opened as ever.
+    let mut window = open(&room, &again);
+    asks(&mut window);
+    window.click("Later");
+    asks_about_missing(&mut window);
+    assert!(window.says("room.toml lacks 1 file"));
+    window.click("Locate pyramid.off");
+    window.enter_path(&moved);
+    window.until_says("room.toml lacks nothing any more");
+    window.click("Open");
+    window.until("it is open", |app| app.document().name() == "room");
+    window.settle();
+
+    // What was found is there for other scenes, too.
+    let other = files.write("other.toml", SCENE);
+    open_lacking(&mut window, &other);
+    assert!(window.says("other.toml lacks nothing any more"));
 }

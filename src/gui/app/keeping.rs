@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::reloading::absolute;
 use super::{App, WaitingRender};
 use crate::gui::dialogs::missing::{Lacking, Missing};
 use crate::gui::dialogs::recovery::Answer;
@@ -251,10 +252,15 @@ impl App {
         if let Some(fault) = self.keeping.fault.take() {
             self.not_kept(&fault);
         }
-        if self.dialog.is_none()
+        // What a file lacks may be of no interest once its lost work is back.
+        let may_wait = |dialog: &Dialog| match dialog {
+            Dialog::Missing(missing) => missing.is_untouched(),
+            _ => false,
+        };
+        if self.dialog.as_ref().is_none_or(may_wait)
             && let Some(lost) = self.keeping.lost.pop_front()
         {
-            self.dialog = Some(Dialog::Recovery(lost));
+            self.ask_first(Dialog::Recovery(lost));
         }
     }
 
@@ -269,12 +275,25 @@ impl App {
                 let mut names: Vec<String> = others.map(|other| other.about.name).collect();
                 names.dedup();
                 self.keeping.untold = names;
+                self.forget_questions_about(&lost);
                 self.restore(lost);
             }
             Answer::Discard => {
                 self.jobs.start(Lane::Discard, move |_| lost.discard());
             }
         }
+    }
+
+    /// Does not ask any more what the file lacks whose `lost` work takes its place.
+    fn forget_questions_about(&mut self, lost: &Lost) {
+        let file = lost.about.path.as_deref().map(absolute);
+        self.asked_later.retain(|dialog| match dialog {
+            Dialog::Missing(Missing {
+                of: Lacking::File(path),
+                ..
+            }) => Some(absolute(path)) != file,
+            _ => true,
+        });
     }
 
     /// Says what else was lost, and is not asked about now.

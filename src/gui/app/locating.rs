@@ -10,13 +10,28 @@ use crate::gui::dialogs::missing::{Choice, Lacking, Missing};
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::worker;
-use crate::io::{self, MissingFile, Moves};
+use crate::io::{self, MissingFile, MissingKind, Moves, READABLE_EXTENSIONS, TEXTURE_EXTENSIONS};
 use crate::scene::Scene;
 
 impl App {
-    /// A scene lacks files.
-    pub(super) fn files_missing(&mut self, missing: Missing) {
+    /// A scene lacks files. Those that were found for another are there still; lost work that lacks no others comes back without a question.
+    pub(super) fn files_missing(&mut self, mut missing: Missing) {
         self.loading = None;
+        let is_lacking = |from: &PathBuf| missing.files.iter().any(|file| file.path == *from);
+        if missing.is_untouched() {
+            let known = self.found_places.iter();
+            let known = known.filter(|(from, _)| is_lacking(from));
+            missing.found = known.map(|(from, to)| (from.clone(), to.clone())).collect();
+            if let Lacking::Work(_) = missing.of
+                && missing.lacks_nothing()
+            {
+                return self.open_without_missing(missing);
+            }
+        } else {
+            // What was of no use here is of none elsewhere.
+            let places = &mut self.found_places;
+            places.retain(|from, _| !is_lacking(from) || missing.found.contains_key(from));
+        }
         self.ask(Dialog::Missing(missing));
     }
 
@@ -46,6 +61,7 @@ impl App {
 
     /// Opens what lacks files with those that were found, and without the rest.
     fn open_without_missing(&mut self, missing: Missing) {
+        self.found_places.extend(missing.found.clone());
         let path = match missing.of.clone() {
             Lacking::File(path) => path,
             Lacking::Work(lost) => return self.restore_without_missing(lost, missing),
@@ -68,6 +84,7 @@ impl App {
 
     /// The file that is being located is at `path`, as the user says.
     pub(super) fn locate(&mut self, path: &Path) {
+        let to = PathBuf::from(io::absolute_image(&path.to_string_lossy(), Path::new(".")));
         let Some(missing) = self.question_of_located() else {
             return;
         };
@@ -75,9 +92,9 @@ impl App {
             return;
         };
         let files = missing.files.clone();
-        let to = PathBuf::from(io::absolute_image(&path.to_string_lossy(), Path::new(".")));
+        let kind = missing.kind_of(&from);
         self.jobs.start(Lane::Locate, move |job| {
-            job.send(Event::Located(look_at(from, to, &files)));
+            job.send(Event::Located(look_at((from, kind), to, &files)));
         });
     }
 
@@ -119,12 +136,37 @@ impl App {
     }
 }
 
-/// Where the file that was at `from`, which is at `to` as the user says, and other `files` are that moved with it.
-fn look_at(from: PathBuf, to: PathBuf, files: &[MissingFile]) -> Result<Moves, String> {
+/// Where the file of that `kind` that was at `from`, which is at `to` as the user says, and other `files` are that moved with it.
+fn look_at(
+    (from, kind): (PathBuf, MissingKind),
+    to: PathBuf,
+    files: &[MissingFile],
+) -> Result<Moves, String> {
     if !to.is_file() {
         return Err(format!("There is no file {}", to.display()));
+    }
+    if is_of_other_kind(&to, kind) {
+        let what = match kind {
+            MissingKind::Mesh => "a mesh",
+            MissingKind::Background => "an image of radiance, EXR or HDR",
+            MissingKind::Texture => "an image",
+        };
+        return Err(format!("{} is not {what}", to.display()));
     }
     let mut moves = io::moved_along(&from, &to, files);
     moves.insert(from, to);
     Ok(moves)
+}
+
+/// Whether the name of the file at `path` says that it is nothing of that `kind`. Names that say nothing are anything, until it is read.
+fn is_of_other_kind(path: &Path, kind: MissingKind) -> bool {
+    let Some(extension) = path.extension().and_then(|extension| extension.to_str()) else {
+        return false;
+    };
+    let is_among = |extensions: &[&str]| {
+        let mut extensions = extensions.iter();
+        extensions.any(|known| extension.eq_ignore_ascii_case(known))
+    };
+    let known = [READABLE_EXTENSIONS, TEXTURE_EXTENSIONS, &["toml"]];
+    known.iter().any(|known| is_among(known)) && !is_among(&FilePurpose::Locate(kind).extensions())
 }

@@ -11,6 +11,7 @@
 //! - `editing`: undoing, copying, removing
 //! - `importing`: what becomes of meshes that were read
 //! - `keeping`: unsaved work and recent files on disk
+//! - `locating`: files that scenes name and that are elsewhere
 //! - `opening`: scenes and meshes from files
 //! - `reloading`: files that change while they are open
 //! - `saving`: scenes and pictures to files, and questions about unsaved work
@@ -100,7 +101,7 @@ use super::viewport::Viewport;
 use super::worker::{Placed, ReportRequest};
 use super::zoom::Zoom;
 use crate::control::Progress;
-use crate::io;
+use crate::io::{self, Moves};
 use crate::math::DBounds;
 use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore, StopRules};
 use crate::scene::{Object, Scene, SceneError};
@@ -207,6 +208,8 @@ pub struct App {
     scene_saves: VecDeque<Scene>,
     /// The pictures that are being written, in that order.
     picture_saves: VecDeque<saving::PictureSave>,
+    /// Where files were found that scenes named elsewhere.
+    found_places: Moves,
     /// Questions that wait for the one that shows.
     asked_later: VecDeque<Dialog>,
     may_close: bool,
@@ -296,6 +299,7 @@ impl App {
             after_saving: None,
             scene_saves: VecDeque::new(),
             picture_saves: VecDeque::new(),
+            found_places: Moves::new(),
             asked_later: VecDeque::new(),
             may_close: false,
             panel_open: true,

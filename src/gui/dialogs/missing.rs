@@ -64,13 +64,38 @@ impl Missing {
         }
     }
 
-    /// The same question once more: what was found is not what was missing, for the reason `problem`.
+    /// The same question once more: what was found is not what was missing, for the reason `problem`. Where that names a file, the others stay
+    /// found.
     #[must_use]
-    pub fn again(self, problem: String) -> Self {
+    pub fn again(mut self, problem: String) -> Self {
+        let is_named = |path: &PathBuf| problem.contains(&*path.to_string_lossy());
+        if self.found.values().any(is_named) {
+            self.found.retain(|_, to| !is_named(to));
+        } else {
+            self.found.clear();
+        }
         Self {
             problem: Some(problem),
-            ..Self::new(self.of, self.files)
+            located: None,
+            ..self
         }
+    }
+
+    /// Whether nobody has said or been told anything about the files.
+    #[must_use]
+    pub fn is_untouched(&self) -> bool {
+        self.found.is_empty() && self.located.is_none() && self.problem.is_none()
+    }
+
+    /// Whether every file is found.
+    #[must_use]
+    pub fn lacks_nothing(&self) -> bool {
+        self.count_lacking() == 0
+    }
+
+    fn count_lacking(&self) -> usize {
+        let is_found = |file: &&MissingFile| self.found.contains_key(&file.path);
+        self.files.len() - self.files.iter().filter(is_found).count()
     }
 
     /// Takes in where files are; who said so of one is right about it.
@@ -116,9 +141,7 @@ impl Missing {
     }
 
     fn contents_ui(&self, ui: &mut Ui) -> Option<Choice> {
-        let is_found = |file: &&MissingFile| self.found.contains_key(&file.path);
-        let lacking = self.files.len() - self.files.iter().filter(is_found).count();
-        let name = self.name();
+        let (lacking, name) = (self.count_lacking(), self.name());
         ui.heading(match lacking {
             0 => format!("{name} lacks nothing any more"),
             lacking => format!("{name} lacks {}", counted(lacking, "file", "files")),
