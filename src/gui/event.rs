@@ -23,7 +23,7 @@ use crate::analysis::contributions::{Contribution, Contributor};
 use crate::analysis::cost::Costs;
 use crate::analysis::pilot::TimeEstimate;
 use crate::analysis::report::ReportError;
-use crate::io::{self, LoadedScene, Model, Moves, RadianceFile, ReadAgain, TextureFile};
+use crate::io::{self, Found, LoadedScene, Model, Moves, RadianceFile, ReadAgain, TextureFile};
 use crate::render::{PreparedScene, RenderStats, SampleTrace};
 use crate::scene::{Absent, Material, RadianceMap, Scene, TextureImage, is_absent};
 
@@ -113,6 +113,15 @@ pub enum Event {
     FilesMissing(Missing),
     /// It was looked where missing files are, or why not.
     Located(Result<Moves, String>),
+    /// What was sought for the open scene was read.
+    SoughtRead {
+        /// The number of the file that the scene belongs to.
+        file: usize,
+        /// What was found, or why it is not what was missing.
+        result: Result<Box<Found>, String>,
+    },
+    /// Files that are watched are not there any more.
+    FilesGone(Vec<PathBuf>),
     /// An image that was dropped on the window tells what was rendered, so it is to be opened.
     RenderDropped(PathBuf),
     /// Mesh files; what becomes of them is still to be decided.

@@ -39,6 +39,17 @@ impl Stamp {
     }
 }
 
+/// Whether a file that was read is not there any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+enum Absence {
+    /// It is there, or may be about to be replaced.
+    #[default]
+    None,
+    /// It is not, which was not told yet.
+    New,
+    Told,
+}
+
 /// A file, as it was read and as it was seen last.
 #[derive(Clone, Copy, Debug, Default)]
 struct Watched {
@@ -47,6 +58,7 @@ struct Watched {
     seen: Option<Stamp>,
     /// When reading it began, as far as that is known.
     began: Option<SystemTime>,
+    absence: Absence,
     /// How often the window has accepted it.
     accepted: u64,
     /// Whether nothing that shows is from it now: it is not looked at, and what is known of it stays.
@@ -60,9 +72,13 @@ impl Watched {
         self.seen = now;
         let Some(now) = now else {
             // It may be about to be replaced, or is missing: then it is new when it comes.
-            self.read.get_or_insert(Stamp::OTHER);
+            let read = *self.read.get_or_insert(Stamp::OTHER);
+            if is_settled && read != Stamp::OTHER && self.absence == Absence::None {
+                self.absence = Absence::New;
+            }
             return false;
         };
+        self.absence = Absence::None;
         let is_newer = now.modified.zip(self.began).is_some_and(|(a, b)| a > b);
         let read = *self
             .read
@@ -152,6 +168,19 @@ impl FileWatch {
         changed.map(|((path, _), _)| path).collect()
     }
 
+    /// The files that were read and are not there any more, each once until it is there again.
+    fn take_gone(&self) -> Vec<PathBuf> {
+        let mut watched = self.lock();
+        let gone = watched
+            .iter_mut()
+            .filter(|(_, file)| file.absence == Absence::New);
+        let gone = gone.map(|(path, file)| {
+            file.absence = Absence::Told;
+            path.clone()
+        });
+        gone.collect()
+    }
+
     fn lock(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Watched>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -163,6 +192,10 @@ pub fn watch(job: &Job<Event>, files: &FileWatch) {
         let changed = files.look();
         if !changed.is_empty() {
             job.send(Event::FilesChanged(changed));
+        }
+        let gone = files.take_gone();
+        if !gone.is_empty() {
+            job.send(Event::FilesGone(gone));
         }
         std::thread::sleep(INTERVAL);
     }
@@ -186,9 +219,14 @@ mod tests {
         std::fs::write(&path, "123").unwrap();
         assert_eq!([changed(), changed(), changed()], [0, 1, 0]);
 
-        // Gone is no change, and back is one.
+        // Gone is no change, is told of once, and back is one.
         std::fs::remove_file(&path).unwrap();
+        assert_eq!(changed(), 0);
+        assert!(files.take_gone().is_empty(), "another may take its place");
         assert_eq!([changed(), changed()], [0, 0]);
+        assert_eq!(files.take_gone(), [path.clone()]);
+        assert_eq!(changed(), 0);
+        assert!(files.take_gone().is_empty());
         std::fs::write(&path, "1234").unwrap();
         assert_eq!([changed(), changed(), changed()], [0, 1, 0]);
 

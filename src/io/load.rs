@@ -23,8 +23,8 @@ use contents::{load_background, load_contents, named_from_root, read_mesh};
 
 pub(super) use contents::work_of;
 pub use missing::{
-    LoadedWithout, MissingFile, MissingKind, Moves, load_scene_without_missing, missing_files,
-    moved_along,
+    Found, LoadedWithout, MissingFile, MissingKind, Moves, load_scene_without_missing,
+    missing_files, missing_in, moved_along,
 };
 pub use warnings::{
     READ_FROM_OUTSIDE, STRETCHED, image_warnings, lost_digits_warning, mesh_warnings,
@@ -152,18 +152,23 @@ pub fn reload_scene(
     file.scene.textures.clone_from(&known.textures);
     let mut loaded = load_file(&file, path, cancel, &Progress::new())?;
     if let Some(LoadedScene { scene, .. }) = &mut loaded {
-        let objects = &scene.objects;
-        scene
-            .meshes
-            .retain(|name, _| objects.iter().any(|object| object.mesh == *name));
-        let background = &scene.background;
-        scene.images.retain(
-            |name, _| matches!(background, Background::Image { image, .. } if image == name),
-        );
-        let textures = scene.texture_names();
-        scene.textures.retain(|name, _| textures.contains(name));
+        forget_unused(scene);
     }
     Ok(loaded)
+}
+
+/// Lets go of meshes and images that nothing in `scene` names.
+fn forget_unused(scene: &mut Scene) {
+    let objects = &scene.objects;
+    scene
+        .meshes
+        .retain(|name, _| objects.iter().any(|object| object.mesh == *name));
+    let background = &scene.background;
+    scene
+        .images
+        .retain(|name, _| matches!(background, Background::Image { image, .. } if image == name));
+    let textures = scene.texture_names();
+    scene.textures.retain(|name, _| textures.contains(name));
 }
 
 /// Whether there is a file at `path` that holds none of the scenes `known`, as far as scene files hold them: somebody has written another

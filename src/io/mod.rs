@@ -52,10 +52,11 @@ pub use image_file::{
     write_render, write_render_unless,
 };
 pub use load::{
-    LoadError, LoadedScene, LoadedWithout, MissingFile, MissingKind, Moves, READ_FROM_OUTSIDE,
-    STRETCHED, demo_scene, holds_other_scene, image_warnings, load_image, load_mesh, load_scene,
-    load_scene_without_missing, load_scenes, lost_digits_warning, mesh_warnings, missing_files,
-    moved_along, override_scene, reload_scene, texture_warnings,
+    Found, LoadError, LoadedScene, LoadedWithout, MissingFile, MissingKind, Moves,
+    READ_FROM_OUTSIDE, STRETCHED, demo_scene, holds_other_scene, image_warnings, load_image,
+    load_mesh, load_scene, load_scene_without_missing, load_scenes, lost_digits_warning,
+    mesh_warnings, missing_files, missing_in, moved_along, override_scene, reload_scene,
+    texture_warnings,
 };
 pub use mesh_file::{Dropped, MaterialLibrary, MeshError, MeshFile};
 pub use mesh_format::{MeshFormat, READABLE_EXTENSIONS, READABLE_FORMATS};

@@ -481,3 +481,51 @@ fn lost_work_goes_before_what_its_file_lacks() {
     open_lacking(&mut window, &other);
     assert!(window.says("other.toml lacks nothing any more"));
 }
+
+/// What the open scene lacks is located beside what says so, as a step to undo; and what goes while it is open is told of.
+#[test]
+fn files_are_located_in_an_open_scene() {
+    let files = Files::new();
+    let (new, path) = moved_away(&files);
+    let mut window = Window::open(&files.path("room.toml"));
+    open_lacking(&mut window, &path);
+    window.click("Open without");
+    window.until("it is open", |app| app.document().name() == "painted");
+    window.settle();
+    window.click("Dismiss");
+    let before = window.scene().clone();
+    window.click("Select pyramid");
+    assert!(window.says("File missing"));
+    window.click("Locate pyramid.obj");
+    assert!(window.says("Locate the mesh"));
+    window.enter_path(&new.join("sky.exr"));
+    window.until_says("sky.exr is not a mesh");
+    assert_eq!(window.scene(), &before);
+    window.click("Dismiss");
+
+    window.click("Locate pyramid.obj");
+    window.enter_path(&new.join("pyramid.obj"));
+    window.until("it is there", |app| {
+        app.document().scene.triangle_count() == 14
+    });
+    window.settle();
+    assert!(!window.says("File missing"));
+    let moved = names(window.scene());
+    let is_new = |name: &String| Path::new(name).starts_with(&new);
+    assert!(moved.len() == 5 && moved.iter().all(is_new), "{moved:?}");
+    assert!(window.app().document().is_modified());
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.scene(), &before);
+    assert!(window.says("File missing"));
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(names(window.scene()), moved);
+    save(&mut window);
+    window.settle();
+    window.render();
+    assert_eq!(window.hash(), library_hash(&load(&path)));
+
+    wait_for_a_look();
+    std::fs::rename(new.join("other.off"), files.path("other.off")).unwrap();
+    window.until_says("Not there any more: other.off");
+    assert_eq!(window.scene().triangle_count(), 14);
+}

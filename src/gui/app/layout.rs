@@ -231,7 +231,7 @@ impl App {
                             None => self.picture.as_ref(),
                         };
                         let layers = shown.map_or(&[][..], |p| p.buffer.layers());
-                        let mut asked_pixel = None;
+                        let (mut asked_pixel, mut sought) = (None, None);
                         let mut state = PanelState {
                             scene: &mut self.document.scene,
                             selection: &mut self.selection,
@@ -248,11 +248,15 @@ impl App {
                             contributions: &mut self.contributions,
                             boxes: &mut self.boxes,
                             can_measure_costs,
+                            sought: &mut sought,
                             commands,
                         };
                         panels::panels_ui(ui, &mut state);
                         if let Some(pixel) = asked_pixel {
                             self.zoom.show_pixel(pixel);
+                        }
+                        if let Some(path) = sought {
+                            self.seek(&path);
                         }
                     });
             });

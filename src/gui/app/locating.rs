@@ -1,4 +1,5 @@
-//! Scenes some of whose files are not there: the question about them, where the user says they are, and what is opened then.
+//! Scenes some of whose files are not there: the question about them, where the user says they are, and what is opened then; and the same for
+//! the scene that is open.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,9 @@ use crate::gui::dialogs::missing::{Choice, Lacking, Missing};
 use crate::gui::event::Event;
 use crate::gui::jobs::Lane;
 use crate::gui::worker;
-use crate::io::{self, MissingFile, MissingKind, Moves, READABLE_EXTENSIONS, TEXTURE_EXTENSIONS};
+use crate::io::{
+    self, Found, MissingFile, MissingKind, Moves, READABLE_EXTENSIONS, TEXTURE_EXTENSIONS,
+};
 use crate::scene::Scene;
 
 impl App {
@@ -86,7 +89,7 @@ impl App {
     pub(super) fn locate(&mut self, path: &Path) {
         let to = PathBuf::from(io::absolute_image(&path.to_string_lossy(), Path::new(".")));
         let Some(missing) = self.question_of_located() else {
-            return;
+            return self.locate_sought(to);
         };
         let Some(from) = missing.located.clone() else {
             return;
@@ -109,6 +112,61 @@ impl App {
         }
     }
 
+    /// Asks where the file is that the open scene names at `path`, and that is not there.
+    pub(super) fn seek(&mut self, path: &Path) {
+        let missing = io::missing_in(&self.document.scene);
+        self.sought = missing.into_iter().find(|file| file.path == path);
+        if let Some(file) = &self.sought {
+            self.ask_for_path(FilePurpose::Locate(file.kind));
+        }
+    }
+
+    /// The file that is [sought](Self::seek) is at `to`, as the user says: it is read from there, with what moved with it.
+    fn locate_sought(&mut self, to: PathBuf) {
+        let Some(sought) = self.sought.take() else {
+            return;
+        };
+        self.begin_loading(what(std::slice::from_ref(&to)));
+        let scene = self.document.scene.clone();
+        let file = self.document.file_number();
+        self.jobs.start(Lane::Load, move |job| {
+            let missing = io::missing_in(&scene);
+            let found = look_at((sought.path, sought.kind), to, &missing);
+            let found = found.map(|moves| Found::read(&scene, moves, &job.cancel));
+            let result = match found {
+                Ok(Ok(None)) => return,
+                Ok(Ok(Some(found))) => Ok(Box::new(found)),
+                Ok(Err(error)) => Err(error.to_string()),
+                Err(problem) => Err(problem),
+            };
+            job.send(Event::SoughtRead { file, result });
+        });
+    }
+
+    /// What was sought for the scene that belongs to [file number](crate::gui::document::Document::file_number) `file` was read, or why not.
+    pub(super) fn sought_read(&mut self, file: usize, result: Result<Box<Found>, String>) {
+        self.loading = None;
+        if file != self.document.file_number() {
+            return;
+        }
+        match result {
+            Ok(found) => {
+                self.found_places.extend(found.moves.clone());
+                self.document.record_edit(&self.selection);
+                let scene = found.put_into(&self.document.scene);
+                self.take_moved(Some(scene));
+                if !found.warnings.is_empty() {
+                    let title = "Found files, with remarks";
+                    self.messages.warning(title, found.warnings.join("\n"));
+                }
+            }
+            Err(problem) => {
+                let text = format!("{problem}\nThe scene is as it was.");
+                self.messages.error("This is not the missing file", text);
+            }
+        }
+    }
+
     /// Where the file dialog starts that looks for what is being located: what was moved is likely near what names it.
     pub(super) fn folder_of_located(&self) -> Option<PathBuf> {
         let asked = self.dialog.iter().chain(&self.asked_later);
@@ -125,7 +183,7 @@ impl App {
         Some(super::reloading::absolute(file).parent()?.join(""))
     }
 
-    /// Puts `moved`, the scene that was just opened with what was found elsewhere, in its place, as a step to undo.
+    /// Puts `moved`, the open scene with what was found elsewhere, in its place, as a step to undo.
     pub(super) fn take_moved(&mut self, moved: Option<Scene>) {
         let Some(scene) = moved else { return };
         self.document.scene = scene;

@@ -101,7 +101,7 @@ use super::viewport::Viewport;
 use super::worker::{Placed, ReportRequest};
 use super::zoom::Zoom;
 use crate::control::Progress;
-use crate::io::{self, Moves};
+use crate::io::{self, MissingFile, Moves};
 use crate::math::DBounds;
 use crate::render::{Layer, PreparedScene, PrimaryHitStore, SketchStore, StopRules};
 use crate::scene::{Object, Scene, SceneError};
@@ -210,6 +210,8 @@ pub struct App {
     picture_saves: VecDeque<saving::PictureSave>,
     /// Where files were found that scenes named elsewhere.
     found_places: Moves,
+    /// A missing file of the open scene of which the user is to say where it is.
+    sought: Option<MissingFile>,
     /// Questions that wait for the one that shows.
     asked_later: VecDeque<Dialog>,
     may_close: bool,
@@ -300,6 +302,7 @@ impl App {
             scene_saves: VecDeque::new(),
             picture_saves: VecDeque::new(),
             found_places: Moves::new(),
+            sought: None,
             asked_later: VecDeque::new(),
             may_close: false,
             panel_open: true,

@@ -60,6 +60,7 @@ impl App {
             }
             Event::FilesMissing(missing) => self.files_missing(missing),
             Event::Located(result) => self.located(result),
+            Event::SoughtRead { file, result } => self.sought_read(file, result),
             Event::ModelsLoaded {
                 paths,
                 replaces,
@@ -146,6 +147,7 @@ impl App {
             Event::RenderNotKept(reason) => self.render_not_kept(&reason),
             Event::RecentChanged(recent) => self.keeping.recent = recent,
             Event::FilesChanged(paths) => self.files_changed(paths),
+            Event::FilesGone(paths) => self.files_gone(&paths),
             Event::Reloaded { stale, result } => self.reloaded(&stale, result),
             Event::FolderNotShown(reason) => self.report.folder_not_shown(&reason),
             Event::Listed(listing) => self.listed(listing),

@@ -13,6 +13,7 @@ use std::time::SystemTime;
 use egui::{Frame, Margin, RichText, Ui};
 
 use super::App;
+use super::opening::what;
 use crate::gui::document::{Document, name_of};
 use crate::gui::event::Reloaded;
 use crate::gui::jobs::Lane;
@@ -198,6 +199,22 @@ impl App {
                 let is_wanted = false;
                 self.queue_reload(Stale::Scene { path, is_wanted });
             }
+        }
+    }
+
+    /// Says that files are not there any more from which the scene has what it shows.
+    pub(super) fn files_gone(&mut self, paths: &[PathBuf]) {
+        let scene = &self.document.scene;
+        let names = scene.meshes.keys().chain(scene.textures.keys());
+        let names: Vec<&String> = names.chain(scene.images.keys()).collect();
+        let is_part = |path: &&PathBuf| names.iter().any(|name| is_in(name, path));
+        let gone: Vec<PathBuf> = paths.iter().filter(is_part).cloned().collect();
+        if !gone.is_empty() {
+            let news = format!(
+                "Not there any more: {}. What was read of it stays until the scene is closed",
+                what(&gone)
+            );
+            self.messages.news(news);
         }
     }
 

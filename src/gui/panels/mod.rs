@@ -12,7 +12,9 @@ mod presets;
 mod settings;
 mod tree;
 
-use egui::{RichText, Ui};
+use std::path::{Path, PathBuf};
+
+use egui::{Button, RichText, Ui};
 
 pub(super) use background::with_image;
 pub(super) use settings::StructureInUse;
@@ -28,6 +30,7 @@ use super::region::RegionTool;
 use super::selection::Selection;
 use super::threads::Threads;
 use super::widgets::section_ui;
+use crate::io;
 use crate::render::Layer;
 use crate::scene::Scene;
 
@@ -67,6 +70,8 @@ pub struct PanelState<'a> {
     pub costs: &'a CostState,
     /// Whether that can be measured now.
     pub can_measure_costs: bool,
+    /// A missing file of which the user is to say where it is.
+    pub sought: &'a mut Option<PathBuf>,
     /// What is asked for beside edits.
     pub commands: &'a mut Vec<Command>,
 }
@@ -114,15 +119,10 @@ pub fn panels_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
 /// The properties of the selected part.
 fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
     for path in missing_files(state.scene, state.selection) {
-        let text = format!("File missing: {path}");
-        ui.label(
-            RichText::new(text)
-                .small()
-                .color(ui.visuals().warn_fg_color),
-        )
-        .on_hover_text(
-            "It shows as soon as the file is there; until then the scene keeps its path",
-        );
+        let path = Path::new(io::file_and_part(path).0);
+        if missing_file_ui(ui, path) {
+            *state.sought = Some(path.to_owned());
+        }
     }
     match state.selection.clone() {
         Selection::Camera => camera::camera_ui(ui, state),
@@ -131,6 +131,20 @@ fn properties_ui(ui: &mut Ui, state: &mut PanelState<'_>) {
         Selection::Light(index) => light::light_ui(ui, state, index),
         Selection::Material(name) => material::material_ui(ui, state, &name),
     }
+}
+
+/// Says that the file at `path` is not there; returns whether the user wants to say where it is.
+fn missing_file_ui(ui: &mut Ui, path: &Path) -> bool {
+    let text = RichText::new(format!("File missing: {}", path.display())).small();
+    ui.label(text.color(ui.visuals().warn_fg_color))
+        .on_hover_text(
+            "It shows as soon as the file is there; until then the scene keeps its path",
+        );
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    ui.add(Button::new("Locate…").small())
+        .accessible_name(format!("Locate {}", name.to_string_lossy()))
+        .on_hover_text("Say where this file is now; what moved with it is found, too")
+        .clicked()
 }
 
 /// The files of the selected part that are not there.

@@ -5,13 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::contents::named_from_root;
-use super::{LoadError, LoadedScene, load_file, read_text, text_of_render};
+use super::warnings::{image_warnings, texture_warnings};
+use super::{LoadError, LoadedScene, forget_unused, load_file, read_text, text_of_render};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
 use crate::io::builtin;
+use crate::io::model_loading::load_again;
 use crate::io::part_name::{file_and_part, with_part};
+use crate::io::radiance_file::load_radiance;
 use crate::io::scene_file::SceneFile;
 use crate::io::scene_paths::is_render_file;
+use crate::io::texture_loader::load_textures_again;
 use crate::scene::{Absent, Background, RadianceMap, Scene, TextureImage, Textures};
 
 /// Where files are that are not where a scene names them.
@@ -172,8 +176,90 @@ fn parse(path: &Path, cancel: &CancelToken) -> Result<Option<SceneFile>, LoadErr
     Ok(Some(SceneFile::parse(&text, &name)?))
 }
 
-/// The files that `scene` lacks, which names them from the root.
-fn missing_in(scene: &Scene) -> Vec<MissingFile> {
+/// What a scene takes from files that were found elsewhere than it names them.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Where they are.
+    pub moves: Moves,
+    /// What is to be said of them, in sentences.
+    pub warnings: Vec<String>,
+    /// Meshes and images by their new names, and nothing else.
+    contents: Scene,
+}
+
+impl Found {
+    /// Reads what `scene`, which names files from the root, takes from the files in `moves`. `None` when cancelled.
+    ///
+    /// # Errors
+    /// What cannot be read or understood.
+    pub fn read(
+        scene: &Scene,
+        moves: Moves,
+        cancel: &CancelToken,
+    ) -> Result<Option<Self>, LoadError> {
+        let scene = renamed(scene, &moves);
+        let mut contents = Scene::default();
+        let mut warnings = Vec::new();
+        let meshes: BTreeSet<&String> = scene.objects.iter().map(|object| &object.mesh).collect();
+        let textures = scene.texture_names();
+        for path in moves.values() {
+            let is_in = |name: &&String| Path::new(file_and_part(name).0) == path;
+            let meshes: Vec<String> = meshes.iter().copied().filter(is_in).cloned().collect();
+            let textures: Vec<String> = textures.iter().filter(is_in).cloned().collect();
+            if !meshes.is_empty() {
+                let Some(read) = load_again(path, &meshes, cancel)? else {
+                    return Ok(None);
+                };
+                contents.meshes.extend(read.meshes);
+                warnings.extend(read.warnings);
+            }
+            if !textures.is_empty() {
+                let Some(read) = load_textures_again(&textures, cancel)? else {
+                    return Ok(None);
+                };
+                for (name, file) in read {
+                    warnings.extend(texture_warnings(&name, &file));
+                    contents.textures.insert(name, Arc::new(file.image));
+                }
+            }
+            if let Background::Image { image, .. } = &scene.background
+                && is_in(&image)
+            {
+                let Some(file) = load_radiance(path, cancel, &Progress::new())? else {
+                    return Ok(None);
+                };
+                warnings.extend(image_warnings(image, &file));
+                contents.images.insert(image.clone(), Arc::new(file.map));
+            }
+        }
+        Ok(Some(Self {
+            moves,
+            warnings,
+            contents,
+        }))
+    }
+
+    /// `scene` with what was read, by the new names of files.
+    #[must_use]
+    pub fn put_into(&self, scene: &Scene) -> Scene {
+        let mut moved = renamed(scene, &self.moves);
+        let Scene {
+            meshes,
+            images,
+            textures,
+            ..
+        } = self.contents.clone();
+        moved.meshes.extend(meshes);
+        moved.images.extend(images);
+        moved.textures.extend(textures);
+        forget_unused(&mut moved);
+        moved
+    }
+}
+
+/// The files that `scene` lacks, which names them from the root: those of meshes first, in the order of objects.
+#[must_use]
+pub fn missing_in(scene: &Scene) -> Vec<MissingFile> {
     let mut missing = MissingFiles::default();
     for (index, object) in scene.objects.iter().enumerate() {
         missing.look_for(&object.mesh, MissingKind::Mesh, || {
