@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(changed(), 0);
         assert!(files.take_gone().is_empty(), "another may take its place");
         assert_eq!([changed(), changed()], [0, 0]);
-        assert_eq!(files.take_gone(), [path.clone()]);
+        assert_eq!(files.take_gone(), std::slice::from_ref(&path));
         assert_eq!(changed(), 0);
         assert!(files.take_gone().is_empty());
         std::fs::write(&path, "1234").unwrap();
@@ -288,7 +288,7 @@ mod tests {
         files.forget(&anew, Some(SystemTime::now() + Duration::from_secs(5)));
         files.set_files(all, Some(began));
         let found: Vec<_> = (0..4).flat_map(|_| files.look()).collect();
-        assert_eq!(found, [changed.clone()], "once");
+        assert_eq!(found, std::slice::from_ref(&changed), "once");
         files.tell_again(&changed);
         assert_eq!([files.look(), files.look()].concat(), [changed]);
     }
