@@ -215,7 +215,10 @@ mod tests {
     #[test]
     fn preparing_ends_with_the_render_that_does_it() {
         let mut window = testing::window(None);
-        window.state_mut().toggle_live();
+        let app = window.state_mut();
+        let render = &mut app.document.scene.render;
+        (render.width, render.height) = (96, 54);
+        app.toggle_live();
         testing::until(&mut window, |app| !app.is_rendering() && !app.is_settling());
         let app = window.state_mut();
         let started = app.jobs_started(Lane::Prepare);
