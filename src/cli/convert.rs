@@ -6,6 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 
+use super::inputs::{is_same_file, refuse_input};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::{TriangleMesh, Winding};
 use crate::io::{self, MeshFormat, Model, ModelFormat, READABLE_EXTENSIONS};
@@ -19,7 +20,10 @@ pub struct ConvertArguments {
     #[arg(value_name = "IN")]
     input: PathBuf,
 
-    /// The file to write, in the format of its extension: .off, .obj (with .mtl), .ply, .stl, .mesh, .msh or .glb
+    /// The file to write, in the format of its extension: .off, .obj, .ply, .stl, .mesh, .msh or .glb
+    ///
+    /// What is read is never written over. The materials of an .obj go to the .mtl of the same name; where there is one already that holds
+    /// anything else, nothing is written.
     #[arg(value_name = "OUT")]
     output: PathBuf,
 
@@ -63,6 +67,11 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<()> {
         let known: Vec<_> = known.copied().collect();
         let known = known.join(", .");
         bail!("{name}: a mesh is written to a file with the extension .{known}");
+    }
+    let whole = input.to_string_lossy();
+    let (read, _) = io::file_and_part(&whole);
+    if is_same_file(input, output) || is_same_file(Path::new(read), output) {
+        bail!("{name}: the mesh is read from it; what is written needs a name of its own");
     }
     io::check_writable(output).with_context(|| format!("{name}: cannot write the mesh"))?;
     let changes = Changes {
@@ -168,6 +177,7 @@ fn convert_model(
     for warning in &model.warnings {
         super::warn(warning);
     }
+    refuse_input(&model.scene, None, output, "the mesh")?;
     let changed = changes.apply_to_model(&mut model)?;
     let name = output.display();
     for loss in io::write_model(&model, format, output)? {

@@ -17,7 +17,22 @@ pub(super) fn is_same_file(a: &Path, b: &Path) -> bool {
             Some(folder.join(absolute.file_name()?))
         })
     };
-    place(a).is_some_and(|a| place(b) == Some(a))
+    let have_one_place = || place(a).is_some_and(|a| place(b) == Some(a));
+    are_links_of_one_file(a, b) || have_one_place()
+}
+
+/// Whether two names are hard links of one file.
+#[cfg(unix)]
+fn are_links_of_one_file(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let number = |path| std::fs::metadata(path).map(|found| (found.dev(), found.ino()));
+    number(a).is_ok_and(|a| number(b).is_ok_and(|b| a == b))
+}
+
+/// The standard library does not tell, and to replace one link leaves the other as it is.
+#[cfg(not(unix))]
+fn are_links_of_one_file(_a: &Path, _b: &Path) -> bool {
+    false
 }
 
 /// Whether a mesh or an image of `scene` is read from the file at `path`.
@@ -82,6 +97,12 @@ mod tests {
             ("c", "b/c", false),
         ] {
             assert_eq!(is_same_file(&path(a), &path(b)), is_same, "{a} {b}");
+        }
+        #[cfg(unix)]
+        {
+            std::fs::hard_link(path("a"), path("d")).expect("a link");
+            std::os::unix::fs::symlink(path("a"), path("e")).expect("a link");
+            assert!(is_same_file(&path("a"), &path("d")) && is_same_file(&path("e"), &path("a")));
         }
     }
 

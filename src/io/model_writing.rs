@@ -1,5 +1,6 @@
 //! Models to files that hold materials: OBJ with MTL beside it, and GLB.
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -60,10 +61,11 @@ impl ModelFormat {
     }
 }
 
-/// Writes `model` to `path`; each file appears whole or not at all. Returns what the format does not hold, in sentences.
+/// Writes `model` to `path`; each file appears whole or not at all. Materials of OBJ go to a file beside it, which takes the place of no
+/// other. Returns what the format does not hold, in sentences.
 ///
 /// # Errors
-/// What the system says, or that the model does not fit.
+/// What the system says, that the model does not fit, or that there is another file where the materials would go.
 pub fn write_model(
     model: &Model,
     format: ModelFormat,
@@ -97,24 +99,17 @@ pub fn write_model(
                 .file_name()
                 .map(|name| name.to_string_lossy().into_owned());
             if has_materials {
-                // Another file of that name is not the one that was asked for.
-                if library.exists() && !path.exists() {
-                    return Err(WriteError::Unfit {
-                        path: path.to_owned(),
-                        reason: format!(
-                            "its materials go to {}, which is there already",
-                            library.display()
-                        ),
-                    });
+                let mut text = Vec::new();
+                let materials = &scene.materials;
+                let materials = materials.iter().map(|(name, of)| (name.as_str(), of));
+                mtl::write(materials, &mut text).map_err(unwritable(&library))?;
+                if library.symlink_metadata().is_ok() {
+                    // Nobody has named it, and other files may use it.
+                    refuse_other(&library, &text)?;
+                } else {
+                    write_atomically(&library, |out| out.write_all(&text))
+                        .map_err(unwritable(&library))?;
                 }
-                let materials = || {
-                    scene
-                        .materials
-                        .iter()
-                        .map(|(name, material)| (name.as_str(), material))
-                };
-                write_atomically(&library, |out| mtl::write(materials(), out))
-                    .map_err(unwritable(&library))?;
             }
             let (name, worn) = if has_materials {
                 (name.as_deref(), &worn[..])
@@ -126,6 +121,23 @@ pub fn write_model(
             Ok(losses_of_obj(model))
         }
     }
+}
+
+/// Refuses the file of materials at `path`, which is there, where it does not hold `text`.
+fn refuse_other(path: &Path, text: &[u8]) -> Result<(), WriteError> {
+    let metadata = fs::metadata(path).ok();
+    // Pipes and devices would keep who reads them.
+    let may_hold =
+        metadata.is_some_and(|found| found.is_file() && found.len() == text.len() as u64);
+    if may_hold && fs::read(path).is_ok_and(|there| there == text) {
+        return Ok(());
+    }
+    Err(WriteError::Unfit {
+        path: path.to_owned(),
+        reason: "the materials would go here, and there is a file with other content already; remove or rename it, or write the OBJ file \
+                 under another name"
+            .to_owned(),
+    })
 }
 
 /// What of a model an OBJ file and its MTL file do not hold.

@@ -173,8 +173,6 @@ fn a_mesh_goes_through_all_formats() {
     let (_, warned) = succeed(&folder, "d.OFF", "e.stl");
     let expected = "warning: e.stl: normals are left out: STL holds triangles alone\n";
     assert_eq!(warned, expected);
-    // Onto itself, too.
-    succeed(&folder, "e.stl", "e.stl");
     let (read, original) = (mesh(&path("e.stl")), mesh(&path("a.off")));
     assert_eq!(read.positions, original.positions);
     assert_eq!(read.triangles, original.triangles);
@@ -253,6 +251,67 @@ fn materials_go_through_both_formats_that_hold_them() {
     assert_eq!(
         warned,
         "warning: d.ply: materials are left out: PLY holds none\n"
+    );
+}
+
+/// What is read stays, by whatever name it is to be written over.
+#[test]
+fn a_mesh_does_not_take_the_place_of_what_it_is_read_from() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n";
+    let folder = folder(&[("a.off", BENT), ("b.obj", obj)]);
+    let path = |name: &str| folder.path().join(name);
+    let mut cases = vec![
+        ("a.off", "a.off"),
+        ("a.off", "./a.off"),
+        ("b.obj#a", "b.obj"),
+    ];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("a.off", path("link.off")).expect("a link");
+        fs::hard_link(path("a.off"), path("hard.off")).expect("a link");
+        cases.extend([("a.off", "link.off"), ("link.off", "a.off")]);
+        cases.extend([("a.off", "hard.off"), ("hard.off", "a.off")]);
+    }
+    for (input, output) in cases {
+        let said = fail(&folder, input, output);
+        let expected = format!(
+            "error: {output}: the mesh is read from it; what is written needs a name of its own\n"
+        );
+        assert_eq!(said, expected);
+        assert_eq!(fs::read_to_string(path("a.off")).expect("is there"), BENT);
+        assert_eq!(fs::read_to_string(path("b.obj")).expect("is there"), obj);
+    }
+}
+
+/// Materials go to a file that nobody has named: only the same content may be there.
+#[test]
+fn materials_take_the_place_of_no_other_file() {
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+    let folder = folder(&[("a.obj", obj), ("a.mtl", "newmtl red\nKd 1 0 0\n")]);
+    let path = |name: &str| folder.path().join(name);
+    let precious = "newmtl precious\n";
+    fs::write(path("b.mtl"), precious).expect("is written");
+    let expected = "error: b.mtl: the materials would go here, and there is a file with other content already; remove or rename it, or write the \
+                    OBJ file under another name\n";
+    // With an OBJ file of that name, and without.
+    for _ in 0..2 {
+        assert_eq!(fail(&folder, "a.obj", "b.obj"), expected);
+        let kept = fs::read_to_string(path("b.mtl")).expect("is there");
+        assert_eq!(kept, precious);
+        fs::write(path("b.obj"), "old").expect("is written");
+    }
+    assert_eq!(fs::read_to_string(path("b.obj")).expect("is there"), "old");
+
+    // Again, with the materials that it has written.
+    for _ in 0..2 {
+        succeed(&folder, "a.obj", "c.obj");
+    }
+    let written = fs::read_to_string(path("c.mtl")).expect("is there");
+    fs::write(path("a.mtl"), "newmtl red\nKd 0.5 0 0\n").expect("is written");
+    assert!(fail(&folder, "a.obj", "c.obj").starts_with("error: c.mtl: "));
+    assert_eq!(
+        fs::read_to_string(path("c.mtl")).expect("is there"),
+        written
     );
 }
 
