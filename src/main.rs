@@ -125,7 +125,8 @@ fn open_window(files: &[PathBuf], signals: &Signals) -> Result<ExitCode> {
     // It may be long until somebody has read them.
     std::thread::scope(|scope| {
         scope.spawn(|| show_on_desktop(&words));
-        render_to_file(&scene, &output, signals)
+        let path = files.first().map(PathBuf::as_path);
+        render_to_file(&scene, path, &output, signals)
     })
 }
 

@@ -10,7 +10,6 @@ use super::inputs::is_same_file;
 use crate::analysis::{
     LocatedDifference, Metrics, mean_flip, scaled_difference, signed_difference,
 };
-use crate::io::scene_file::SceneFile;
 use crate::io::{self, PictureFile, WrittenOrigin};
 use crate::render::{Image, Region};
 use crate::scene::{Display, Output};
@@ -90,20 +89,13 @@ impl PartFacts {
         };
         let region = origin.region?;
         let size = (whole.width, whole.height);
-        let is_whole = region.fits(size.0, size.1) && picture_size(&origin)? == size;
+        let is_whole = region.fits(size.0, size.1) && origin.picture_size()? == size;
         if !is_whole || (part.width, part.height) != (region.width, region.height) {
             return None;
         }
         *whole = cut(whole, region);
         Some(Self { of, region })
     }
-}
-
-/// Width and height of the picture that the scene of a file says.
-fn picture_size(origin: &WrittenOrigin) -> Option<(u32, u32)> {
-    let file = SceneFile::parse(origin.scene.as_ref()?, "").ok()?;
-    let render = &file.scene.render;
-    Some((render.width, render.height))
 }
 
 /// The pixels of `region`, which lies in the image.

@@ -22,7 +22,7 @@ use super::{Signals, outcome, progress_bar, time_left, values};
 use crate::analysis::cost::Trial;
 use crate::analysis::pilot;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, LoadedScene, Origin, Values, WrittenError};
+use crate::io::{self, LoadedScene, Origin, Values, WrittenError, WrittenOrigin};
 use crate::math::percent;
 use crate::render::{
     Bands, Checkpoint, CheckpointKeeper, Ending, PictureMemory, PreparedScene, Region,
@@ -65,7 +65,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u16>,
 
-    /// Render and write this part of the picture only
+    /// Render and write this part of the picture only; where a part is rendered again, that part when left out
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = values::region)]
     region: Option<Region>,
 
@@ -160,17 +160,65 @@ pub(super) fn run(arguments: &RenderArguments, signals: &Signals) -> Result<Exit
     }
     let output = arguments.output.as_deref();
     let output = output.context("--output names no file for the picture")?;
-    render_scene(&loaded.scene, output, arguments, load_seconds, signals)
+    let region = match arguments.region {
+        Some(region) => Some(region),
+        None => part_rendered_before(arguments.scene.path(), &loaded.scene)?,
+    };
+    let timed = (arguments, load_seconds);
+    render_scene(&loaded.scene, region, output, timed, signals)
 }
 
-/// Renders `scene` as it is to `output`; what the window does where there is no screen.
+/// Which part of its picture the file of a render is, of which `scene` was read; `None` for all of it, and where `path` is no such file.
+///
+/// # Errors
+/// When the picture has another size by now, in which nobody knows that part.
+fn part_rendered_before(path: Option<&Path>, scene: &Scene) -> Result<Option<Region>> {
+    let Some(path) = path.filter(|path| io::is_render_file(path)) else {
+        return Ok(None);
+    };
+    let name = path.display();
+    let origin = WrittenOrigin::of_file(path).map_err(|reason| anyhow!("{name}: {reason}"))?;
+    let (Some(region), Some((width, height))) = (origin.region, origin.picture_size()) else {
+        return Ok(None);
+    };
+    if (scene.render.width, scene.render.height) != (width, height) {
+        bail!(
+            "{name}: this is the part {} of a {width}×{height} picture; say by --region which part of another size is to be rendered",
+            in_words(region)
+        );
+    }
+    super::tell(&format!(
+        "{name}: rendering the part {} again; --region 0,0,{width},{height} renders all",
+        in_words(region)
+    ));
+    Ok(Some(region))
+}
+
+/// As `--region` takes it.
+fn in_words(region: Region) -> String {
+    let Region {
+        x,
+        y,
+        width,
+        height,
+    } = region;
+    format!("{x},{y},{width},{height}")
+}
+
+/// Renders `scene`, which was read from `path`, as it is to `output`; what the window does where there is no screen.
 ///
 /// # Errors
 /// What kept the picture from being rendered or written.
-pub fn render_to_file(scene: &Scene, output: &Path, signals: &Signals) -> Result<ExitCode> {
+pub fn render_to_file(
+    scene: &Scene,
+    path: Option<&Path>,
+    output: &Path,
+    signals: &Signals,
+) -> Result<ExitCode> {
     io::check_image_path(output)?;
-    let arguments = RenderArguments::default();
-    render_scene(scene, output, &arguments, 0.0, signals)
+    let region = part_rendered_before(path, scene)?;
+    let timed = (&RenderArguments::default(), 0.0);
+    render_scene(scene, region, output, timed, signals)
 }
 
 /// Prepares `scene` with the progress shown; `None` when cancelled.
@@ -185,13 +233,13 @@ fn prepare(scene: &Scene, cancel: &CancelToken) -> Result<Option<PreparedScene>>
     )?)
 }
 
-/// Renders `scene`, writes the picture to `output` and the stats, and says what it took. A signal ends that early, with what is
-/// there.
+/// Renders `region` of `scene`, or all, writes the picture to `output` and the stats, and says what it took. A signal ends that early, with
+/// what is there.
 fn render_scene(
     scene: &Scene,
+    region: Option<Region>,
     output: &Path,
-    arguments: &RenderArguments,
-    load_seconds: f64,
+    (arguments, load_seconds): (&RenderArguments, f64),
     signals: &Signals,
 ) -> Result<ExitCode> {
     let interrupt = signals.cancel_instead();
@@ -202,15 +250,11 @@ fn render_scene(
     let build_seconds = started.elapsed().as_secs_f64();
 
     let settings = prepared.settings();
-    if let Some(region) = arguments.region
-        && !region.fits(settings.width, settings.height)
-    {
+    let region = region.unwrap_or(Region::full(settings.width, settings.height));
+    if !region.fits(settings.width, settings.height) {
         bail!(
-            "--region {},{},{},{} does not lie in the {}×{} picture",
-            region.x,
-            region.y,
-            region.width,
-            region.height,
+            "--region {} does not lie in the {}×{} picture",
+            in_words(region),
             settings.width,
             settings.height
         );
@@ -221,7 +265,6 @@ fn render_scene(
         layers: scene.output.layers && io::holds_layers(output),
         ..RunConfig::default()
     };
-    let region = (arguments.region).unwrap_or(Region::full(settings.width, settings.height));
     let kept = &arguments.checkpoint;
     let kept = kept.of_render(scene, &prepared, region, &run);
     let bands = Bands::of(&prepared, Some(region), &run).filter(|_| kept.is_none());

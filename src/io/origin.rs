@@ -10,6 +10,7 @@ use png::text_metadata::ITXtChunk;
 use serde::{Deserialize, Serialize};
 
 use super::save::portable_text;
+use super::scene_file::SceneFile;
 use super::unless::cancelled;
 use super::whole_file::open_file;
 use crate::control::CancelToken;
@@ -162,6 +163,14 @@ impl OriginTexts<'_> {
 }
 
 impl WrittenOrigin {
+    /// Width and height of the picture that the scene says, of which this one may be a part.
+    #[must_use]
+    pub fn picture_size(&self) -> Option<(u32, u32)> {
+        let file = SceneFile::parse(self.scene.as_ref()?, "").ok()?;
+        let render = &file.scene.render;
+        Some((render.width, render.height))
+    }
+
     fn of_png(info: &png::Info<'_>) -> Self {
         let text = |keyword: &str| {
             let chunk = info.utf8_text.iter().find(|chunk| chunk.keyword == keyword);

@@ -209,6 +209,51 @@ fn flags_change_size_samples_mode_and_region() {
     assert_eq!(picture.color(), image::ColorType::Rgb16);
 }
 
+/// The same picture, not one of all that its scene says, which would take the place of the part.
+#[test]
+fn the_picture_of_a_region_is_rendered_again_as_the_part_it_is() {
+    let folder = folder();
+    let path = folder.path();
+    let hash_of = |file: &str| facts(path, file)["image_hash"].clone();
+    for part in ["part.exr", "part.png"] {
+        succeed(
+            path,
+            &["render", "scene.toml", "-o", part, "--region", "10,20,30,5"],
+        );
+        let before = facts(path, part);
+        succeed(path, &["render", part, "-o", "again.exr"]);
+        assert_eq!(hash_of("again.exr"), before["image_hash"]);
+        let run = raymini(path, &["render", part, "-o", part]);
+        let said = String::from_utf8(run.stderr).expect("is text");
+        let expected = format!(
+            "{part}: rendering the part 10,20,30,5 again; --region 0,0,64,48 renders all\n"
+        );
+        assert_eq!(said, expected);
+        let after = facts(path, part);
+        for key in ["image_hash", "region", "width", "height"] {
+            assert_eq!(after[key], before[key], "{part} {key}");
+        }
+
+        let other_size = ["render", part, "-o", "other.png", "--size", "32x24"];
+        let said = fail(path, 1, &other_size);
+        assert!(
+            said.contains("this is the part 10,20,30,5 of a 64×48 picture"),
+            "{said}"
+        );
+        succeed(
+            path,
+            &[&other_size[..], &["--region", "0,0,32,24"]].concat(),
+        );
+        assert_eq!(facts(path, "other.png")["width"], 32);
+        succeed(
+            path,
+            &["render", part, "-o", "all.exr", "--region", "0,0,64,48"],
+        );
+        succeed(path, &["render", "scene.toml", "-o", "whole.exr"]);
+        assert_eq!(hash_of("all.exr"), hash_of("whole.exr"));
+    }
+}
+
 #[test]
 fn a_bare_mesh_is_framed_and_lit() {
     let folder = folder();
