@@ -12,7 +12,9 @@ use super::checkpoint_lock::Lock;
 use super::inputs::is_same_file;
 use super::values;
 use crate::control::{CancelToken, Progress};
-use crate::io::{check_writable, describe_render, load_checkpoint, save_checkpoint};
+use crate::io::{
+    check_writable, describe_render, is_render_file, load_checkpoint, save_checkpoint,
+};
 use crate::render::{Checkpoint, PictureMemory, PreparedScene, Region, RunConfig};
 use crate::scene::Scene;
 
@@ -65,6 +67,9 @@ impl CheckpointArguments {
         let name = path.display();
         if others.iter().any(|other| is_same_file(path, other)) {
             bail!("{name}: the checkpoint needs a file of its own");
+        }
+        if is_render_file(path) {
+            bail!("{name}: a checkpoint is no picture: expected another extension, or none");
         }
         if self.resume && !path.exists() {
             bail!("{name}: there is no checkpoint to go on from; leave --resume out to begin anew");

@@ -90,6 +90,7 @@ impl RenderArguments {
     fn check_files(&self, output: &Path) -> Result<Option<Lock>> {
         io::check_image_path(output)?;
         if let Some(path) = &self.stats {
+            stats::check_name(path)?;
             io::check_writable(path).with_context(|| stats::cannot_write(path))?;
             if is_same_file(path, output) {
                 bail!(

@@ -1,9 +1,10 @@
 //! The stats file of a render: times, counts and the picture's hash, for programs.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde::{Serialize, Serializer};
 
 use super::costs::MeasuredCosts;
@@ -99,6 +100,16 @@ impl Stats {
         io::write_atomically(path, |file| writeln!(file, "{json}"))
             .with_context(|| cannot_write(path))
     }
+}
+
+/// Refuses names of other kinds of files, which would be lost by a slip of the hand. Without an extension it may be a device or a pipe.
+pub(super) fn check_name(path: &Path) -> Result<()> {
+    let is_json = |extension: &OsStr| extension.eq_ignore_ascii_case("json");
+    if !path.extension().is_none_or(is_json) {
+        let name = path.display();
+        bail!("{name}: the figures of --stats are JSON: expected the extension .json");
+    }
+    Ok(())
 }
 
 /// What is said where it cannot be written.

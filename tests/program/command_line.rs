@@ -908,24 +908,80 @@ fn what_the_clock_leaves_unfinished_is_called_so() {
 #[test]
 fn no_input_is_written_over() {
     let folder = folder();
-    for (output, stats) in [("out.png", "scene.toml"), ("out.png", "tetra.off")] {
-        let before = std::fs::read(folder.path().join(stats)).expect("exists");
-        let render = ["render", "scene.toml", "-o", output, "--stats", stats];
+    let path = |name: &str| folder.path().join(name);
+    // A mesh by a name that figures may have.
+    std::fs::rename(path("tetra.off"), path("tetra.json")).expect("is renamed");
+    let text = std::fs::read_to_string(path("scene.toml")).expect("exists");
+    let text = text.replace("tetra.off", "tetra.json");
+    std::fs::write(path("scene.toml"), text).expect("is written");
+    let mut cases = vec!["tetra.json"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("scene.toml", path("link.json")).expect("a link");
+        cases.push("link.json");
+    }
+    for stats in cases {
+        let before = std::fs::read(path(stats)).expect("exists");
+        let render = ["render", "scene.toml", "-o", "out.png", "--stats", stats];
         let complaint = fail(folder.path(), 1, &render);
         assert!(
             complaint.contains("the scene is read from it"),
             "{complaint}"
         );
-        let after = std::fs::read(folder.path().join(stats)).expect("exists");
+        let after = std::fs::read(path(stats)).expect("exists");
         assert_eq!(before, after);
     }
 }
 
+/// A slip of the hand must not turn a picture into figures.
 #[test]
+fn figures_and_checkpoints_take_the_place_of_nothing_else() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    for name in ["a.png", "b.EXR", "scene.toml", "tetra.off"] {
+        std::fs::write(path(name), "precious").expect("is written");
+        let render = ["render", "-o", "out.png", "--size", "8x8", "--stats", name];
+        let expected = format!(
+            "error: {name}: the figures of --stats are JSON: expected the extension .json\n"
+        );
+        assert_eq!(fail(folder.path(), 1, &render), expected);
+        assert_eq!(std::fs::read(path(name)).expect("exists"), b"precious");
+    }
+    for name in ["new.png", "new.EXR"] {
+        let render = [
+            "render",
+            "-o",
+            "out.png",
+            "--size",
+            "8x8",
+            "--checkpoint",
+            name,
+        ];
+        let complaint = fail(folder.path(), 1, &render);
+        let expected = format!(
+            "error: {name}: a checkpoint is no picture: expected another extension, or none\n"
+        );
+        assert_eq!(complaint, expected);
+        assert!(!path(name).exists());
+    }
+    for name in ["figures.JSON", "figures"] {
+        succeed(
+            folder.path(),
+            &["render", "-o", "out.png", "--size", "8x8", "--stats", name],
+        );
+        assert_eq!(json(&path(name))["ending"], "samples");
+    }
+}
+
+#[test]
+#[cfg(unix)]
 fn one_file_is_not_asked_to_be_two() {
     let folder = folder();
-    let render = ["render", "scene.toml", "-o", "a.png", "--stats", "./a.png"];
+    let path = folder.path().join("a.png");
+    std::fs::write(&path, "precious").expect("is written");
+    std::os::unix::fs::symlink("a.png", folder.path().join("a.json")).expect("a link");
+    let render = ["render", "scene.toml", "-o", "a.png", "--stats", "a.json"];
     let complaint = fail(folder.path(), 1, &render);
     assert!(complaint.contains("cannot hold both the picture and the figures"));
-    assert!(!folder.path().join("a.png").exists());
+    assert_eq!(std::fs::read(&path).expect("exists"), b"precious");
 }

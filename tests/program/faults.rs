@@ -54,7 +54,9 @@ fn has_extension(name: &str, extension: &str) -> bool {
 #[test]
 fn what_cannot_be_written_is_found_before_the_render() {
     let folder = folder();
-    std::fs::create_dir(folder.path().join("folder.png")).expect("a folder");
+    for name in ["folder.png", "folder.json"] {
+        std::fs::create_dir(folder.path().join(name)).expect("a folder");
+    }
     let picture = |output| vec!["render", "none.toml", "-o", output];
     let with_stats = |stats| [picture("a.png"), vec!["--stats", stats]].concat();
     let mut cases = vec![
@@ -71,8 +73,8 @@ fn what_cannot_be_written_is_found_before_the_render() {
             "no/a.json: cannot write the stats: the folder no does not exist",
         ),
         (
-            with_stats("folder.png"),
-            "folder.png: cannot write the stats: this is a folder",
+            with_stats("folder.json"),
+            "folder.json: cannot write the stats: this is a folder",
         ),
     ];
     let long = format!("{}.png", "a".repeat(300));
@@ -85,7 +87,8 @@ fn what_cannot_be_written_is_found_before_the_render() {
         let said = fail(folder.path(), &arguments);
         assert!(said.contains(expected), "{arguments:?}: {said}");
     }
-    assert_eq!(names(folder.path()), ["folder.png", "scene.toml"]);
+    let expected = ["folder.json", "folder.png", "scene.toml"];
+    assert_eq!(names(folder.path()), expected);
 }
 
 #[test]
