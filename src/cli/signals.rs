@@ -1,7 +1,8 @@
-//! Signals that ask the program to end: SIGINT (Ctrl+C) and SIGTERM; on Windows, which knows no SIGTERM from outside, Ctrl+Break.
+//! Signals that ask the program to end: SIGINT (Ctrl+C), SIGTERM and, on Linux, SIGHUP of a terminal that is closed; on Windows, which
+//! knows no SIGTERM from outside, Ctrl+Break.
 //!
-//! The first one ends the program at once, unless a command has asked for [`Signals::cancel_instead`]; the second always does.
-//! Either way no temporary file stays behind.
+//! The first one ends the program at once, unless a command has asked for [`Signals::cancel_instead`]; the second always does, but for
+//! SIGHUP, which the system and the shell send one after the other. Either way no temporary file stays behind.
 
 use std::ffi::c_int;
 use std::io;
@@ -14,13 +15,34 @@ use signal_hook::flag;
 use crate::control::CancelToken;
 use crate::io::exit_process;
 
-/// The signals and the exit codes that they ask for.
-#[cfg(not(windows))]
-const SIGNALS: [(c_int, usize); 2] = [(SIGINT, 130), (SIGTERM, 143)];
+/// The exit code of a program whose terminal is closed: 128 and the number of SIGHUP.
+const HUNG_UP: u8 = 129;
+
+/// The signals that are watched and the exit codes that they ask for.
+#[cfg(unix)]
+fn watched() -> Vec<(c_int, usize)> {
+    let mut signals = vec![(SIGINT, 130), (SIGTERM, 143)];
+    if !may_ignore_hang_up() {
+        signals.push((signal_hook::consts::SIGHUP, usize::from(HUNG_UP)));
+    }
+    signals
+}
+
+/// Whether the program was started to outlive its terminal, as by `nohup`; also where the system does not tell.
+#[cfg(unix)]
+fn may_ignore_hang_up() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    // The lowest bit is that of signal 1, SIGHUP.
+    ignored.is_none_or(|mask| mask & 1 == 1)
+}
 
 /// The third is what the C runtime of Windows calls SIGBREAK.
-#[cfg(windows)]
-const SIGNALS: [(c_int, usize); 3] = [(SIGINT, 130), (SIGTERM, 143), (21, 143)];
+#[cfg(not(unix))]
+fn watched() -> Vec<(c_int, usize)> {
+    vec![(SIGINT, 130), (SIGTERM, 143), (21, 143)]
+}
 
 /// What is known about signals; clones see the same.
 #[derive(Clone, Debug, Default)]
@@ -42,10 +64,11 @@ impl Signals {
     pub fn watch() -> io::Result<Self> {
         let signals = Self::default();
         let received = Arc::new(AtomicUsize::new(0));
-        for (signal, exit_code) in SIGNALS {
+        let watched = watched();
+        for &(signal, exit_code) in &watched {
             flag::register_usize(signal, Arc::clone(&received), exit_code)?;
         }
-        let mut wait = waiting()?;
+        let mut wait = waiting(&watched)?;
         let watching = signals.clone();
         let watch = move || {
             loop {
@@ -75,9 +98,11 @@ impl Signals {
     }
 
     fn answer(&self, code: u8) {
-        let is_first = self.0.exit_code.swap(code, Ordering::Relaxed) == 0;
+        let known = &self.0.exit_code;
+        let first = known.compare_exchange(0, code, Ordering::Relaxed, Ordering::Relaxed);
         match self.0.cancels.get() {
-            Some(token) if is_first => token.cancel(),
+            Some(token) if first.is_ok() => token.cancel(),
+            Some(_) if code == HUNG_UP => {}
             _ => exit_process(code),
         }
     }
@@ -86,13 +111,13 @@ impl Signals {
 /// Waits until there may have been a signal since the last time: what a handler itself may do is next to nothing. To be asked for
 /// after what is to be looked at is registered.
 #[cfg(unix)]
-fn waiting() -> io::Result<impl FnMut() + Send> {
+fn waiting(watched: &[(c_int, usize)]) -> io::Result<impl FnMut() + Send + use<>> {
     use signal_hook::low_level::pipe;
     use std::io::Read;
     use std::os::unix::net::UnixStream;
 
     let (mut receiver, sender) = UnixStream::pair()?;
-    for (signal, _) in SIGNALS {
+    for &(signal, _) in watched {
         pipe::register(signal, sender.try_clone()?)?;
     }
     // The handlers keep the sender open, so reading fails only where it is interrupted.
@@ -104,7 +129,7 @@ fn waiting() -> io::Result<impl FnMut() + Send> {
     clippy::unnecessary_wraps,
     reason = "elsewhere the system may not allow it"
 )]
-fn waiting() -> io::Result<impl FnMut() + Send> {
+fn waiting(_watched: &[(c_int, usize)]) -> io::Result<impl FnMut() + Send + use<>> {
     const PERIOD: std::time::Duration = std::time::Duration::from_millis(20);
     Ok(|| std::thread::sleep(PERIOD))
 }

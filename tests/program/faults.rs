@@ -419,7 +419,12 @@ mod signals {
 
     #[test]
     fn the_first_ends_a_render_with_the_samples_it_has() {
-        for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let mut signals = vec![("INT", 130), ("TERM", 143)];
+        // Elsewhere nothing tells whether the program was started to outlive its terminal.
+        if cfg!(target_os = "linux") {
+            signals.push(("HUP", 129));
+        }
+        for (signal, code) in signals {
             let folder = folder();
             let child = start(folder.path(), ENDLESS);
             wait();
@@ -458,6 +463,53 @@ mod signals {
         assert_eq!(names(folder.path()), ["a.exr", "scene.toml"]);
         let old = std::fs::read(folder.path().join("a.exr")).expect("is there");
         assert_eq!(old, b"old");
+    }
+
+    /// The system tells who runs in a terminal that is closed, and the shell does so again.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_closed_terminal_that_is_told_twice_loses_no_picture() {
+        let folder = folder();
+        // The tiles that are begun take longer than it takes to tell.
+        let slow = "--set render.mode=ao --set render.ambient_occlusion.samples=1024";
+        let child = start(
+            folder.path(),
+            &format!("{ENDLESS} {slow} --checkpoint kept"),
+        );
+        wait();
+        for _ in 0..2 {
+            send("HUP", &child);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let (code, said) = complaint(&child.wait_with_output().expect("ends"));
+        assert_eq!(code, Some(129), "{said}");
+        assert!(said.contains("kept: --resume goes on from here"), "{said}");
+        let left = names(folder.path());
+        assert!(left.contains(&"kept".to_owned()), "{left:?}");
+        assert!(!left.iter().any(|name| name.starts_with('.')), "{left:?}");
+    }
+
+    /// As `nohup` starts it.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn who_is_to_outlive_the_terminal_does() {
+        let folder = folder();
+        let program = env!("CARGO_BIN_EXE_raymini");
+        let ignoring = format!("trap '' HUP; exec '{program}' {ENDLESS} --seconds 2");
+        let child = Command::new("sh")
+            .args(["-c", &ignoring])
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starts");
+        wait();
+        send("HUP", &child);
+        let (code, said) = complaint(&child.wait_with_output().expect("ends"));
+        assert_eq!(code, Some(0), "{said}");
+        let stats = std::fs::read(folder.path().join("stats.json")).expect("is written");
+        let stats: Value = serde_json::from_slice(&stats).expect("is JSON");
+        assert_eq!(stats["ending"], "time");
     }
 
     /// The tiles that are begun are done before the program ends, so there is something as soon as a tile has begun.
