@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::error::Error as _;
-use std::fs::{self, File, Metadata};
+use std::fs::{self, File, Metadata, TryLockError};
 use std::io::{self, BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -11,6 +11,8 @@ use tempfile::{Builder, NamedTempFile};
 /// How names of temporary files begin and end.
 const PREFIX: &str = ".raymini-";
 const SUFFIX: &str = ".part";
+/// How many letters stand between.
+const RANDOM_LETTERS: usize = 6;
 
 /// Writes a file so that whoever looks at `path`, at any moment, sees the old content or the new, never a part.
 ///
@@ -38,7 +40,7 @@ pub fn write_atomically(
 }
 
 /// Says what would keep [`write_atomically`] from beginning to write `path`, before work is spent on what goes there: makes the
-/// temporary file, and removes it. The file of that name is not touched.
+/// temporary file, and removes it, with those that killed processes left there. The file of that name is not touched.
 ///
 /// # Errors
 /// Those of [`write_atomically`], but for what shows only when there is something to write, such as a full disk.
@@ -48,19 +50,34 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     if old.as_ref().is_some_and(|old| !old.is_file()) {
         return Ok(());
     }
+    remove_unfinished(&folder_of(&target));
     Temporary::beside(&target, old.as_ref()).map(drop)
 }
 
-/// Removes what [`write_atomically`] left in `folder` where a process was killed in the middle of it. Nobody may be writing there.
+/// Removes what [`write_atomically`] left in `folder` where a process was killed in the middle of it. What is being written, which its
+/// writer has locked, stays.
 pub fn remove_unfinished(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) {
+        let is_temporary = name.to_str().is_some_and(is_temporary_name);
+        // Not a link or a pipe that somebody calls so.
+        let is_file = || entry.file_type().is_ok_and(|of| of.is_file());
+        if is_temporary
+            && is_file()
+            && let Ok(file) = File::options().write(true).open(entry.path())
+            && file.try_lock().is_ok()
+        {
             // One that stays is in nobody's way.
             let _ = fs::remove_file(entry.path());
         }
     }
+}
+
+/// Whether temporary files are called so.
+fn is_temporary_name(name: &str) -> bool {
+    let between = name.strip_prefix(PREFIX);
+    let random = between.and_then(|rest| rest.strip_suffix(SUFFIX));
+    random.is_some_and(|random| random.len() == RANDOM_LETTERS)
 }
 
 /// Ends the process with exit code `code`, whatever it is doing; files that it is writing are as they were, and their temporary
@@ -139,10 +156,13 @@ impl Temporary {
             return Err(Error::new(ErrorKind::NotFound, message));
         }
         let mut builder = Builder::new();
-        builder.prefix(PREFIX).suffix(SUFFIX);
+        builder
+            .prefix(PREFIX)
+            .suffix(SUFFIX)
+            .rand_bytes(RANDOM_LETTERS);
         like_any_new_file(&mut builder);
         let mut unfinished = unfinished();
-        let file = builder.tempfile_in(&folder).map_err(|error| {
+        let file = locked(|| builder.tempfile_in(&folder)).map_err(|error| {
             // Without the temporary file's name, which tells the user nothing.
             let reason = error
                 .source()
@@ -168,6 +188,23 @@ impl Temporary {
         file.persist(target).map_err(|error| error.error)?;
         drop(listed);
         Ok(())
+    }
+}
+
+/// A file of those that `make` makes, locked as long as it is open: [`remove_unfinished`] of another process may have taken one that was
+/// not locked yet for one that nobody writes.
+fn locked(mut make: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    loop {
+        let file = make()?;
+        let is_taken = match file.as_file().try_lock() {
+            Ok(()) => !file.path().exists(),
+            Err(TryLockError::WouldBlock) => true,
+            // Without locks nobody removes anything.
+            Err(TryLockError::Error(_)) => false,
+        };
+        if !is_taken {
+            return Ok(file);
+        }
     }
 }
 
@@ -234,6 +271,63 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).expect("a file"), text);
             assert_eq!(names(&folder), ["picture.png"]);
         }
+    }
+
+    /// By hand: an unlocked file of such a name is what a killed process leaves.
+    #[test]
+    fn what_was_left_unfinished_goes_and_what_is_being_written_stays() {
+        let folder = folder();
+        let path = |name: &str| folder.path().join(name);
+        for name in [
+            ".raymini-a1B2c3.part",
+            ".raymini-notes-of-mine.part",
+            "a.part",
+        ] {
+            fs::write(path(name), "text").expect("is written");
+        }
+        fs::create_dir(path(".raymini-folder.part")).expect("a folder");
+        write_atomically(&path("picture.png"), |out| {
+            remove_unfinished(folder.path());
+            check_writable(&path("other.png"))?;
+            // The folder, the two of other names, and the one that is being written.
+            assert_eq!(names(&folder).len(), 4);
+            out.write_all(b"whole")
+        })
+        .expect("written");
+        let expected = [
+            ".raymini-folder.part",
+            ".raymini-notes-of-mine.part",
+            "a.part",
+            "picture.png",
+        ];
+        assert_eq!(names(&folder), expected);
+        let written = fs::read_to_string(path("picture.png"));
+        assert_eq!(written.expect("a file"), "whole");
+    }
+
+    /// Another process takes each new file for one that was left, before it is locked or after it is made.
+    #[test]
+    fn a_file_that_is_removed_before_it_is_locked_is_made_again() {
+        let folder = folder();
+        let mut made = 0;
+        let mut others = Vec::new();
+        let file = locked(|| {
+            let file = NamedTempFile::new_in(folder.path())?;
+            made += 1;
+            match made {
+                1 => fs::remove_file(file.path())?,
+                2 => {
+                    let other = File::open(file.path())?;
+                    other.lock()?;
+                    others.push(other);
+                }
+                _ => {}
+            }
+            Ok(file)
+        });
+        let file = file.expect("is made");
+        assert_eq!(made, 3);
+        assert!(file.path().exists());
     }
 
     #[test]

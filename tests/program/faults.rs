@@ -584,18 +584,60 @@ mod signals {
         assert!(names(&folder.path().join("none")).is_empty());
     }
 
-    /// Two signals in the middle of a write: the temporary file goes with the program.
-    #[test]
-    fn no_temporary_file_outlives_a_write_that_a_signal_ends() {
-        let folder = folder();
+    fn is_part(name: &String) -> bool {
+        has_extension(name, "part")
+    }
+
+    /// A render that has written something of its picture, and goes on doing so.
+    fn writing(folder: &Path) -> Child {
         let large = "render scene.toml -o a.png --size 4096x2048 --spp 1 --mode normals";
-        let mut child = start(folder.path(), large);
-        let is_part = |name: &String| has_extension(name, "part");
-        while !names(folder.path()).iter().any(is_part) {
+        let mut child = start(folder, large);
+        let is_begun = || {
+            let mut parts = names(folder).into_iter().filter(is_part);
+            let size = |name| std::fs::metadata(folder.join(name)).map_or(0, |part| part.len());
+            parts.any(|name| size(name) > 0)
+        };
+        while !is_begun() {
             let ended = child.try_wait().expect("can be asked");
             assert!(ended.is_none(), "the write was not seen");
             std::thread::sleep(Duration::from_millis(2));
         }
+        child
+    }
+
+    /// A killed process removes nothing; the next one that writes there does, and leaves alone what another still writes.
+    #[test]
+    fn the_next_render_removes_what_a_killed_one_left_and_nothing_else() {
+        let folder = folder();
+        let path = folder.path();
+        let small = ["render", "scene.toml", "-o", "b.png", "--size", "8x8"];
+        let mut killed = writing(path);
+        killed.kill().expect("runs");
+        killed.wait().expect("ends");
+        assert_eq!(names(path).iter().filter(|name| is_part(name)).count(), 1);
+
+        let render_beside = || {
+            let output = raymini(path, &small).output().expect("starts");
+            assert!(output.status.success(), "{}", complaint(&output).1);
+            names(path)
+        };
+        assert_eq!(render_beside(), ["b.png", "scene.toml"]);
+
+        let mut living = writing(path);
+        send("STOP", &living);
+        let left = render_beside();
+        let parts = left.iter().filter(|name| is_part(name)).count();
+        assert_eq!(parts, 1, "{left:?}");
+        send("CONT", &living);
+        assert!(living.wait().expect("ends").success());
+        assert_eq!(names(path), ["a.png", "b.png", "scene.toml"]);
+    }
+
+    /// Two signals in the middle of a write: the temporary file goes with the program.
+    #[test]
+    fn no_temporary_file_outlives_a_write_that_a_signal_ends() {
+        let folder = folder();
+        let mut child = writing(folder.path());
         send("TERM", &child);
         std::thread::sleep(Duration::from_millis(60));
         send("TERM", &child);
