@@ -318,7 +318,7 @@ fn load_render_file(
 
 /// The text of the scene of which a picture was rendered, and what errors call it.
 fn text_of_render(path: &Path) -> Result<(String, String), LoadError> {
-    let origin = WrittenOrigin::of_file(path).and_then(|origin| {
+    let origin = WrittenOrigin::of_render(path).and_then(|origin| {
         let missing = "this picture does not tell what was rendered, as pictures of RayMini do";
         origin.scene.ok_or_else(|| missing.to_owned())
     });

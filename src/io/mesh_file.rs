@@ -290,6 +290,28 @@ mod tests {
                 "a.step: files with the extension .step are not read; RayMini reads {READABLE_FORMATS}"
             )
         );
+        for (name, text, begins) in [
+            (
+                "a.glb",
+                "xlTF\u{2}",
+                "binary glTF begins with \"glTF\", this file with \"xlTF\"",
+            ),
+            (
+                "a.GLB",
+                "\u{0}\n",
+                "binary glTF begins with \"glTF\", this file with \"\\x00\\n\"",
+            ),
+            (
+                "a.gltf",
+                "<html>",
+                "the text of glTF begins with \"{\", this file with \"<htm\"",
+            ),
+        ] {
+            let expected = format!(
+                "{name}: this is not glTF, or it is damaged: {begins}; RayMini reads {READABLE_FORMATS}"
+            );
+            assert_eq!(message(name, text), expected);
+        }
         assert_eq!(
             message("a.off", "glTF"),
             "a.off: byte 4: expected four bytes, found the end of the file"

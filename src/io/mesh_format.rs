@@ -5,6 +5,7 @@ use super::mesh_reading::Malformed;
 use super::{gmsh, medit, obj, off, ply, stl};
 use crate::control::{CancelToken, Progress};
 use crate::geometry::TriangleMesh;
+use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -99,12 +100,21 @@ impl MeshFormat {
             return Ok(Self::Obj);
         }
         let path = Path::new(name);
-        Self::of_extension(path).ok_or_else(|| match path.extension() {
-            None => "this is not a mesh of a known format".to_owned(),
-            Some(extension) => format!(
-                "files with the extension .{} are not read",
-                extension.to_ascii_lowercase().display()
-            ),
+        Self::of_extension(path).ok_or_else(|| {
+            let extension = path.extension().map(OsStr::to_ascii_lowercase);
+            match extension.as_deref().map(OsStr::to_string_lossy).as_deref() {
+                None => "this is not a mesh of a known format".to_owned(),
+                // It would have been known by its content.
+                Some("glb") => format!(
+                    "this is not glTF, or it is damaged: binary glTF begins with \"glTF\", this file with \"{}\"",
+                    bytes.get(..4).unwrap_or(bytes).escape_ascii()
+                ),
+                Some("gltf") => format!(
+                    "this is not glTF, or it is damaged: the text of glTF begins with \"{{\", this file with \"{}\"",
+                    bytes.get(..4).unwrap_or(bytes).escape_ascii()
+                ),
+                Some(other) => format!("files with the extension .{other} are not read"),
+            }
         })
     }
 

@@ -189,7 +189,19 @@ impl WrittenOrigin {
     /// # Errors
     /// Why it cannot be read, in a plain sentence that does not name the file.
     pub fn of_file(path: &Path) -> Result<Self, String> {
-        Self::read(BufReader::new(open_file(path, "a picture")?))
+        let file = BufReader::new(open_file(path, "a picture")?);
+        Ok(Self::read(file)?.unwrap_or_default())
+    }
+
+    /// What the picture at `path` tells.
+    ///
+    /// # Errors
+    /// Those of [`Self::of_file`], and that it is no picture of a kind that can.
+    pub(super) fn of_render(path: &Path) -> Result<Self, String> {
+        let file = BufReader::new(open_file(path, "a picture")?);
+        Self::read(file)?.ok_or_else(|| {
+            "this is neither a PNG nor an OpenEXR file, or its first bytes are damaged".to_owned()
+        })
     }
 
     /// [`Self::of_file`] of a file that begins with these bytes.
@@ -197,22 +209,26 @@ impl WrittenOrigin {
     /// # Errors
     /// What is wrong with them, in a plain sentence.
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, String> {
-        Self::read(Cursor::new(bytes))
+        Ok(Self::read(Cursor::new(bytes))?.unwrap_or_default())
     }
 
-    fn read(mut file: impl BufRead + Seek) -> Result<Self, String> {
+    /// `None` where it is no picture of a kind that can tell.
+    fn read(mut file: impl BufRead + Seek) -> Result<Option<Self>, String> {
         let begin = file.fill_buf().map_err(|error| error.to_string())?;
         if begin.starts_with(b"\x89PNG") {
-            let reader = png::Decoder::new(file).read_info();
+            let mut options = png::DecodeOptions::default();
+            // A damaged text would count as none.
+            options.set_skip_ancillary_crc_failures(false);
+            let reader = png::Decoder::new_with_options(file, options).read_info();
             let reader = reader.map_err(|error| format!("not a whole PNG file: {error}"))?;
-            return Ok(Self::of_png(reader.info()));
+            return Ok(Some(Self::of_png(reader.info())));
         }
         if begin.starts_with(&exr::meta::magic_number::BYTES) {
             let meta = MetaData::read_from_buffered(file, false);
             let meta = meta.map_err(|error| format!("not a whole OpenEXR file: {error}"))?;
-            return Ok(Self::of_exr(&meta));
+            return Ok(Some(Self::of_exr(&meta)));
         }
-        Ok(Self::default())
+        Ok(None)
     }
 
     fn of_exr(meta: &MetaData) -> Self {
@@ -317,8 +333,47 @@ mod tests {
                 path.display()
             );
             assert_eq!(load(&path).expect_err("no scene"), expected);
-            fs::write(&path, "\u{0}").expect("written");
-            assert_eq!(load(&path).expect_err("no picture"), expected);
+        }
+    }
+
+    /// Wherever the damage is that keeps the scene from being read.
+    #[test]
+    fn a_damaged_picture_is_called_so() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let scene = demo_scene();
+        let origin = Origin {
+            scene: &scene,
+            error: None,
+            region: None,
+            values: Values::Rendered,
+        };
+        for (name, mark) in [("picture.png", &b"iTXt"[..]), ("picture.exr", b"channels")] {
+            let path = folder.path().join(name);
+            write_render(&Image::black(3, 2), &[], &origin, &path).expect("written");
+            let whole = fs::read(&path).expect("a picture");
+            let error_with = |bytes: &[u8]| {
+                fs::write(&path, bytes).expect("written");
+                load(&path).expect_err("is damaged")
+            };
+            for first in [&b"\0"[..], b"\0\0\0\0", b""] {
+                let mut bytes = whole.clone();
+                bytes[..first.len()].copy_from_slice(first);
+                bytes.truncate(if first.is_empty() { 3 } else { bytes.len() });
+                let error = error_with(&bytes);
+                assert!(error.ends_with("or its first bytes are damaged"), "{error}");
+            }
+            let place = whole.windows(mark.len()).position(|bytes| bytes == mark);
+            let place = place.expect("is there") + mark.len() + 20;
+            let mut errors = vec![error_with(&whole[..place])];
+            // OpenEXR has no sums to check.
+            if name == "picture.png" {
+                let mut bytes = whole.clone();
+                bytes[place] ^= 0xff;
+                errors.push(error_with(&bytes));
+            }
+            for error in errors {
+                assert!(error.contains(": not a whole "), "{error}");
+            }
         }
     }
 }
