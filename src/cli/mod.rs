@@ -36,7 +36,8 @@ use serde::Serialize;
 
 use crate::analysis::hazards::why_black;
 use crate::control::{CancelToken, Progress};
-use crate::io::{self, LoadedScene};
+use crate::io::{self, LoadError, LoadedScene};
+use crate::scene::SceneError;
 
 pub use bench::WindowBench;
 pub use inputs::new_picture;
@@ -166,6 +167,24 @@ impl Command {
     /// # Errors
     /// What kept it from being done, in words for the user.
     pub fn run(self, signals: &Signals) -> Result<ExitCode> {
+        let scene = self.scene().map(Path::to_owned);
+        let done = self.carry_out(signals);
+        done.map_err(|error| in_file(error, scene.as_deref()))
+    }
+
+    /// The file of the scene that the command is about, if it is about one.
+    fn scene(&self) -> Option<&Path> {
+        match self {
+            Self::Render(arguments) => arguments.scene.path(),
+            Self::Check(arguments) => arguments.scene.as_deref(),
+            Self::Report(arguments) => arguments.scene.path(),
+            Self::Plan(arguments) => arguments.scene.path(),
+            Self::Bench(arguments) => arguments.scene.path(),
+            Self::Info(_) | Self::Convert(_) | Self::Compare(_) => None,
+        }
+    }
+
+    fn carry_out(self, signals: &Signals) -> Result<ExitCode> {
         match self {
             Self::Render(arguments) => return render::run(&arguments, signals),
             Self::Check(arguments) => return check::run(&arguments),
@@ -177,6 +196,16 @@ impl Command {
             Self::Bench(arguments) => bench::run(&arguments)?,
         }
         Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// The error, with the file of the scene in front where it is about what that describes and does not say so itself.
+fn in_file(error: anyhow::Error, scene: Option<&Path>) -> anyhow::Error {
+    let is_of_scene =
+        error.is::<SceneError>() || matches!(error.downcast_ref(), Some(LoadError::Description(_)));
+    match scene.filter(|_| is_of_scene) {
+        Some(path) => error.context(path.display().to_string()),
+        None => error,
     }
 }
 

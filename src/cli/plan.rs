@@ -30,7 +30,7 @@ const LOOKS: u32 = 24;
 #[derive(Debug, Args)]
 pub struct PlanArguments {
     #[command(flatten)]
-    scene: SceneArguments,
+    pub(super) scene: SceneArguments,
 
     /// What a pixel holds
     #[arg(long, value_parser = Mode::ALL.iter().map(|(_, name)| *name).collect::<Vec<_>>())]

@@ -34,7 +34,7 @@ use crate::scene::{Choice, Mode, RenderSettings, Scene};
 #[derive(Debug, Default, Args)]
 pub struct RenderArguments {
     #[command(flatten)]
-    scene: SceneArguments,
+    pub(super) scene: SceneArguments,
 
     /// Where to write the picture: .png, or .exr for the radiance itself
     #[arg(short, long, value_name = "FILE", required_unless_present = "pixel",

@@ -21,7 +21,7 @@ use crate::render::RunConfig;
 #[derive(Debug, Args)]
 pub struct ReportArguments {
     #[command(flatten)]
-    scene: SceneArguments,
+    pub(super) scene: SceneArguments,
 
     /// Folder to write report.md, report.svg, report.png, report.json and report.csv to
     #[arg(short, long, value_name = "DIR", allow_hyphen_values = true, value_parser = values::output())]

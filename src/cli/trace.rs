@@ -19,6 +19,7 @@ pub struct TraceArguments {
     #[arg(
         long,
         value_name = "X,Y",
+        allow_hyphen_values = true,
         value_parser = super::values::pixel,
         conflicts_with_all = ["output", "stats", "region", "checkpoint", "costs"]
     )]

@@ -31,7 +31,7 @@ use super::texturing::PreparedTextures;
 use super::{camera_samples::SampleId, sampler::Sampler};
 use crate::accel::Assembly;
 use crate::control::{CancelToken, Progress};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Vec2, Vec3, three_digits};
 use crate::scene::{Camera, LightSampling, Mode, RenderSettings, Scene, SceneError};
 pub(super) use rays::Seen;
 
@@ -173,11 +173,14 @@ impl PreparedScene {
             .iter()
             .map(|light| PreparedLight::new(light, frame))
             .collect();
-        let too_large = |key: String| SceneError::BadValue {
+        let extent = f64::from(geometry.accelerator().bounds().diagonal()) / frame.scale();
+        let too_large = |key: String| {
+            SceneError::BadValue {
             key,
-            value: "too large a number".to_owned(),
-            expected: "numbers that 32 bits can hold at the scene's scale, up to about 1e38"
+            value: format!("too large a number beside objects {} across", three_digits(extent)),
+            expected: "one that 32 bits hold, up to about 1e38, when all lengths are multiplied so that the objects are about 1 across"
                 .to_owned(),
+        }
         };
         if let Some(index) = lights.iter().position(|light| !light.is_finite()) {
             return Err(too_large(format!("lights.{index}")));

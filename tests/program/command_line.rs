@@ -329,9 +329,31 @@ fn mistakes_are_told_with_file_and_line_and_exit_code_1() {
         "paint.toml",
         "[materials.clay]\nkind = \"phong\"\ndiffuse_image = \"none.png\"\n",
     );
+    write(
+        "tiny.toml",
+        "[[objects]]\nmesh = \"tetra.off\"\nscale = 1e-30\n[[lights]]\nposition = [0, 0, 3]\nintensity = [1, 1, 1]\n",
+    );
+    // The box of the mesh is a cube of side 1, which is √3 across.
+    let beside =
+        "tiny.toml: lights.0 is too large a number beside objects 1.73e-30 across; expected ";
     write("broken.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n");
     write("broken.toml", "[[objects]]\nmesh = \"broken.off\"\n");
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 15] = [
+        (&["render", "tiny.toml", "-o", "x.png"], beside),
+        (&["check", "tiny.toml"], beside),
+        (&["plan", "tiny.toml"], beside),
+        (
+            &[
+                "render",
+                "--set",
+                "render.width=abc",
+                "-o",
+                "x.png",
+                "--size",
+                "8x8",
+            ],
+            "--set render.width=abc: `render.width` is \"abc\"; expected ",
+        ),
         (
             &["render", "key.toml", "-o", "x.png"],
             "key.toml:2:1: unknown key `widht`; the nearest known one is `width`",
@@ -431,6 +453,11 @@ fn wrong_values_are_answered_by_what_was_expected() {
         ("render", "-o -x.png", name),
         ("render", "--output --spp", name),
         ("render --pixel 1,1", "--sample -1", "from 0 to 16777215"),
+        (
+            "render",
+            "--pixel -1,3",
+            "expected column and row of a pixel, such as 320,240",
+        ),
         ("render -o x.png", "--checkpoint -c", name),
         (
             "render -o x.png --checkpoint c",

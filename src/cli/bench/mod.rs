@@ -29,7 +29,7 @@ const MESH_FILE: &str = "mesh.ply";
 #[derive(Debug, Args)]
 pub struct BenchArguments {
     #[command(flatten)]
-    scene: SceneArguments,
+    pub(super) scene: SceneArguments,
 
     /// Measure this structure; may be given several times. Both trees when left out, and brute force over a few triangles
     #[arg(long = "structure", value_name = "NAME", value_parser = structure_names())]

@@ -16,7 +16,7 @@ use crate::analysis::matrix::Effort;
 pub struct CheckArguments {
     /// A scene file (.toml) or a mesh to examine; the built-in extreme cases are tried when left out
     #[arg(value_name = "SCENE")]
-    scene: Option<PathBuf>,
+    pub(super) scene: Option<PathBuf>,
 
     /// As many rays and samples as give the figures their meaning: minutes instead of seconds
     #[arg(long, conflicts_with = "scene")]

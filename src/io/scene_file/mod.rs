@@ -93,7 +93,8 @@ pub fn write(scene: &Scene) -> String {
 }
 
 /// Changes values: each assignment is `KEY=VALUE` with a dotted key, list items by number (`objects.0.scale=2`), and a TOML
-/// value; quotes around a single word may be left out. All are applied before any is judged. Keys that another one excludes go:
+/// value; quotes around a single word may be left out. All are applied before any is judged, but for those that say a key which another
+/// one says again. Keys that another one excludes go:
 /// those of the former kind with a new `kind` or another kind of background, `normal` with `target`. Meshes and images stay as
 /// they are.
 ///
@@ -109,6 +110,10 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
             line: ASSIGNED,
             column: number,
         };
+        if let Some((number, message)) = replaced(&mut tree, assignment) {
+            let blamed = &assignments[number..=number];
+            return Err(SceneFileError::of_assignments(blamed, message));
+        }
         if let Err(message) = assign(&mut tree, assignment, place) {
             let (number, message) = spoiled(&tree, assignment).unwrap_or((number, message));
             let blamed = &assignments[number..=number];
@@ -129,14 +134,27 @@ pub fn apply_overrides(scene: &Scene, assignments: &[String]) -> Result<Scene, S
     Ok(changed)
 }
 
+/// What is wrong with an assignment before this one, and its number, where this one says the same key again: nobody would judge it after.
+fn replaced(tree: &mut Node, assignment: &str) -> Option<(usize, String)> {
+    let (path, _) = assignment.split_once('=')?;
+    let place = tree.place_at(path.trim())?;
+    wrong_at(tree, place)
+}
+
 /// What is wrong with an assignment before this one, and its number, where it has put a value in the place of what this one is to change
 /// a part of.
 fn spoiled(tree: &Node, assignment: &str) -> Option<(usize, String)> {
     let (path, _) = assignment.split_once('=')?;
-    let place = tree.place_of(path.trim());
+    wrong_at(tree, tree.place_of(path.trim()))
+}
+
+/// What is wrong with the assignment that stands at `place`, and its number.
+fn wrong_at(tree: &Node, place: Place) -> Option<(usize, String)> {
+    if place.line != ASSIGNED {
+        return None;
+    }
     let problem = read(tree, "scene").err()?;
-    let is_there = place.line == ASSIGNED && problem.place == Some(place);
-    is_there.then_some((place.column, problem.message))
+    (problem.place == Some(place)).then_some((place.column, problem.message))
 }
 
 /// The line, which no text has, of what assignments say; their number is the column.

@@ -107,6 +107,11 @@ impl Node {
         node.place
     }
 
+    /// Where the value of a dotted `path` stands, if one is there.
+    pub fn place_at(&mut self, path: &str) -> Option<Place> {
+        self.at_mut(path).map(|node| node.place)
+    }
+
     /// Says that this value, and all in it, stands at `place`.
     pub fn put_at(&mut self, place: Place) {
         self.place = place;

@@ -155,8 +155,27 @@ fn the_assignment_to_blame_is_named() {
             assert_eq!(found(&assignments), format!("--set {wrong}"));
         }
     }
+    // Also where another one says the same key again, rightly.
+    for (wrong, again) in [
+        ("render.width=x", "render.width=8"),
+        ("camera.vertical_fov=200", "camera.vertical_fov=20"),
+        (
+            "materials.clay.diffuse=[1, -1, 1]",
+            "materials.clay.diffuse=[1, 1, 1]",
+        ),
+    ] {
+        assert_eq!(found(&[right, wrong, again]), format!("--set {wrong}"));
+    }
     let together = ["render.mode=path", "render.phong=classic"];
     assert_eq!(found(&together), "--set render.phong=classic");
+    // Each is right by itself, and what is wrong with both goes.
+    let again = [
+        "render.phong=classic",
+        "render.mode=path",
+        "render.mode=direct",
+    ];
+    let again = again.map(str::to_owned);
+    assert!(apply_overrides(&scene, &again).is_ok());
     // What the second is about is no longer there.
     let spoiled = ["render=3", "render.width=96"];
     assert_eq!(found(&spoiled), "--set render=3");
