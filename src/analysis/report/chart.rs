@@ -20,7 +20,7 @@ pub struct Chart {
     pub x: Axis,
     /// From bottom to top.
     pub y: Axis,
-    /// In the legend's order; later ones are drawn over earlier ones.
+    /// In the legend's order; later ones are drawn over earlier ones. The legend leaves out those without anything to show.
     pub curves: Vec<Curve>,
     /// Heights to compare the curves with.
     pub levels: Vec<Level>,
@@ -93,6 +93,12 @@ impl Chart {
     #[must_use]
     pub fn to_svg(&self) -> String {
         drawing::draw(self, &Layout::of(self))
+    }
+
+    /// The curves of which there is something to show.
+    fn shown_curves(&self) -> impl Iterator<Item = &Curve> {
+        let curves = self.curves.iter();
+        curves.filter(|curve| curve.shown().next().is_some())
     }
 
     /// The levels that are drawn.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// The shallowest slope that is followed beyond a curve: independent samples fall with −0.5, and what falls by less than half of that is
 /// held up by something that samples do not cure.
-const SHALLOWEST: f64 = -0.25;
+pub(super) const SHALLOWEST: f64 = -0.25;
 
 /// How many times as far as it was measured a curve is followed: beyond, a slope that is off by a tenth is off by years.
 const FARTHEST: f64 = 100.0;

@@ -73,10 +73,12 @@ fn cautions(study: &Study, variants: &[(&Variant, Summary)]) -> Option<String> {
             summary.doubt()?
         ))
     });
+    let is_exact = matches!(study.reference.origin, Origin::Exact { .. });
     let too_few = variants.iter().filter_map(|(variant, summary)| {
         let honesty = summary.honesty.filter(Honesty::holds_too_few)?;
-        // Where the reference or the picture is at fault, that has been said.
-        let is_told = summary.shows_another_picture || summary.doubt().is_some();
+        // Where the reference or the picture is at fault, that has been said. Of an exact answer nobody knows.
+        let is_doubted = summary.doubt().is_some() && !is_exact;
+        let is_told = summary.shows_another_picture || is_doubted;
         (!is_told).then(|| {
             format!(
                 "{}: {} of {} intervals held the truth, which is too few for 95 %: of independent ones so few would in less than one \
@@ -163,8 +165,8 @@ fn how_to_read(study: &Study) -> String {
         averaged over pixels and channels. The solid line is the true noise: its markers are medians over the seeds, its band \
         reaches from the least to the largest. The dashed line is what the renders estimate by themselves while they run; where \
         it lies on the solid one, the estimate is honest. The dotted line adds the time of preparing the scene. Of two lines, the \
-        lower one has less noise after the same time, the one farther left takes less time for the same noise. The slope is \
-        fitted to the points from 4 samples on.\n\n{}",
+        lower one has less noise after the same time, the one farther left takes less time for the same noise. The slope is the \
+        median of those that are fitted to the points of each seed from 4 samples on.\n\n{}",
         correction(study)
     )
 }
@@ -239,14 +241,14 @@ fn summaries(variants: &[(&Variant, Summary)]) -> String {
     ];
     head.extend(times.iter().map(String::as_str));
     table(&head, &rows.collect::<Vec<_>>())
-        + "\n\nSlopes are fitted to the medians, ranges are those of the slopes of one seed each. Other programs on the machine disturb \
+        + "\n\nSlopes are fitted to each seed: medians, and the least and the largest. Other programs on the machine disturb \
         those by CPU time least. *CPU* is the processor time of the renders over what their threads could have had. Estimates are compared with \
         true errors, RMSE and noise, at all points from 16 samples on: the smallest and largest ratio of their medians, and how often the \
         intervals of the renders held the truth; pairs that are both no more than rounding are *exact*, and are not compared. Efficiency \
         is 1 / (relMSE · seconds) at the end of each render, the median over the seeds. Times are those of rendering until the median \
         noise is that low: between points by interpolation, *predicted* beyond the last point by following the slope by CPU time, ≤ where already \
-        the first point is below. Nothing is predicted from slopes above −0.25, for more than 100 times the time that was measured, or \
-        where more than noise is measured."
+        the first point is below. Nothing is predicted from slopes above −0.25, for more than 100 times the time that was measured, \
+        where more than noise is measured, or beyond where `render.stop` ends the renders."
 }
 
 /// What it took to the noise at which renders stop, where any stops at one.

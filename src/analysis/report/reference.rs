@@ -57,6 +57,19 @@ pub enum Origin {
     },
 }
 
+/// What is measured against a reference at a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// The mean square relative error.
+    pub relmse: f64,
+    /// What that of the renders may be at most, where they can tell.
+    pub most: Option<f64>,
+    /// Of the renders.
+    pub samples_per_pixel: f64,
+    /// Whether it falls with samples, as noise does.
+    pub falls: bool,
+}
+
 impl Reference {
     /// An even picture of this size.
     #[must_use]
@@ -180,16 +193,24 @@ impl Reference {
         rounded.into_iter().chain(shared).collect()
     }
 
-    /// Whether more than half of the mean square relative error `measured` against it is not that of the renders. `most` is what
-    /// theirs may be at most, where they can tell.
+    /// Whether more than half of the mean square relative error that is measured against it is not that of the renders.
     ///
-    /// What a file does not tell of its own error shows in what is measured: mean squares add, and that of the renders is known.
-    pub(super) fn outweighs(&self, measured: f64, most: Option<f64>) -> bool {
-        let is_file = matches!(self.origin, Origin::File { .. });
+    /// What a file does not tell of its own error shows in what is measured: mean squares add, and that of the renders is known. Of a
+    /// reference that is known renders may say too little of theirs, which falls; what does not fall is another picture's.
+    pub(super) fn outweighs(&self, seen: &Seen) -> bool {
+        let renders_know_less = seen.most.is_some_and(|most| most < seen.relmse / 2.0);
         let is_known = self
             .known_errors()
-            .is_some_and(|[_, own]| own > measured / 2.0);
-        is_known || is_file && most.is_some_and(|most| most < measured / 2.0)
+            .is_some_and(|[_, own]| own > seen.relmse / 2.0);
+        is_known
+            || match self.origin {
+                Origin::Exact { .. } => renders_know_less && !seen.falls,
+                Origin::File { .. } => renders_know_less,
+                // From few samples its estimate says too little.
+                Origin::Rendered {
+                    samples_per_pixel, ..
+                } => seen.samples_per_pixel > f64::from(samples_per_pixel),
+            }
     }
 
     /// What it is, in a line.
@@ -269,26 +290,39 @@ mod tests {
         let telling = test_data::file_reference(Some(0.03));
         let rendered = test_data::rendered_reference(0.1, 0.03);
         let exact = Reference::exact([1.0; 3], 2, 1);
-        for (reference, measured, most, expected) in [
-            (&silent, 0.04, None, false),
-            (&silent, 0.04, Some(0.03), false),
-            (&silent, 0.04, Some(0.01), true),
-            (&silent, f64::NAN, Some(0.01), false),
-            (&telling, 0.05, None, true),
-            (&telling, 0.07, None, false),
-            (&telling, 0.07, Some(0.01), true),
-            (&rendered, 0.05, None, true),
+        let seen = |relmse, most| Seen {
+            relmse,
+            most,
+            samples_per_pixel: 128.0,
+            falls: true,
+        };
+        let even = |seen| Seen {
+            falls: false,
+            ..seen
+        };
+        let later = |seen| Seen {
+            samples_per_pixel: 129.0,
+            ..seen
+        };
+        for (reference, seen, expected) in [
+            (&silent, seen(0.04, None), false),
+            (&silent, seen(0.04, Some(0.03)), false),
+            (&silent, seen(0.04, Some(0.01)), true),
+            (&silent, seen(f64::NAN, Some(0.01)), false),
+            (&telling, seen(0.05, None), true),
+            (&telling, seen(0.07, None), false),
+            (&telling, seen(0.07, Some(0.01)), true),
+            (&rendered, seen(0.05, None), true),
             // What renders say too little of is no reason to doubt a reference that is known.
-            (&rendered, 0.07, Some(0.01), false),
-            (&exact, 0.04, Some(0.01), false),
+            (&rendered, seen(0.07, Some(0.01)), false),
+            (&exact, seen(0.04, Some(0.01)), false),
+            // One of 128 samples has more noise than renders of more.
+            (&rendered, later(seen(0.07, None)), true),
+            (&exact, even(seen(0.04, Some(0.03))), false),
+            (&exact, even(seen(0.04, Some(0.01))), true),
         ] {
-            let found = reference.outweighs(measured, most);
-            assert_eq!(
-                found,
-                expected,
-                "{} {measured} {most:?}",
-                reference.describe()
-            );
+            let found = reference.outweighs(&seen);
+            assert_eq!(found, expected, "{} {seen:?}", reference.describe());
         }
         assert_eq!(telling.relmse(), None, "it may not be independent");
         assert!(!telling.describe().contains("PNG"));

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::digits::samples;
-use super::fit::{TimeTo, log_slope, time_to};
+use super::fit::{SHALLOWEST, TimeTo, log_slope, time_to};
 use super::honesty::{Honesty, is_rounding};
-use super::reference::Reference;
+use super::reference::{Reference, Seen};
 use super::study::Variant;
 use super::target::Target;
 use super::trial::{Measurement, Trial, TrueErrors};
@@ -26,7 +26,7 @@ pub struct Summary {
     pub build_seconds: Spread,
     /// The moments that all trials pass, and last the end of each.
     pub points: Vec<SummaryPoint>,
-    /// Exponent with which the true RMSE falls with render time, from 4 samples on.
+    /// Exponent with which the true RMSE falls with render time, from 4 samples on: the median of the seeds'.
     pub slope: Option<f64>,
     /// The same of the true noise.
     pub noise_slope: Option<Slope>,
@@ -44,7 +44,7 @@ pub struct Summary {
     /// the reference, or a difference that no sample cures. `None` where the last point is not like that.
     pub reference_outweighs_from: Option<f64>,
     /// When the median of the true noise falls to each of [`NOISE_TARGETS`]: beyond the points along [`Self::cpu_noise_slope`], where
-    /// nothing but noise is measured.
+    /// nothing but noise is measured, and up to where `render.stop` ends the renders.
     pub time_to: [Option<TimeTo>; NOISE_TARGETS.len()],
     /// What it took to the noise at which the renders stop; `None` where they stop at none.
     pub target: Option<Target>,
@@ -58,13 +58,22 @@ pub struct Summary {
     pub unmeasured_pixels: u64,
 }
 
-/// An exponent with which noise falls.
+/// An exponent with which noise falls, fitted to each seed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
-    /// Fitted to the medians over the seeds.
+    /// The median of the seeds'.
     pub value: f64,
-    /// The least and the largest of those fitted to one seed each.
+    /// The least and the largest of them.
     pub range: [f64; 2],
+}
+
+impl From<Spread> for Slope {
+    fn from(Spread { median, min, max }: Spread) -> Self {
+        Self {
+            value: median,
+            range: [min, max],
+        }
+    }
 }
 
 impl Slope {
@@ -192,38 +201,42 @@ impl Summary {
         let ends: Option<Vec<_>> = ends.collect();
         let end = ends.as_ref().and_then(|ends| point(ends, reference));
         let points: Vec<_> = before.chain(end).collect();
-        let curve = |time: fn(&SummaryPoint) -> f64, error: fn(&SummaryPoint) -> f64, from: f64| {
-            let late = points.iter().filter(|p| p.samples_per_pixel >= from);
-            late.map(|p| (time(p), error(p))).collect::<Vec<_>>()
+        let noise_slope = |time: fn(&Measurement) -> f64| {
+            let slopes = slopes_of_seeds(trials, reference, time, |errors| errors.relmse.sqrt());
+            slopes.map(Slope::from)
         };
-        let seconds: fn(&SummaryPoint) -> f64 = |point| point.seconds.median;
-        let cpu_seconds: fn(&SummaryPoint) -> f64 = |point| point.cpu_seconds.median;
-        let noise: fn(&SummaryPoint) -> f64 = |point| point.true_noise().median;
-        let noise_slope = |time: fn(&SummaryPoint) -> f64, own_time: fn(&Measurement) -> f64| {
-            let value = log_slope(&curve(time, noise, SLOPE_FROM))?;
-            let range = slopes_of_seeds(trials, reference, own_time);
-            let range = range.map_or([value; 2], |range| [range.min, range.max]);
-            Some(Slope { value, range })
-        };
-        let cpu_noise_slope = noise_slope(cpu_seconds, |m| m.cpu_seconds);
+        let seconds: fn(&Measurement) -> f64 = |m| m.seconds;
+        let cpu_noise_slope = noise_slope(|m| m.cpu_seconds);
         let reference_outweighs_from = reference_outweighs_from(&points, reference);
         let is_noise = !variant.shows_another_picture && reference_outweighs_from.is_none();
         let followed = cpu_noise_slope
             .filter(|_| is_noise)
             .map(|slope| slope.value);
-        let noise_curve = curve(seconds, noise, 0.0);
+        let noise_curve = points.iter();
+        let noise_curve = noise_curve.map(|p| (p.seconds.median, p.true_noise().median));
+        let noise_curve: Vec<_> = noise_curve.collect();
+        let stop = &variant.scene.render.stop;
+        let reached = |noise: f64| {
+            // Nobody gets to see what comes after the end.
+            let is_after_end = |time: &TimeTo| {
+                let is_late = stop.seconds.is_some_and(|most| time.seconds > most);
+                time.predicted && (is_late || stop.noise.is_some_and(|enough| noise < enough))
+            };
+            time_to(&noise_curve, noise, followed).filter(|time| !is_after_end(time))
+        };
         let pixels = reference.image.pixels.len() as u64;
         Some(Self {
             build_seconds: spread(trials.iter().map(|trial| trial.build_seconds))?,
-            slope: log_slope(&curve(seconds, |point| point.true_rmse.median, SLOPE_FROM)),
-            noise_slope: noise_slope(seconds, |m| m.seconds),
+            slope: slopes_of_seeds(trials, reference, seconds, |errors| errors.mse.sqrt())
+                .map(|slopes| slopes.median),
+            noise_slope: noise_slope(seconds),
             cpu_noise_slope,
             cpu_share: cpu_share(trials),
             shows_another_picture: variant.shows_another_picture,
             honesty: Honesty::of(&points, trials.len()),
             reference_outweighs_from,
             efficiency: efficiency(&ends.unwrap_or_default(), reference),
-            time_to: NOISE_TARGETS.map(|noise| time_to(&noise_curve, noise, followed)),
+            time_to: NOISE_TARGETS.map(reached),
             target: Target::of(variant),
             non_finite_samples: trials.iter().map(|t| t.stats.non_finite_samples).sum(),
             negative_samples: trials.iter().map(|t| t.stats.negative_samples).sum(),
@@ -269,16 +282,17 @@ impl Summary {
     }
 }
 
-/// The exponents with which the noise of each trial falls with its own `time`, where there are any.
+/// The exponents with which the `error` of each trial falls with its own `time`, where there are any.
 fn slopes_of_seeds(
     trials: &[Trial],
     reference: &Reference,
     time: fn(&Measurement) -> f64,
+    error: fn(&TrueErrors) -> f64,
 ) -> Option<Spread> {
     let slopes = trials.iter().filter_map(|trial| {
         let late = trial.measurements.iter();
         let late = late.filter(|m| m.samples_per_pixel >= SLOPE_FROM);
-        let points = late.map(|m| (time(m), m.true_errors(reference).relmse.sqrt()));
+        let points = late.map(|m| (time(m), error(&m.true_errors(reference))));
         log_slope(&points.collect::<Vec<_>>())
     });
     spread(slopes)
@@ -364,11 +378,16 @@ fn estimated(moments: &[Moment<'_>], reference: &Reference) -> Option<Estimated>
 }
 
 fn reference_outweighs_from(points: &[SummaryPoint], reference: &Reference) -> Option<f64> {
+    let late = points.iter().filter(|p| p.samples_per_pixel >= SLOPE_FROM);
+    let late = late.map(|p| (p.samples_per_pixel, p.measured_relmse.median.sqrt()));
+    let slope = log_slope(&late.collect::<Vec<_>>());
     let outweighed = points.iter().rev().take_while(|point| {
-        let most = point
-            .estimated
-            .map(|estimated| estimated.relmse_interval[1]);
-        reference.outweighs(point.measured_relmse.median, most)
+        reference.outweighs(&Seen {
+            relmse: point.measured_relmse.median,
+            most: (point.estimated).map(|estimated| estimated.relmse_interval[1]),
+            samples_per_pixel: point.samples_per_pixel,
+            falls: slope.is_none_or(|slope| slope <= SHALLOWEST),
+        })
     });
     outweighed.last().map(|point| point.samples_per_pixel)
 }
@@ -391,6 +410,7 @@ fn efficiency(ends: &[Moment<'_>], reference: &Reference) -> Efficiency {
 mod tests {
     use super::*;
     use crate::analysis::report::{Study, test_data};
+    use crate::scene::Stop;
 
     /// The data halve the noise when time doubles: 40 % after 1 s with 1 sample, 5 % after 8 s with 8, times a factor per seed.
     #[test]
@@ -489,6 +509,73 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
+    }
+
+    /// By hand: the noise of three seeds is that of the data, that to the power of 1/4, and that to the power of 1/2, crossing on the way, so that
+    /// medians of different seeds follow one another.
+    #[test]
+    fn a_slope_is_one_of_a_seed_and_lies_in_their_range() {
+        let mut study = test_data::study();
+        for (trial, power) in study.variants[0].trials.iter_mut().zip([1.0, 0.25, 0.5]) {
+            let scale = if power < 0.5 { 0.5 } else { 1.0 };
+            for m in &mut trial.measurements {
+                m.measured.relmse = scale * (4.0 / m.samples_per_pixel).powf(2.0 * power);
+                m.measured.mse = m.measured.relmse;
+            }
+        }
+        let summary = summary_of(&study);
+        let slope = summary.noise_slope.expect("is there");
+        let found = [slope.value, slope.range[0], slope.range[1]];
+        for (found, expected) in found.into_iter().zip([-0.5, -1.0, -0.25]) {
+            assert!((found - expected).abs() < 1e-9, "{slope:?}");
+        }
+        assert!((summary.slope.expect("is there") + 0.5).abs() < 1e-9);
+    }
+
+    /// The data reach 5 % after 8 s, and would reach 3 % after 13.3 s and 1 % after 40.
+    #[test]
+    fn nothing_is_foreseen_beyond_the_end_of_a_render() {
+        let mut study = test_data::study();
+        let stop = |study: &mut Study, stop| study.variants[0].scene.render.stop = stop;
+        let foreseen = |study: &Study| summary_of(study).time_to.map(|time| time.is_some());
+        let [noise, seconds] = [Some(0.03), Some(14.0)];
+        let none = Stop::default();
+        for (rule, expected) in [
+            (none, [true; 3]),
+            (Stop { noise, ..none }, [true, true, false]),
+            (Stop { seconds, ..none }, [true, true, false]),
+            (
+                Stop {
+                    noise: Some(0.2),
+                    ..none
+                },
+                [true, false, false],
+            ),
+            // What was seen was seen.
+            (
+                Stop {
+                    seconds: Some(1.0),
+                    ..none
+                },
+                [true, false, false],
+            ),
+        ] {
+            stop(&mut study, rule);
+            assert_eq!(foreseen(&study), expected, "{rule:?}");
+        }
+    }
+
+    /// A picture of other light: what is measured stays as it is.
+    #[test]
+    fn an_exact_answer_of_another_picture_is_told_of() {
+        let mut study = test_data::study();
+        for trial in &mut study.variants[0].trials {
+            for measurement in &mut trial.measurements {
+                measurement.measured.relmse += 1.0;
+            }
+        }
+        assert_eq!(summary_of(&study).reference_outweighs_from, Some(4.0));
+        assert!(summary_of(&study).doubt().is_some());
     }
 
     /// Two processors are busy for each second of the data.

@@ -45,7 +45,7 @@ pub fn to_chart(study: &Study) -> Chart {
     }
 }
 
-/// The levels that are worth their place beside `curves`; all where nothing is shown.
+/// The levels that are worth their place beside `curves`; none where nothing is shown.
 fn levels_near(curves: &[Curve]) -> Vec<Level> {
     let shown = curves.iter().flat_map(Curve::shown);
     let ends = shown.map(|point| point.y.median).fold(None, |ends, y| {
@@ -53,7 +53,7 @@ fn levels_near(curves: &[Curve]) -> Vec<Level> {
         Some((y.min(least), y.max(most)))
     });
     let is_near = |&y: &f64| {
-        ends.is_none_or(|(least, most)| (least / NEAR_LEVELS..=most * NEAR_LEVELS).contains(&y))
+        ends.is_some_and(|(least, most)| (least / NEAR_LEVELS..=most * NEAR_LEVELS).contains(&y))
     };
     let near = NOISE_TARGETS.into_iter().filter(is_near);
     near.map(|y| Level {
@@ -94,7 +94,7 @@ fn curves_of(variant: &Variant, summary: &Summary, color: usize) -> Vec<Curve> {
     };
     let slope = slopes_in_words(summary.noise_slope, summary.cpu_noise_slope);
     let note = if summary.shows_another_picture {
-        Some("another picture: its difference is in it".to_owned())
+        Some("another picture, difference included".to_owned())
     } else {
         slope
     };
@@ -162,6 +162,12 @@ fn caption(study: &Study, summaries: &[(&Variant, Summary)]) -> Vec<String> {
             .iter()
             .flat_map(|caution| wrapped(&format!("Beware: {caution}."))),
     );
+    for (variant, summary) in summaries {
+        let doubt = summary.doubt().into_iter();
+        lines.extend(
+            doubt.flat_map(|doubt| wrapped(&format!("Beware: {}: {doubt}.", variant.name))),
+        );
+    }
     let points = summaries.iter().flat_map(|(_, summary)| &summary.points);
     match points.filter(|point| point.is_exact()).count() {
         0 => {}
@@ -366,6 +372,9 @@ mod tests {
         for trial in &mut study.variants[1].trials {
             trial.stats.threads = 4;
         }
+        for measurement in &mut study.variants[1].trials[0].measurements {
+            measurement.measured.relmse += 1.0;
+        }
         let chart = to_chart(&study);
         let caption = chart.caption.join(" ");
         for part in [
@@ -410,7 +419,7 @@ mod tests {
         scaled(&mut study, 1e-6);
         let chart = to_chart(&study);
         assert!(chart.curves.iter().all(|curve| curve.points.is_empty()));
-        assert_eq!(chart.levels.len(), 3);
+        assert!(chart.levels.is_empty(), "there is nothing to compare with");
         let said = "8 points are as exact as numbers are, and are not shown";
         assert!(
             chart.caption.iter().any(|line| line == said),

@@ -168,8 +168,7 @@ fn labels(chart: &Chart, layout: &Layout) -> Vec<String> {
         layout.y_name,
         text((0.0, 0.0), "middle", &chart.y.label)
     ));
-    let mut shown = chart.curves.iter().flat_map(Curve::shown);
-    if shown.next().is_none() {
+    if chart.shown_curves().next().is_none() {
         // On a white ground, as there is a grid behind it.
         let message = text((across, down), "middle", "no values to show");
         lines.push(format!(
@@ -191,7 +190,7 @@ fn labelled(ticks: &[Tick]) -> impl Iterator<Item = (&Tick, &str)> {
 fn legend(chart: &Chart, layout: &Layout) -> Vec<String> {
     let mut lines = Vec::new();
     let mut top = layout.top;
-    for curve in &chart.curves {
+    for curve in chart.shown_curves() {
         let y = top + TEXT_SIZE / 2.0;
         let along = [0.0, 0.5, 1.0].map(|share| layout.legend + share * SAMPLE_LENGTH);
         let [start, middle, end] = along.map(|x| format!("{x:.2} {y:.2}"));

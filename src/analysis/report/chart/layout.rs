@@ -63,7 +63,7 @@ impl Layout {
         let caption = caption_lines(chart);
 
         // From top to bottom.
-        let legend_height: f64 = chart.curves.iter().map(legend_height).sum();
+        let legend_height: f64 = chart.shown_curves().map(legend_height).sum();
         let (top, plot_height) = (TITLE_HEIGHT, LEAST_PLOT_HEIGHT.max(legend_height));
         let bottom = top + plot_height;
         let caption_top = bottom + X_AXIS_HEIGHT;
@@ -75,7 +75,7 @@ impl Layout {
         let tick_labels = y_ticks.iter().filter_map(|tick| tick.label.as_deref());
         let y_name = EDGE + TEXT_SIZE / 2.0;
         let left = y_name + TEXT_SIZE / 2.0 + 2.0 * GAP + widest(tick_labels, TEXT_SIZE);
-        let of_curves = || chart.curves.iter();
+        let of_curves = || chart.shown_curves();
         let names: Vec<String> = of_curves().flat_map(|c| legend_lines(&c.name)).collect();
         let notes = of_curves().filter_map(|c| c.note.as_deref());
         let notes: Vec<String> = notes.flat_map(legend_lines).collect();
