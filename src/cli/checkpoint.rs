@@ -16,7 +16,7 @@ use crate::io::{
     check_writable, describe_render, is_render_file, load_checkpoint, save_checkpoint,
 };
 use crate::render::{Checkpoint, PictureMemory, PreparedScene, Region, RunConfig};
-use crate::scene::Scene;
+use crate::scene::{RenderSettings, Scene};
 
 /// What a checkpoint file may hold beside the picture's sums: what the pixels' number does not tell, such as how the error fell.
 const MOST_OTHER_BYTES: u64 = 1 << 24;
@@ -28,7 +28,8 @@ pub struct CheckpointArguments {
     #[arg(long, value_name = "FILE", allow_hyphen_values = true, value_parser = values::output())]
     checkpoint: Option<PathBuf>,
 
-    /// Go on from the checkpoint: the picture has the same bits as if it had never been interrupted
+    /// Go on from the checkpoint: the picture has the same bits as if it had never been interrupted. With other --spp, --seconds or --noise it
+    /// goes on by these
     #[arg(long, requires = "checkpoint")]
     resume: bool,
 
@@ -103,7 +104,8 @@ impl CheckpointArguments {
     ) -> Option<CheckpointFile<'_>> {
         let path = self.checkpoint.as_ref()?;
         let layers = run.layers_of(prepared);
-        let description = describe_render(scene, region, layers, &CancelToken::new());
+        let scene = without_rules(scene);
+        let description = describe_render(&scene, region, layers, &CancelToken::new());
         Some(CheckpointFile {
             path,
             description: description.expect("nobody cancels"),
@@ -146,7 +148,7 @@ impl CheckpointFile<'_> {
             checkpoint.samples_per_pixel(),
             checkpoint.seconds()
         ));
-        Ok(Some(checkpoint))
+        Ok(Some(checkpoint.with_rules_of(prepared.settings())))
     }
 
     /// Replaces the file by `checkpoint`. Where that fails, warns once, and the old one stays.
@@ -184,6 +186,20 @@ impl CheckpointFile<'_> {
             super::warn(&format!("{name}: cannot remove the checkpoint: {error}"));
         }
     }
+}
+
+/// `scene` without what only says when its render ends, which may be another time when it goes on.
+fn without_rules(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let usual = RenderSettings::default();
+    scene.render = RenderSettings {
+        samples_per_pixel: usual.samples_per_pixel,
+        stop: usual.stop,
+        // A single sample has no error to go on with.
+        error_estimate: scene.render.measures_error(),
+        ..scene.render
+    };
+    scene
 }
 
 fn cannot_write(path: &Path) -> String {

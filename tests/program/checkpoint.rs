@@ -394,7 +394,7 @@ fn another_render_is_refused_with_what_differs() {
     };
     refused(" --seed 3", "render.seed is 0, here 3");
     refused(" --region 0,0,72,59", "region is 0,0,72,60, here 0,0,72,59");
-    refused(" --noise 0.5", "render.stop.noise is not there, here 0.5");
+    refused(" --spp 1", "render.error_estimate is true, here false");
     refused(
         " --set objects.1.scale=2",
         "objects.1.scale is 1.0, here 2.0",
@@ -415,6 +415,33 @@ fn another_render_is_refused_with_what_differs() {
     std::fs::write(elsewhere.path().join("kept"), kept).expect("is written");
     let said = succeed(elsewhere.path(), signals::GO_ON);
     assert!(said.contains("kept: going on from "), "{said}");
+}
+
+/// When it ends is no part of what is rendered: more samples, and the same bits as by these from the start.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_render_goes_on_by_other_rules() {
+    let image_hash = |folder: &Path| facts(folder, "stats.json")["image_hash"].clone();
+    let folder = signals::interrupted();
+    let folder = folder.path();
+    let kept = std::fs::read(folder.join("kept")).expect("is there");
+    let go_on = |rules: &str| {
+        std::fs::write(folder.join("kept"), &kept).expect("is written");
+        let said = succeed(
+            folder,
+            &format!("{} --stats stats.json {rules}", signals::GO_ON),
+        );
+        assert!(said.contains("kept: going on from "), "{said}");
+    };
+    go_on("--spp 96");
+    let more = image_hash(folder);
+    succeed(
+        folder,
+        "render scene.toml -o c.png --stats stats.json --spp 96",
+    );
+    assert_eq!(image_hash(folder), more);
+    go_on("--noise 0.9 --seconds 600");
+    assert_eq!(facts(folder, "stats.json")["ending"], "noise");
 }
 
 /// Under a limit on the size of files that the picture keeps and the checkpoint does not.
