@@ -901,6 +901,38 @@ fn a_picture_without_light_is_found() {
     assert_eq!(folder.hazards(ground), [] as [Value; 0]);
 }
 
+/// The cube stands over the middle, from 1 to 2; its faces look outwards.
+#[test]
+fn a_camera_that_sees_nothing_or_only_the_inside_of_a_body_is_found() {
+    let folder = Folder::new();
+    let check = |eye: &str, target: &str| {
+        let scene = format!(
+            "[camera]\neye = {eye}\ntarget = {target}\n[render]\nwidth = 16\nheight = 12\n[[objects]]\nname = \"block\"\n\
+             mesh = \"cube.off\"\n[[lights]]\nposition = [2, -2, 4]\n"
+        );
+        folder.write("view.toml", &scene);
+        let output = Command::new(env!("CARGO_BIN_EXE_raymini"))
+            .current_dir(folder.path())
+            .args(["check", "view.toml"])
+            .output()
+            .expect("starts");
+        String::from_utf8(output.stdout).expect("is text")
+    };
+    let away = check("[0, -5, 1.5]", "[0, -9, 1.5]");
+    let expected = "warning: no object is in the picture: none of 192 rays from the eye meets one\n    \
+                    Aim the camera at the objects, whose middle is at (0.000, 0.000, 1.500)";
+    assert!(away.contains(expected), "{away}");
+    assert!(away.starts_with("view.toml: 1 warning, in "), "{away}");
+
+    let inside = check("[0.1, 0, 1.5]", "[0.4, 0.1, 1.5]");
+    let expected = "a pilot picture tell: the camera is inside of the object \"block\"\n    Move the camera out of it.";
+    assert!(inside.contains(expected), "{inside}");
+    assert!(inside.starts_with("view.toml: 1 warning, in "), "{inside}");
+
+    let right = check("[0, -5, 1.5]", "[0, 0, 1.5]");
+    assert!(right.starts_with("view.toml: nothing found"), "{right}");
+}
+
 /// Paths meet disks; nothing meets a point, or a disk that is not to be seen.
 #[test]
 fn lights_that_no_path_through_glass_or_by_mirrors_meets_are_found() {

@@ -1,18 +1,21 @@
 //! What depends on light: what ends of paths take away, bright specks, numbers that are none.
 
+use super::dark::why_black;
+use super::overlaps::Look;
 use super::pilot::{self, Pilot};
-use super::{Hazard, HazardKind, Severity, Subject, depth, fireflies};
+use super::{Hazard, HazardKind, Severity, Subject, depth, fireflies, view};
 use crate::control::CancelToken;
 use crate::render::PreparedScene;
 use crate::scene::{Mode, Scene, SceneError};
 
-/// Renders pilots of `scene`, whose `pilot_scene` is prepared, and examines them. `None` when cancelled.
+/// Renders pilots of `scene`, whose `pilot_scene` is prepared, and examines them; `looks` are at what its rays from the eye meet. `None` when
+/// cancelled.
 ///
 /// # Errors
 /// What about the scene cannot be rendered.
 pub fn examine(
     scene: &Scene,
-    pilot_scene: &Scene,
+    (pilot_scene, looks): (&Scene, &[Look]),
     prepared: &PreparedScene,
     cancel: &CancelToken,
 ) -> Result<Option<Vec<Hazard>>, SceneError> {
@@ -30,6 +33,10 @@ pub fn examine(
     };
     let mut hazards = Vec::new();
     hazards.extend(non_finite(&short));
+    // Where it is certain, it has been told.
+    if why_black(scene)?.is_none() {
+        hazards.extend(view::darkness(scene, looks, &short));
+    }
     hazards.extend(fireflies::examine(scene, &short));
     // Where the scene's own paths are longer than the pilot's, what is missing in the pilot is not missing in the picture.
     if short.depth_limited > 0 && bounces == scene.render.max_bounces {

@@ -26,6 +26,7 @@ mod pilot;
 mod placed_copy;
 mod resolution;
 mod tally;
+mod view;
 
 use serde::Serialize;
 
@@ -124,6 +125,8 @@ pub enum HazardKind {
     ZeroNormals,
     /// A material that reflects more light than arrives. The figure is the largest share that is reflected.
     EnergyCreating,
+    /// A camera that no object is in sight of.
+    NothingSeen,
     /// A picture that no light arrives in.
     BlackPicture,
     /// Lights that no ray meets, where glass or mirrors would send it to them.
@@ -232,11 +235,14 @@ pub fn examine(scene: &Scene, cancel: &CancelToken) -> Result<Option<Vec<Hazard>
     let Some(mut hazards) = examine_description(scene, &prepared, cancel)? else {
         return Ok(None);
     };
-    let Some(found) = overlaps::examine(scene, &pilot_scene, &prepared, cancel)? else {
+    let looks = overlaps::looks(&pilot_scene, &prepared);
+    let rays = pilot_scene.render.pixel_count();
+    hazards.extend(view::past_everything(scene, &looks, rays)?);
+    let Some(found) = overlaps::examine(scene, &looks, &prepared, cancel)? else {
         return Ok(None);
     };
     hazards.extend(found);
-    let Some(found) = energy::examine(scene, &pilot_scene, &prepared, cancel)? else {
+    let Some(found) = energy::examine(scene, (&pilot_scene, &looks), &prepared, cancel)? else {
         return Ok(None);
     };
     hazards.extend(found);

@@ -31,18 +31,16 @@ const APART: f64 = 1e-5;
 /// The most faces that are compared with what the eye sees: some seconds of work.
 const MOST_COMPARED: usize = 1 << 26;
 
-/// Looks along rays from the eye for faces that overlap; `pilot` says how many, and `prepared` is its scene in any size. `None` when
-/// cancelled.
+/// Looks for faces that overlap where [`looks`] from the eye of the `prepared` scene meet them. `None` when cancelled.
 ///
 /// # Errors
 /// Meshes and materials that are not there.
 pub fn examine(
     scene: &Scene,
-    pilot: &Scene,
+    looks: &[Look],
     prepared: &PreparedScene,
     cancel: &CancelToken,
 ) -> Result<Option<Vec<Hazard>>, SceneError> {
-    let looks = looks(pilot, prepared);
     let boxes: Vec<_> = looks.iter().map(Look::bounds).collect();
     let tree = BoxTree::build(&boxes);
     let frame = prepared.geometry().frame();
@@ -103,23 +101,23 @@ pub fn examine(
 }
 
 /// What the eye sees in one direction, in the prepared scene.
-struct Look {
-    object: usize,
+pub struct Look {
+    pub object: usize,
     /// Number of the triangle in the mesh.
     face: usize,
     corners: [DVec3; 3],
     /// Unit.
-    normal: DVec3,
+    pub normal: DVec3,
     /// In the plane of the corners.
     position: DVec3,
     /// Unit.
-    direction: DVec3,
+    pub direction: DVec3,
     /// What the distance along the ray may be off by, and that to another face.
     rounding: f64,
 }
 
-/// Looks through the middles of the pixels of `pilot`, where they meet something.
-fn looks(pilot: &Scene, prepared: &PreparedScene) -> Vec<Look> {
+/// Looks through the middles of the pixels of `pilot`, where they meet something; `prepared` is its scene in any size.
+pub fn looks(pilot: &Scene, prepared: &PreparedScene) -> Vec<Look> {
     let (width, height) = (pilot.render.width, pilot.render.height);
     let settings = prepared.settings();
     let middle = |number: u32, count: u32, size: u32| {
