@@ -16,6 +16,7 @@
 //! the edge of a shadow, makes all of them equally likely again, and not one of them wrong with certainty: deviations are taken
 //! for Student's.
 
+use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -84,15 +85,18 @@ struct Law {
 
 static LAWS: LazyLock<Vec<Law>> = LazyLock::new(|| {
     let mut laws = Vec::new();
+    let independent = powers(INDEPENDENT);
     for power in 0..POWERS {
         let way = f64::from(power) / f64::from(POWERS - 1);
         let ratio = FASTEST * libm::pow(INDEPENDENT / FASTEST, way);
+        let fast = powers(ratio);
         for (swing, swing_prior) in SWINGS {
             for (slow_part, slow_prior) in SLOW_PARTS {
                 let always_falls = ratio * (1.0 + swing) < 1.0 - swing;
                 let is_new = power + 1 < POWERS || slow_part == 0.0;
                 if always_falls && is_new {
-                    laws.push(Law::new(ratio, swing, slow_part, swing_prior * slow_prior));
+                    let prior = swing_prior * slow_prior;
+                    laws.push(Law::new([&fast, &independent], swing, slow_part, prior));
                 }
             }
         }
@@ -100,14 +104,23 @@ static LAWS: LazyLock<Vec<Law>> = LazyLock::new(|| {
     laws
 });
 
+/// The steps from the level at which a law is asked to those of its tables and the one before.
+const STEPS: RangeInclusive<i32> = -OFFSET - 1..=OFFSET;
+
+/// What the variance is after each of the [`STEPS`] that multiplies it by `ratio`.
+fn powers(ratio: f64) -> Vec<f64> {
+    let power = |step| libm::pow(ratio, f64::from(step));
+    STEPS.map(power).collect()
+}
+
 impl Law {
-    fn new(ratio: f64, swing: f64, slow_part: f64, prior: f64) -> Self {
+    /// Of the [`powers`] of its ratio and of [`INDEPENDENT`].
+    fn new([fast, slow]: [&[f64]; 2], swing: f64, slow_part: f64, prior: f64) -> Self {
         let variances = [1.0, -1.0].map(|sign| {
-            let raw = (-OFFSET - 1..=OFFSET).map(|offset| {
-                let steps = f64::from(offset);
-                let swing = if offset % 2 == 0 { -swing } else { swing } * sign;
-                (1.0 - slow_part) * libm::pow(ratio, steps) * (1.0 + swing)
-                    + slow_part * libm::pow(INDEPENDENT, steps)
+            let powers = STEPS.zip(fast.iter().zip(slow));
+            let raw = powers.map(|(step, (fast, slow))| {
+                let swing = if step % 2 == 0 { -swing } else { swing } * sign;
+                (1.0 - slow_part) * fast * (1.0 + swing) + slow_part * slow
             });
             raw.collect::<Vec<f64>>()
         });
@@ -215,12 +228,18 @@ impl Decay {
             *weight = libm::exp(*weight - most);
         }
         let total: f64 = weights.iter().sum();
-        let mean = |value: &dyn Fn(&Law) -> f64| {
-            let weighted = LAWS.iter().zip(&weights).map(|(law, w)| w * value(law));
+        let mean_of = |values: &mut dyn Iterator<Item = f64>| {
+            let weighted = values.zip(&weights).map(|(value, weight)| weight * value);
             weighted.sum::<f64>() / total
         };
-        let over_fall = mean(&|law| law.variance_over_fall(level));
-        let spread = mean(&|law| (law.variance_over_fall(level) - over_fall).powi(2));
+        let mean = |value: &dyn Fn(&Law) -> f64| mean_of(&mut LAWS.iter().map(value));
+        let mean_and_spread = |value: &dyn Fn(&Law) -> f64| {
+            let values: Vec<f64> = LAWS.iter().map(value).collect();
+            let mean = mean_of(&mut values.iter().copied());
+            let mut squares = values.iter().map(|value| (value - mean).powi(2));
+            (mean, mean_of(&mut squares).sqrt())
+        };
+        let (over_fall, spread) = mean_and_spread(&|law| law.variance_over_fall(level));
         // Always the mean of the variance of more samples over that of fewer: no power of a large ratio outweighs all others.
         let at_power = |at: u32| {
             if at < level {
@@ -229,10 +248,7 @@ impl Decay {
                 mean(&|law| law.variance(level, at))
             }
         };
-        let doubt_at = |at: u32| {
-            let center = mean(&|law| libm::log(law.variance(level, at)));
-            mean(&|law| (libm::log(law.variance(level, at)) - center).powi(2)).sqrt()
-        };
+        let doubt_at = |at: u32| mean_and_spread(&|law| libm::log(law.variance(level, at))).1;
         let mut at_powers = [0.0; LEVELS];
         let mut doubts = [0.0; LEVELS];
         for (at, (variance, doubt)) in (0..).zip(at_powers.iter_mut().zip(&mut doubts)) {
@@ -246,7 +262,7 @@ impl Decay {
                 law.drop(level, level) - law.drop(level, level - 1)
             })),
             variance_over_fall: libm::exp(over_fall),
-            doubt: SCENES_OVER_LAWS * spread.sqrt(),
+            doubt: SCENES_OVER_LAWS * spread,
         }
     }
 
