@@ -16,7 +16,7 @@ use crate::render::Checkpoint;
 /// What the first line of every version begins with.
 const NAME: &str = "RayMini checkpoint ";
 /// The version of what follows, and the end of the line.
-const VERSION: &str = "2";
+const VERSION: &str = "3";
 const DIGEST_BYTES: usize = 32;
 /// What is hashed and written at once.
 const BUFFER_BYTES: usize = 1 << 16;

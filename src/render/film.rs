@@ -1,5 +1,7 @@
 //! The accumulator of a render: sums of samples in `f64`, and earlier means of each pixel, from which its error is estimated.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::Image;
@@ -24,17 +26,17 @@ pub struct Film {
     layers: Vec<Layer>,
     samples: Vec<u32>,
     /// What error estimates need; nothing where they are not asked for.
-    marks: Option<Vec<Marks>>,
+    marks: Option<Marks>,
 }
 
-/// What error estimates need of a pixel: the mean radiance of the first quarter, half and three quarters of the samples it has at the next
-/// power of two, or now if that is one; and the `rays` that all its samples took.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+/// What error estimates need of each pixel: the mean radiance of the first quarter, half and three quarters of the samples it has at the next
+/// power of two, or now if that is one; and the `rays` that all its samples took. Each by itself: a pass changes few of them.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Marks {
-    rays: u32,
-    quarter: [f32; 3],
-    half: [f32; 3],
-    three_quarters: [f32; 3],
+    rays: Vec<u32>,
+    quarter: Vec<[f32; 3]>,
+    half: Vec<[f32; 3]>,
+    three_quarters: Vec<[f32; 3]>,
 }
 
 /// How a pixel's mean differs between halves of its samples, at the last power of two it has reached.
@@ -140,7 +142,7 @@ impl Film {
                 .collect(),
             layers: layers.to_vec(),
             samples: vec![0; pixels],
-            marks: with_marks.then(|| vec![Marks::default(); pixels]),
+            marks: with_marks.then(|| Marks::new(pixels)),
         }
     }
 
@@ -149,7 +151,7 @@ impl Film {
     pub fn copy_unless(&self, cancel: &CancelToken) -> Option<Self> {
         let planes = self.planes.iter().map(|plane| copied(plane, cancel));
         let marks = match &self.marks {
-            Some(marks) => Some(copied(marks, cancel)?),
+            Some(marks) => Some(marks.copy_unless(cancel)?),
             None => None,
         };
         Some(Self {
@@ -164,7 +166,11 @@ impl Film {
     /// The bytes that one pixel takes in a film with as many `layers`.
     #[must_use]
     pub fn bytes_per_pixel(layers: usize, with_marks: bool) -> usize {
-        let marks = if with_marks { size_of::<Marks>() } else { 0 };
+        let marks = if with_marks {
+            Marks::BYTES_PER_PIXEL
+        } else {
+            0
+        };
         (1 + layers) * size_of::<[f64; 3]>() + size_of::<u32>() + marks
     }
 
@@ -181,7 +187,7 @@ impl Film {
             && self.samples.len() == pixels
             && self.samples.iter().all(|&samples| samples <= most)
             && self.marks.is_some() == with_marks
-            && self.marks.iter().all(|marks| marks.len() == pixels)
+            && self.marks.iter().all(|marks| marks.is_like(pixels))
     }
 
     /// Adds one block of samples over `tile`.
@@ -199,35 +205,27 @@ impl Film {
         for row in 0..tile.height as usize {
             let start = self.row_start(tile, row);
             let in_tile = row * width..(row + 1) * width;
+            let in_film = start..start + width;
+            let added = &sums.samples[in_tile.clone()];
             if let Some(marks) = &mut self.marks {
-                let states = marks[start..].iter_mut().zip(&self.samples[start..]);
-                let added = sums.samples[in_tile.clone()]
-                    .iter()
-                    .zip(&sums.rays[in_tile.clone()]);
-                let added = self.planes[0][start..].iter().zip(added);
-                for ((mark, &before), (sum, (&added, &rays))) in states.zip(added) {
-                    if added > 0 && before.is_power_of_two() {
-                        mark.begin(mean_of(sum, before));
-                    }
-                    mark.rays = mark.rays.saturating_add(rays);
-                }
+                marks.count_rays(in_film.clone(), &sums.rays[in_tile.clone()]);
+                let sums = &self.planes[0][in_film.clone()];
+                marks.begin(start, sums, &self.samples[in_film.clone()], added);
             }
             for (plane, sums) in self.planes.iter_mut().zip(&sums.planes) {
-                for (sum, value) in plane[start..].iter_mut().zip(&sums[in_tile.clone()]) {
+                for (sum, value) in plane[in_film.clone()]
+                    .iter_mut()
+                    .zip(&sums[in_tile.clone()])
+                {
                     add_to(sum, *value);
                 }
             }
-            for (count, added) in self.samples[start..].iter_mut().zip(&sums.samples[in_tile]) {
+            for (count, added) in self.samples[in_film.clone()].iter_mut().zip(added) {
                 *count += added;
             }
             if let Some(marks) = &mut self.marks {
-                let states = self.planes[0][start..].iter().zip(&self.samples[start..]);
-                for (mark, (sum, &samples)) in marks[start..start + width].iter_mut().zip(states) {
-                    // Three times a power of two.
-                    if samples >= 3 && samples == 3 << (samples.ilog2() - 1) {
-                        mark.three_quarters = mean_of(sum, samples);
-                    }
-                }
+                let sums = &self.planes[0][in_film.clone()];
+                marks.note_three_quarters(start, sums, &self.samples[in_film]);
             }
         }
     }
@@ -248,14 +246,14 @@ impl Film {
     /// estimates.
     #[must_use]
     pub fn rays(&self, index: usize) -> u32 {
-        self.marks.as_ref().map_or(0, |marks| marks[index].rays)
+        self.marks.as_ref().map_or(0, |marks| marks.rays[index])
     }
 
     /// Rays of all pixels, as far as [`Self::rays`] tells.
     #[must_use]
     pub fn total_rays(&self) -> u64 {
-        let marks = self.marks.iter().flatten();
-        marks.map(|marks| u64::from(marks.rays)).sum()
+        let rays = self.marks.iter().flat_map(|marks| &marks.rays);
+        rays.copied().map(u64::from).sum()
     }
 
     /// Mean radiance of the pixel number `index`; black where nothing was sampled.
@@ -299,12 +297,17 @@ impl Film {
     /// How the halves of the samples of the pixel number `index` differ; `None` before it has two samples, and where the film is
     /// not made for error estimates.
     #[must_use]
+    #[expect(
+        clippy::inline_always,
+        reason = "a fifth of a survey is copying what is seen"
+    )]
+    #[inline(always)]
     pub fn halves(&self, index: usize) -> Option<Halves> {
-        let marks = &self.marks.as_ref()?[index];
+        let marks = self.marks.as_ref()?;
         let samples = self.samples[index];
         let level = samples.checked_ilog2().filter(|&level| level > 0)?;
-        let [quarter, half, three_quarters] =
-            [marks.quarter, marks.half, marks.three_quarters].map(|mean| mean.map(f64::from));
+        let [quarter, half, three_quarters] = [&marks.quarter, &marks.half, &marks.three_quarters]
+            .map(|means| means[index].map(f64::from));
         if !samples.is_power_of_two() {
             return Some(Halves::without_parts(level, each(|c| half[c] - quarter[c])));
         }
@@ -387,10 +390,62 @@ impl Film {
 }
 
 impl Marks {
-    /// Begins the way to the next power of two of samples, at one where the mean is `mean`.
-    fn begin(&mut self, mean: [f32; 3]) {
-        self.quarter = self.half;
-        self.half = mean;
+    const BYTES_PER_PIXEL: usize = size_of::<u32>() + 3 * size_of::<[f32; 3]>();
+
+    fn new(pixels: usize) -> Self {
+        let black = || vec![[0.0; 3]; pixels];
+        Self {
+            rays: vec![0; pixels],
+            quarter: black(),
+            half: black(),
+            three_quarters: black(),
+        }
+    }
+
+    fn copy_unless(&self, cancel: &CancelToken) -> Option<Self> {
+        Some(Self {
+            rays: copied(&self.rays, cancel)?,
+            quarter: copied(&self.quarter, cancel)?,
+            half: copied(&self.half, cancel)?,
+            three_quarters: copied(&self.three_quarters, cancel)?,
+        })
+    }
+
+    fn is_like(&self, pixels: usize) -> bool {
+        let means = [&self.quarter, &self.half, &self.three_quarters];
+        self.rays.len() == pixels && means.iter().all(|means| means.len() == pixels)
+    }
+
+    fn count_rays(&mut self, pixels: Range<usize>, added: &[u32]) {
+        for (rays, added) in self.rays[pixels].iter_mut().zip(added) {
+            *rays = rays.saturating_add(*added);
+        }
+    }
+
+    /// Begins the way to the next power of two of samples for those of the pixels from number `first` on that are at one, and to which
+    /// samples are `added`.
+    fn begin(&mut self, first: usize, sums: &[[f64; 3]], samples: &[u32], added: &[u32]) {
+        let means = self.quarter[first..]
+            .iter_mut()
+            .zip(&mut self.half[first..]);
+        let pixels = sums.iter().zip(samples.iter().zip(added));
+        for ((sum, (&samples, &added)), (quarter, half)) in pixels.zip(means) {
+            if added > 0 && samples.is_power_of_two() {
+                *quarter = *half;
+                *half = mean_of(sum, samples);
+            }
+        }
+    }
+
+    /// Notes the means of those of the pixels from number `first` on that have got three quarters of the way.
+    fn note_three_quarters(&mut self, first: usize, sums: &[[f64; 3]], samples: &[u32]) {
+        let pixels = sums.iter().zip(samples);
+        for ((sum, &samples), three_quarters) in pixels.zip(&mut self.three_quarters[first..]) {
+            // Three times a power of two.
+            if samples >= 3 && samples == 3 << (samples.ilog2() - 1) {
+                *three_quarters = mean_of(sum, samples);
+            }
+        }
     }
 }
 
@@ -495,9 +550,8 @@ mod tests {
         assert!(film.halves(0).is_none());
         // Squares, so that no difference is like another; exact in f32.
         let values: Vec<f64> = (0..32).map(|i: i32| f64::from(i * i)).collect();
-        let mean = |range: std::ops::Range<usize>| {
-            values[range.clone()].iter().sum::<f64>() / range.len() as f64
-        };
+        let mean =
+            |range: Range<usize>| values[range.clone()].iter().sum::<f64>() / range.len() as f64;
         let mut count = 0;
         while count < 32 {
             let block = block_after(u32::try_from(count).expect("small")) as usize;

@@ -330,7 +330,7 @@ fn something_else_is_refused() {
     }
     // A file far larger than any checkpoint of this picture, all holes.
     let file = std::fs::File::create(folder.join("large")).expect("is made");
-    std::io::Write::write_all(&mut &file, b"RayMini checkpoint 2\n").expect("is written");
+    std::io::Write::write_all(&mut &file, b"RayMini checkpoint 3\n").expect("is written");
     file.set_len(1 << 36).expect("a hole");
     let said = fail(folder, &resume("large"), 1);
     assert!(said.contains("large: the file is too large: "), "{said}");
