@@ -28,8 +28,8 @@ pub struct PictureMemory {
 const IMAGE: usize = size_of::<[f32; 3]>();
 /// Bytes of a pixel that the estimate of the error keeps.
 const FALLS: usize = size_of::<f32>();
-/// Bytes of a pixel that it takes while it is made: means, moves and the picture of the error, or what decides where samples go.
-const ESTIMATE: usize = 3 * IMAGE + size_of::<f32>();
+/// Bytes of a pixel that it takes while it is made: moves and the picture of the error, or less, and what decides where samples go.
+const ESTIMATE: usize = 2 * IMAGE + size_of::<f32>();
 /// Bytes of a pixel in a checkpoint beside the film, where some pixels get more samples than others: what its samples are worth, and
 /// whether it gets some.
 const CHOICE: usize = size_of::<f32>() + size_of::<bool>();
@@ -153,7 +153,7 @@ mod tests {
             has_error,
             ..PICTURE
         };
-        assert_eq!(more(with_error), 1000 * (40 + 4 + 28));
+        assert_eq!(more(with_error), 1000 * (40 + 4 + 16));
         let layers = 2;
         assert_eq!(more(PictureMemory { layers, ..PICTURE }), 1000 * 68);
         let with_checkpoint = |picture| PictureMemory {

@@ -13,6 +13,8 @@ mod measures;
 mod outlook;
 mod survey;
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +27,7 @@ use super::film::{CHUNK, Film, each};
 use crate::control::CancelToken;
 use crate::scene::RenderSettings;
 use measures::{Measure, Measures};
-use survey::{Drops, Group, RowSums, Sums, Survey};
+use survey::{Drops, Group, PerPixel, RowSums, Sums, Survey};
 
 /// What is added to the square of the reference's value in relative errors, so that black pixels count little.
 /// The product's definition of `relmse`.
@@ -33,6 +35,9 @@ pub const RELATIVE_FLOOR: f64 = 0.01;
 
 /// From so many samples of each pixel on the error is told: the halves of fewer have no halves whose means could be compared.
 const LEAST_SAMPLES: u32 = 4;
+
+/// Rows that a thread surveys at once: enough that those above and below, which are read too, take little.
+const ROWS_OF_BAND: usize = 16;
 
 /// Half the width of a 95 % interval of a normal distribution in standard deviations.
 const NORMAL_95: f64 = 1.96;
@@ -163,21 +168,20 @@ impl ErrorEstimator {
         if most < LEAST_SAMPLES {
             return Some(());
         }
-        let survey = Survey::of(film, cancel)?;
-        let width = film.region().width as usize;
-        let rows: Vec<Option<RowSums>> = self
-            .falls
-            .par_chunks_mut(width)
-            .enumerate()
-            .map(|(y, falls)| {
-                (!cancel.is_cancelled()).then(|| survey.row(film, y, falls, selected))
-            })
-            .collect();
+        let mut moves = vec![0.0; film.pixels()];
+        let band = ROWS_OF_BAND * film.region().width as usize;
+        let falls = self.falls.par_chunks_mut(band);
+        let bands = falls.zip(moves.par_chunks_mut(band)).enumerate();
+        let sums = bands.map_init(Survey::default, |survey, (number, (falls, moves))| {
+            let (first, pixels) = (number * ROWS_OF_BAND, PerPixel { falls, moves });
+            survey.sum_rows(film, first, pixels, selected, cancel)
+        });
+        let sums: Vec<Vec<RowSums>> = sums.collect::<Option<_>>()?;
 
         self.groups.clear();
         self.unmeasured = 0;
-        for row in rows {
-            self.take_in(row?);
+        for row in sums.into_iter().flatten() {
+            self.take_in(row);
         }
         self.groups.sort_by_key(|group| group.samples);
         let mut levels: Vec<u32> = self.groups.iter().map(Group::level).collect();
@@ -187,7 +191,7 @@ impl ErrorEstimator {
             let decay = |&level: &u32| (level, Decay::at(level, &links));
             levels.iter().map(decay).collect()
         });
-        self.percentile_999 = self.percentile(film, &survey, cancel)?;
+        self.percentile_999 = self.percentile(film, moves, cancel)?;
         Some(())
     }
 
@@ -260,15 +264,16 @@ impl ErrorEstimator {
     #[must_use]
     pub fn image(&self, film: &Film, cancel: &CancelToken) -> Option<Image> {
         let region = film.region();
-        let survey = Survey::of(film, cancel)?;
+        let (width, height) = (region.width as usize, region.height as usize);
+        let moves = survey::moves(film, cancel)?;
         let pixel = |index: usize| {
-            let (x, y) = (index % survey.width, index / survey.width);
+            let (x, y) = (index % width, index / width);
             let (mut sum, mut count) = ([0.0; 3], 0.0_f64);
-            for row in y.saturating_sub(1)..=(y + 1).min(survey.height - 1) {
-                for column in x.saturating_sub(1)..=(x + 1).min(survey.width - 1) {
-                    let index = row * survey.width + column;
-                    let moved = survey.moves[index].map(f64::from);
-                    if survey.is_measured(index) {
+            for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
+                for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
+                    let index = row * width + column;
+                    let moved = moves[index].map(f64::from);
+                    if moved.iter().all(|value| value.is_finite()) {
                         let factor = self.factor(Measure::Absolute, film.samples(index));
                         sum = each(|c| sum[c] + factor * moved[c] * moved[c]);
                         count += 1.0;
@@ -297,7 +302,7 @@ impl ErrorEstimator {
         let level = self
             .noisiest_group(Measure::Relative)
             .map_or(0, Group::level);
-        self.decay_at(Measure::Relative, level)
+        self.decay_at(Measure::Relative, level).into_owned()
     }
 
     /// The samples of the pixels where most of the relative error is.
@@ -318,9 +323,12 @@ impl ErrorEstimator {
         self.factor(Measure::Relative, samples)
     }
 
-    fn decay_at(&self, measure: Measure, level: u32) -> Decay {
+    fn decay_at(&self, measure: Measure, level: u32) -> Cow<'_, Decay> {
         let known = self.decays.of(measure).iter().find(|(at, _)| *at == level);
-        known.map_or_else(|| Decay::independent(level), |(_, decay)| *decay)
+        known.map_or_else(
+            || Cow::Owned(Decay::independent(level)),
+            |(_, decay)| Cow::Borrowed(decay),
+        )
     }
 
     fn factor(&self, measure: Measure, samples: u32) -> f64 {
@@ -383,10 +391,10 @@ impl ErrorEstimator {
             .max_by(|a, b| variance(a).total_cmp(&variance(b)))
     }
 
-    /// What one pixel of a thousand exceeds. Its interval has two parts: which pixels those are is chance, in what is seen as in the truth, so
+    /// What one pixel of a thousand exceeds, by the [`PerPixel::moves`] of all. Its interval has two parts: which pixels those are is chance, in what is seen as in the truth, so
     /// that the value might as well be one of those some ranks above or below; and what turns moves into errors is in doubt.
     /// `None` when cancelled.
-    fn percentile(&self, film: &Film, survey: &Survey, cancel: &CancelToken) -> Option<Interval> {
+    fn percentile(&self, film: &Film, moves: Vec<f64>, cancel: &CancelToken) -> Option<Interval> {
         // The move at one doubling is spread as errors are; moves over several are more even.
         let factor = |group: &Group| {
             let link = self.decay_at(Measure::Absolute, group.level()).link();
@@ -394,16 +402,19 @@ impl ErrorEstimator {
             (group.samples, over_drop.sqrt())
         };
         let factors: Vec<(u32, f64)> = self.groups.iter().map(factor).collect();
-        let errors: Vec<f64> = (0..self.falls.len())
-            .into_par_iter()
-            .filter(|&index| !cancel.is_cancelled() && survey.is_measured(index))
-            .filter_map(|index| {
+        let mut errors = moves;
+        let parts = errors.par_chunks_mut(CHUNK).enumerate();
+        parts.for_each(|(part, errors)| {
+            if cancel.is_cancelled() {
+                return;
+            }
+            for (index, error) in (part * CHUNK..).zip(errors) {
                 let samples = film.samples(index);
-                let (_, factor) = factors.iter().find(|(count, _)| *count == samples)?;
-                let [r, g, b] = film.halves(index)?.whole.map(f64::abs);
-                Some(r.max(g).max(b) * factor)
-            })
-            .collect();
+                let known = factors.iter().find(|(count, _)| *count == samples);
+                *error *= known.map_or(f64::NAN, |(_, factor)| *factor);
+            }
+        });
+        errors.retain(|error| !error.is_nan());
         let Some(last) = errors.len().checked_sub(1) else {
             return Some(Interval::ZERO);
         };
