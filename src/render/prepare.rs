@@ -72,6 +72,21 @@ pub struct PreparedScene {
     faulty: Option<Sampler>,
 }
 
+/// That the numbers of `key` leave 32 bits once the objects are as large as they are in `geometry`.
+fn too_large(key: String, geometry: &PreparedGeometry) -> SceneError {
+    let bounds = geometry.accelerator().bounds();
+    let extent = f64::from(bounds.diagonal()) / geometry.frame().scale();
+    SceneError::BadValue {
+        key,
+        value: format!(
+            "too large a number beside objects {} across",
+            three_digits(extent)
+        ),
+        expected: "one that 32 bits hold, up to about 1e38, when all lengths are multiplied so that the objects are about 1 across"
+            .to_owned(),
+    }
+}
+
 impl PreparedScene {
     /// Prepares `scene`; keeps the geometry of `previous` where objects and meshes are the same, so that a new camera, light or
     /// material costs nothing. `None` when cancelled.
@@ -173,20 +188,12 @@ impl PreparedScene {
             .iter()
             .map(|light| PreparedLight::new(light, frame))
             .collect();
-        let extent = f64::from(geometry.accelerator().bounds().diagonal()) / frame.scale();
-        let too_large = |key: String| {
-            SceneError::BadValue {
-            key,
-            value: format!("too large a number beside objects {} across", three_digits(extent)),
-            expected: "one that 32 bits hold, up to about 1e38, when all lengths are multiplied so that the objects are about 1 across"
-                .to_owned(),
-        }
-        };
         if let Some(index) = lights.iter().position(|light| !light.is_finite()) {
-            return Err(too_large(format!("lights.{index}")));
+            return Err(too_large(format!("lights.{index}"), &geometry));
         }
         if let Some(index) = materials.iter().position(|material| !material.is_finite()) {
-            return Err(too_large(format!("the material of objects.{index}")));
+            let key = format!("the material of objects.{index}");
+            return Err(too_large(key, &geometry));
         }
         let RenderSettings {
             width,

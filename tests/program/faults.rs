@@ -584,7 +584,7 @@ mod signals {
         assert!(names(&folder.path().join("none")).is_empty());
     }
 
-    fn is_part(name: &String) -> bool {
+    fn is_part(name: &str) -> bool {
         has_extension(name, "part")
     }
 
@@ -593,7 +593,7 @@ mod signals {
         let large = "render scene.toml -o a.png --size 4096x2048 --spp 1 --mode normals";
         let mut child = start(folder, large);
         let is_begun = || {
-            let mut parts = names(folder).into_iter().filter(is_part);
+            let mut parts = names(folder).into_iter().filter(|name| is_part(name));
             let size = |name| std::fs::metadata(folder.join(name)).map_or(0, |part| part.len());
             parts.any(|name| size(name) > 0)
         };
@@ -643,6 +643,6 @@ mod signals {
         send("TERM", &child);
         assert_eq!(child.wait().expect("ends").code(), Some(143));
         let left = names(folder.path());
-        assert!(!left.iter().any(is_part), "{left:?}");
+        assert!(!left.iter().any(|name| is_part(name)), "{left:?}");
     }
 }
