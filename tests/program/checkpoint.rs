@@ -296,7 +296,7 @@ fn damage_anywhere_is_refused() {
         .iter()
         .position(|&byte| byte == b'\n')
         .expect("a line");
-    let later = [b"RayMini checkpoint 3", &whole[line..]].concat();
+    let later = [b"RayMini checkpoint 9", &whole[line..]].concat();
     std::fs::write(&path, later).expect("is written");
     let said = fail(folder, signals::GO_ON, 1);
     assert!(said.contains("of another version of RayMini"), "{said}");

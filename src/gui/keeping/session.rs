@@ -437,7 +437,7 @@ mod tests {
         assert!(beside.lost.is_empty());
         beside.session.end();
         // A process that ends gives back its locks.
-        let unfinished = session.folder.join(".raymini-abc.part");
+        let unfinished = session.folder.join(".raymini-abc123.part");
         fs::write(&unfinished, "half of it").unwrap();
         drop(session);
 
