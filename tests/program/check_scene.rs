@@ -512,8 +512,9 @@ fn digits_lost_before_the_file_was_written_are_told_from_those_that_are_there() 
         *p = *p * 2.0 + far * 10.0;
     }
     folder.mesh("whole.off", &mesh);
+    let back = "translate = [-2000000, 0, 0]";
     assert_eq!(
-        folder.hazards(&object("whole.off", "", MATT)),
+        folder.hazards(&object("whole.off", back, MATT)),
         Vec::<Value>::new()
     );
 }
